@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What advice is worth: settings that hold the tolerance on pings that it has not seen.
+// Tests the advice of `tubefoot advise`: the advised settings keep the tolerance on pings that the advice
+// has not measured.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -79,7 +80,8 @@ TEST_P(Advise, HoldsTheToleranceOnPingsItDidNotSee) {
   }
 }
 
-// Whatever holds, not only what was cheapest on this machine. Rays may cost what they like.
+// Checks all candidates that keep the tolerance, not only the cheapest on this machine. The time of rays
+// does not matter.
 TEST_P(Advise, EveryCandidateThatHoldsDoesSoOnPingsNotSeen) {
   AdviceOptions options;
   options.quiet = true;
@@ -115,7 +117,7 @@ TEST_P(Advise, ATightToleranceTakesExactTubes) {
   }
 }
 
-// A sensor's pings are chosen with the water that they are fired in.
+// The pings of a sensor are selected together with their water.
 TEST(AdviseThroughWater, TriesTubesWhereItRefracts) {
   const TestFolder folder;
   const SceneDescription scene = read_scene_file(
@@ -136,14 +138,16 @@ TEST(AdviseThroughWater, TriesTubesWhereItRefracts) {
 INSTANTIATE_TEST_SUITE_P(SmallScenes, Advise, testing::Values(sphere_and_box, rough_seabed),
                          [](const auto& run) { return run.index == 0 ? "SphereAndBox" : "RoughBed"; });
 
-/// Scenes in the repository, and what to ask of them. Those with one ping are measured from other places.
+/// Scenes in the repository with the tolerance of the test. Scenes with one ping are measured from other
+/// positions.
 struct ShippedScene {
   const char *file, *tolerance;
 };
 
 class AdviseShipped : public testing::TestWithParam<ShippedScene> {};
 
-// Time grows no faster than rays, so few enough rays are a short enough time, whatever this machine does.
+// Time grows at most in proportion to rays. A small number of rays thus implies a short time, on any
+// machine.
 TEST_P(AdviseShipped, RaysHoldOnUnseenPingsAndAreAtMostHalfAsManyAgainAsTheFewest) {
   const SceneDescription scene =
       read_scene_file(std::string(TUBEFOOT_SOURCE_DIR "/scenes/") + GetParam().file);
@@ -180,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, AdviseShipped,
                                          ShippedScene{"chart/fractal-terrain.toml", "5%"},
                                          ShippedScene{"survey/scene.toml", "5%"}));
 
-// Seconds as data: what is cheapest does not hang on this machine.
+// The seconds are given as data, so that the cheapest setting does not depend on this machine.
 TEST(Cheapest, IsTheFastestThatHoldsByPredictionAndMeasurement) {
   Advice advice;
   advice.tolerance = parse_tolerance("1%");
@@ -191,13 +195,13 @@ TEST(Cheapest, IsTheFastestThatHoldsByPredictionAndMeasurement) {
     c.others.emplace();
     c.others->l1_error = measured;
     c.others->work.processor_seconds = seconds;
-    c.others->work.seconds = 100 / seconds;  // by the clock, which depends on what else runs
+    c.others->work.seconds = 100 / seconds;  // by the clock, which depends on other processes
   };
   add(0, 0, 10);
-  add(0.02, 0.001, 1);   // predicted not to hold
-  add(0.005, 0.02, 2);   // measured not to
-  add(0.01, 0.01, 4);    // just holds
-  add(0.005, 0.005, 5);  // holds, but slower
+  add(0.02, 0.001, 1);   // the prediction exceeds the tolerance
+  add(0.005, 0.02, 2);   // the measurement exceeds the tolerance
+  add(0.01, 0.01, 4);    // just within the tolerance
+  add(0.005, 0.005, 5);  // within the tolerance, but slower
   add(0.001, 0.001, 3);
   advice.candidates.back().tried = false;
   EXPECT_EQ(cheapest(advice), 3u);
@@ -316,7 +320,8 @@ TEST_F(AdviseProgram, ARunWithAToleranceSaysWhatItLeftOut) {
   EXPECT_EQ(said["probe_pings"]["camera"].size(), 7u);
 }
 
-// Which engine a loose tolerance takes depends on the machine; what is said must be what was run.
+// The engine for a loose tolerance depends on the machine. The report must describe the settings of the
+// run.
 TEST_F(AdviseProgram, ALooseRunIsTheOneThatItDescribes) {
   const Outcome outcome =
       run_program({"run", scene, "-o", output, "--tolerance", "6dB", "--seed", "5", "--quiet"});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The chart as data: what `tubefoot chart` writes about small scenes, and that rays converge to the
-// reference.
+// Tests the data of the chart: the output of `tubefoot chart` for small scenes, and the convergence of rays
+// to the reference.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
-/// A slope behind a step, hidden in part, in few and long samples: many rays find each of them.
+/// A slope behind a step, hidden in part, in a few long range bins, so that many rays meet each bin.
 constexpr std::string_view scene = R"(title = "Step"
 [water]
 absorption_db_per_km = 200
@@ -55,7 +55,7 @@ struct Row {
   std::string instructions;
 };
 
-/// A line of CSV, quotes taken off.
+/// Splits a line of CSV and removes quotes.
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields(1);
   bool quoted = false;
@@ -70,10 +70,10 @@ std::vector<std::string> fields_of(const std::string& line) {
   return fields;
 }
 
-/// Rays a beam, from "1500 a beam".
+/// Rays per beam, from "1500 a beam".
 double rays_of(const Row& row) { return std::stod(row.setting); }
 
-/// Slope of log l1 over log rays, by least squares, over settings from `fewest` rays a beam on.
+/// Slope of log l1 over log rays, by least squares, over settings from `fewest` rays per beam on.
 double order(const std::vector<Row>& rows, double fewest) {
   double n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const Row& row : rows) {
@@ -85,7 +85,7 @@ double order(const std::vector<Row>& rows, double fewest) {
   return (n * xy - x * y) / (n * xx - x * x);
 }
 
-/// One run of the command for all tests of what it writes.
+/// Runs the command once for all tests of its output.
 struct Chart : testing::Test {
   static void SetUpTestSuite() {
     folder = std::make_unique<TestFolder>();
@@ -127,7 +127,7 @@ TEST_F(Chart, WritesEveryEngineInARowASetting) {
                             std::pair{"rays, stratified", 11u}, std::pair{"rays, sobol", 11u},
                             std::pair{"rays, adaptive", 11u}, std::pair{"rays, regular", 11u},
                             std::pair{"rays, random", 11u}, std::pair{"rays, one column a beam", 11u}));
-  // What existing simulators use is among the rungs.
+  // The settings of existing simulators are among the steps.
   std::set<std::string> rungs;
   for (const Row& row : rows["rays, random"]) rungs.insert(row.setting);
   for (const char* rays : {"1", "11", "23", "114", "1500", "17000"})
@@ -136,7 +136,7 @@ TEST_F(Chart, WritesEveryEngineInARowASetting) {
     for (const Row& row : own) {
       EXPECT_GT(row.seconds, 0) << engine << ", " << row.setting;
       EXPECT_GT(row.processor_seconds, 0) << engine << ", " << row.setting;
-      // One thread; the processor's clock ticks more coarsely on some machines.
+      // The run has one thread. The clock of the processor is coarser on some machines.
       EXPECT_LT(row.processor_seconds, 1.05 * row.seconds + 0.01) << engine << ", " << row.setting;
       if (!row.instructions.empty()) {
         EXPECT_GT(std::stod(row.instructions), 0) << row.setting;
@@ -162,18 +162,19 @@ TEST_F(Chart, RandomRaysConvergeToTheReferenceAsTheSquareRoot) {
   const double slope = order(random, 100);
   EXPECT_GT(slope, -0.6);
   EXPECT_LT(slope, -0.4);
-  // Were the reference off by more than this, the error would stop falling before.
+  // If the error of the reference exceeded this, the error of the rays would stop falling earlier.
   EXPECT_LT(random.back().l1, 3e-3);
 }
 
 TEST_F(Chart, StratifiedRaysConvergeFaster) {
   const double slope = order(rows["rays, stratified"], 100);
   EXPECT_LT(slope, order(rows["rays, random"], 100) - 0.1);
-  EXPECT_GT(slope, -1.05);  // a boundary through cells of side N^-1/2 allows no more than N^-3/4 on average
+  EXPECT_GT(slope, -1.05);  // a boundary through cells of side N^-1/2 permits at most N^-3/4 on average
   EXPECT_LT(rows["rays, stratified"].back().l1, rows["rays, random"].back().l1 / 3);
 }
 
-// As stratified ones; less error than theirs is promised of powers of two, which the ladder does not have.
+// Sobol rays converge like stratified ones. A smaller error is only promised for powers of two, which the
+// steps do not contain.
 TEST_F(Chart, SobolRaysConvergeFaster) {
   EXPECT_LT(order(rows["rays, sobol"], 100), order(rows["rays, random"], 100) - 0.1);
   EXPECT_LT(rows["rays, sobol"].back().l1, rows["rays, random"].back().l1 / 3);
@@ -202,7 +203,7 @@ TEST_F(Chart, WritesPageAndPictures) {
   EXPECT_THAT(outcome.out, HasSubstr("chart.csv"));
 }
 
-/// What a command line is refused with; nothing may be left behind.
+/// Returns the error message of a command line that must fail without output files.
 std::string refusal(const TestFolder& folder, const std::vector<std::string>& scenes) {
   const std::set<std::string> before = names_below(folder.path());
   std::vector<std::string> words{"chart"};
@@ -230,7 +231,7 @@ TEST(ChartErrors, AMissingOrWrongSceneIsNamed) {
   folder.write("step.toml", scene);
   folder.write("wrong.toml", replaced(scene, "tilt_deg", "tild_deg"));
   EXPECT_THAT(refusal(folder, {(folder / "nowhere.toml").string()}), HasSubstr("nowhere.toml"));
-  // Also where another one was computed before.
+  // Also after another scene was computed.
   EXPECT_THAT(refusal(folder, {(folder / "step.toml").string(), (folder / "wrong.toml").string()}),
               HasSubstr("did you mean 'tilt_deg'?"));
 }

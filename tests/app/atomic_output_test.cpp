@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every command that writes holds to: never over an input or what is another's, unusable places found
-// before anything is computed, and no harm to a run that is still going on.
+// Tests the output rules of all commands that write. They never overwrite an input or a foreign file. They
+// find unusable paths before any computation, and do not harm a run in progress.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ using testing::AllOf;
 using testing::AnyOf;
 using testing::HasSubstr;
 
-/// Shell words before the program, in a file system view and process numbers of its own.
+/// Shell words before the program, in its own file system view and process namespace.
 std::vector<std::string> apart(const std::string& commands) {
   std::vector<std::string> words{"/usr/bin/unshare", "--mount", "--pid", "--fork"};
   if (geteuid() != 0) words.emplace_back("--map-root-user");
@@ -57,7 +57,8 @@ struct AtomicOutput : testing::Test {
     return run_program({"footprints", scene.string(), "--sensor", "camera", "--quiet", "-o", output.string()},
                        surroundings);
   }
-  /// Ended as for a wrong command line, in words that hold `why`, before anything was made.
+  /// Expects the exit code of a wrong command line and a message that contains `why`, before any file was
+  /// made.
   void expect_refused(const Outcome& outcome, const std::string& why, const std::set<std::string>& before) {
     EXPECT_EQ(outcome.exit_code, 2) << outcome.out << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr(why));
@@ -119,7 +120,7 @@ TEST_F(AtomicOutput, NoCommandWritesOverAnInput) {
   }
 }
 
-// The list in a result folder makes no input tubefoot's own.
+// The list in a result folder does not make an input a file of tubefoot.
 TEST_F(AtomicOutput, NoResultFolderThatHoldsAnInputIsReplaced) {
   ASSERT_EQ(run(results).exit_code, 0);
   folder.write("results/thing.obj", tetrahedron);
@@ -144,7 +145,7 @@ TEST_F(AtomicOutput, FilesOfOthersStayAsTheyAre) {
     EXPECT_EQ(bytes_of(folder / (".partial-" + name)), "mine, too");
 }
 
-// What stands, or is planted, under the name of a run's pings.
+// A foreign or malicious file has the name of the checkpoint of a run.
 TEST_F(AtomicOutput, PingsAreKeptInNoFileButTheRunsOwn) {
   folder.write("victim", "");
   const std::vector<std::pair<std::string, std::function<void(const fs::path&)>>> plants{
@@ -193,14 +194,15 @@ TEST_F(AtomicOutput, FoldersThatCannotBeReplacedAreFoundBeforeTheFirstPing) {
                  "mounted", before);
   expect_refused(run(folder / "mounted/below", apart_after("mount -t tmpfs -o ro none " + mounted + " &&")),
                  "Read-only file system", before);
-  // On another file system, but in a folder that is on it as well: as good as any.
+  // The link leads to another file system, but its folder is on that file system as well, so that it is
+  // valid.
   fs::create_directory_symlink(at("mounted/deep/there"), at("linked"));
   const Outcome outcome = run(folder / "linked", apart_after("mount -t tmpfs none " + mounted +
                                                              " && mkdir -p " + mounted + "/deep/there &&"));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 
-// A layered file system, as containers have, cannot move a folder of a lower layer.
+// A layered file system of a container cannot move a folder of a lower layer.
 TEST_F(AtomicOutput, FoldersOfALowerLayerAreFoundBeforeTheFirstPing) {
   if (!can_be_apart()) GTEST_SKIP() << "no file systems of a test's own here";
   ASSERT_EQ(run(folder / "lower/results").exit_code, 0);
@@ -222,7 +224,7 @@ TEST_F(AtomicOutput, FoldersOfOthersAreFoundBeforeTheFirstPing) {
   if (geteuid() != 0 || !nobody_can_run_program()) GTEST_SKIP() << "needs two users";
   Surroundings nobody;
   nobody.as_nobody = true;
-  // Of another user, where only owners may move things; and of one's own, made read-only.
+  // A folder of another user in which only owners may move files, and an own folder that is read-only.
   fs::create_directory(folder / "shared");
   fs::permissions(folder / "shared", fs::perms(01777));
   ASSERT_EQ(run(folder / "shared/others").exit_code, 0);
@@ -261,7 +263,7 @@ TEST_F(AtomicOutput, FilesThatCannotBeReplacedAreFoundBeforeAnythingIsComputed) 
   EXPECT_EQ(bytes_of(folder / "shared/f.csv"), "mine");
 }
 
-// All commands, in a folder of a name that is no text in UTF-8.
+// Runs all commands in a folder whose name is not valid UTF-8.
 TEST_F(AtomicOutput, NamesMayBeOfAnyBytes) {
   const fs::path strange = folder /
                            "stra\xdf"
@@ -349,11 +351,11 @@ TEST_F(AtomicOutput, WhatIsNoOrdinaryFileIsWrittenAsItIs) {
   std::thread reader([&] { received = bytes_of(folder / "pipe.csv"); });
   const Outcome outcome = footprints(folder / "pipe.csv");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  close(open(at("pipe.csv").c_str(), O_WRONLY | O_NONBLOCK));  // nobody waits for what was not written
+  close(open(at("pipe.csv").c_str(), O_WRONLY | O_NONBLOCK));  // no process waits for unwritten data
   reader.join();
   EXPECT_EQ(received, bytes_of(folder / "file.csv"));
   EXPECT_TRUE(fs::is_fifo(folder / "pipe.csv"));
-  // /dev/stdout is a link to whatever that is, a file as well.
+  // /dev/stdout is a link to the actual output, which may be a file.
   const std::vector<std::string> words{"advise",  scene.string(), "--tolerance", "1dB",
                                        "--quiet", "--json",       "/dev/stdout"};
   EXPECT_THAT(run_program(words).out, HasSubstr("\"cheapest\""));

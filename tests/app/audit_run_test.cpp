@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot audit: the closure law holds in every tube, and what is visible does not depend on arithmetic,
-// threads, or the order in which a file lists its facets and vertices.
+// Tests `tubefoot audit`. The closure law holds in each tube. The visible polygons do not depend on
+// arithmetic, threads, or the order of facets and vertices in a file.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// What an audit printed, by its first word or words.
+/// Returns the lines of an audit by their first words.
 std::map<std::string, std::string> audited(const fs::path& scene, std::vector<std::string> arguments = {}) {
   arguments.insert(arguments.begin(), {"audit", scene.string(), "--quiet"});
   const Outcome outcome = run_program(arguments);
@@ -62,7 +62,7 @@ ping_interval_s = 0.5
 range_max_m = 20
 )";
 
-/// Bodies that stick in each other and in the seabed, no edge of one on an edge of another.
+/// Bodies that intersect each other and the seabed. No edge of one lies on an edge of another.
 constexpr std::string_view interpenetrating = R"(
 [[materials]]
 name = "sand"
@@ -143,8 +143,7 @@ TEST(Audit, OrderOfFacetsAndVerticesDoesNotChangeTheHash) {
   }
 }
 
-// A hash that never changes proves nothing: the least move of a vertex has to show, wherever in the sector it
-// is seen.
+// A constant hash proves nothing: the smallest move of a visible vertex must change it.
 TEST(Audit, HashFollowsWhatIsVisible) {
   const TestFolder folder;
   const auto scene = folder.write("scene.toml", mesh_scene());
@@ -172,8 +171,8 @@ TEST(Audit, SensorAndPingsChooseWhatIsAudited) {
   EXPECT_EQ(audited(scene, {"--sensor", "camera", "--pings", "0:"})["transmissions"], "1");
 }
 
-// A separate receiver: both ends' tubes, and the parts that they share. It went through the transmitter's
-// tubes alone once, and said that all was proved.
+// The audit of a separate receiver covers the tubes of both ends and their common parts. An earlier version
+// audited only the tubes of the transmitter, and reported full proof.
 TEST(AuditOfASeparateReceiver, ClosesForBothEndsAndHashesAlikeInEveryExactArithmetic) {
   const TestFolder folder;
   const auto scene_with = [&](const std::string& first, const std::string& more) {
@@ -200,19 +199,19 @@ TEST(AuditOfASeparateReceiver, ClosesForBothEndsAndHashesAlikeInEveryExactArithm
     EXPECT_GT(std::stoi(fixed["shared facets"]), 30);
     EXPECT_GE(std::stoi(fixed["shared pieces"]), std::stoi(fixed["shared facets"]));
     for (const char* arithmetic : {"filtered", "rational"}) {
-      if (!water.empty() && arithmetic == std::string("rational")) continue;  // it takes its time
+      if (!water.empty() && arithmetic == std::string("rational")) continue;  // it takes too long
       auto other = audited(scene, with({"--arithmetic", arithmetic}));
       EXPECT_EQ(other["topology hash"], fixed["topology hash"]) << arithmetic;
       EXPECT_EQ(other["shared facets"], fixed["shared facets"]) << arithmetic;
     }
     EXPECT_EQ(audited(scene, with({"--threads", "1"}))["topology hash"], fixed["topology hash"]);
-    // The receiver's place is in the hash.
+    // The hash depends on the position of the receiver.
     EXPECT_NE(audited(scene_with(water, "receiver_arm_m = [0.3, 0.1, 0.11]\n"), of_camera)["topology hash"],
               fixed["topology hash"]);
   }
 }
 
-// Paths over mirrors: every window of every image, and what pairs of images share.
+// Paths over mirrors: each view of each image, and the common parts of pairs of images.
 TEST(AuditOverMirrors, ProvesEveryPathAndHashesAlikeInEveryExactArithmetic) {
   const TestFolder folder;
   const auto scene_with = [&](std::string_view water, std::string_view wall, std::string_view sonar,
@@ -264,8 +263,8 @@ TEST(AuditOverMirrors, ShallowWater) {
   EXPECT_GT(std::stoi(found["shared facets"]), 20);
 }
 
-// Rounding has to show somewhere, or the law proves nothing: doubles without tolerance may break it, and must
-// then say so and fail. They may also get away with it.
+// Rounding must be visible somewhere, or the law proves nothing. Doubles without tolerance may break the
+// law, and must then report this and fail. They may also succeed.
 TEST(Audit, ExitCodeFollowsTheFailures) {
   const TestFolder folder;
   const auto scene = folder.write("scene.toml", std::string(interpenetrating) + std::string(looks));

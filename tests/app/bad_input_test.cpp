@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Input that is wrong: the program says where and what, exits with 2 and writes nothing. Input that is merely
-// odd: a warning, and the run succeeds.
+// Tests invalid input: the program reports position and error, exits with 2 and writes nothing. For unusual
+// but valid input it reports a warning, and the run succeeds.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -93,8 +93,8 @@ TEST_F(BadInput, BrokenMesh) {
   expect_mesh_refused(replaced(tetrahedron, "v 0 4 0", "v 0 4e12 0"), "is too large");
 }
 
-// Every beginning of a file is a truncated file: each is refused, or its last line is complete and it is a
-// mesh.
+// Each prefix of a file is a truncated file. The program rejects it, unless its last line is complete and
+// it is a valid mesh.
 TEST_F(BadInput, MeshCutOffAnywhereNeverCrashes) {
   for (std::size_t length = 0; length < tetrahedron.size(); length += 7) {
     SCOPED_TRACE(length);
@@ -124,7 +124,7 @@ TEST_F(BadInput, SensorBelowTheSeabed) {
 TEST_F(BadInput, CoordinatesBeyondTheGrid) {
   expect_scene_refused("position_m = [0, 0, 2]", "position_m = [0, 0, 1e11]",
                        "must be -10000000 to 10000000");
-  // Each of the two factors is in range, their product is not.
+  // Both factors are in range, but their product is not.
   folder.write("thing.obj", replaced(tetrahedron, "v 0 4 0", "v 0 4e6 0"));
   expect_scene_refused("file = \"thing.obj\"", "file = \"thing.obj\"\nscale = [1, 1e6, 1]\n",
                        "'thing' reaches 4e+12 m from the frame's origin");

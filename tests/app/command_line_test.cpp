@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the command line answers: exit code 0 for what was asked and done, 2 for what cannot be meant.
+// Tests the command line: exit code 0 for completed requests, 2 for invalid ones, with help, version and
+// messages.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mpfr.h>
@@ -19,7 +20,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// The small scene in a folder of its own, and what happens to the program there.
+/// Runs the program on the small scene in a folder of the test.
 struct CommandLine : testing::Test {
   TestFolder folder;
   std::string scene = folder.write("scene.toml", small_scene).string();
@@ -27,7 +28,7 @@ struct CommandLine : testing::Test {
   std::string table = (folder / "polygons.csv").string();
   CommandLine() { folder.write("thing.obj", tetrahedron); }
 
-  /// Refused with exit code 2, words on stderr only, and nothing written.
+  /// Expects exit code 2, a message on stderr only, and no output files.
   void expect_refused(const std::vector<std::string>& arguments, const std::string& message) const {
     SCOPED_TRACE(testing::PrintToString(arguments));
     const Outcome outcome = run_program(arguments);
@@ -147,7 +148,7 @@ TEST_F(CommandLine, VersionIsPrinted) {
 }
 
 TEST_F(CommandLine, VersionNamesTheBuildAndItsLibraries) {
-  // A line each, of a name and what is a version: numbers with dots, which none of them lacks.
+  // Each line has a name and a version: numbers with dots. None lacks a version.
   std::map<std::string, std::string> said;
   std::istringstream lines(run_program({"--version"}).out);
   for (std::string line; std::getline(lines, line);) {
@@ -163,7 +164,7 @@ TEST_F(CommandLine, VersionNamesTheBuildAndItsLibraries) {
         "gmp",     "mpfr", "boost",         "tbb",         "openmesh", "netcdf", "hdf5",  "sqlite",
         "openssl", "zlib", "libzip",        "openimageio", "cairo",    "fmt",    "cli11", "nlohmann_json"})
     EXPECT_THAT(said[library], testing::MatchesRegex("[0-9]+(\\.[0-9]+)+[-.a-z0-9]*")) << library;
-  // Those whose version their packages know, too.
+  // This includes libraries whose version only their packages contain.
   EXPECT_EQ(said["mpfr"], MPFR_VERSION_STRING);
   EXPECT_EQ(said["sqlite"], SQLITE_VERSION);
   EXPECT_EQ(said["zlib"], ZLIB_VERSION);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Of every command that writes: on a disk that is full, in a folder that may not be written, an earlier file
-// stays as it was, no half one is left, and the message names it. Where messages go may be full as well.
+// Tests each command that writes, on a full disk and in a read-only folder. An earlier file stays
+// unchanged, no partial file remains, and the message names the file. The destination of messages may be
+// full as well.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -116,14 +117,14 @@ TEST_F(CommandOutputs, OfAChartOutliveAFullDisk) {
   EXPECT_EQ(bytes_of(folder / "charts" / "chart.csv"), table);
 }
 
-/// What a shell does with the streams before it becomes the program.
+/// Applies redirections of streams in a shell before it starts the program.
 Surroundings with_streams(const std::string& redirected) {
   Surroundings surroundings;
   surroundings.before = {"/bin/sh", "-c", "exec \"$0\" \"$@\" " + redirected};
   return surroundings;
 }
 
-// A log on a full disk, a terminal that was closed: a run of hours goes on.
+// A long run continues if its log is on a full disk or its terminal was closed.
 TEST_F(CommandOutputs, RunsOutliveALogThatCannotBeWritten) {
   const fs::path unreceived = folder / "unheard";
   for (const std::string redirected : {"2>/dev/full", "2>&-", "<&- 2>&-"}) {

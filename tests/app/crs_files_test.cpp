@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// No coordinate reference system makes the program open another file, however a file spells its text: PROJ
-// is asked, not the bytes (docs/limits.md).
+// Tests that no coordinate reference system makes the program open another file, for any spelling of its
+// text. The program uses the parsed result of PROJ, not the bytes (docs/limits.md).
 #include <gdal_priv.h>
 #include <hdf5.h>
 #include <ogr_spatialref.h>
@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 struct CrsFiles : InputRegistry {
-  /// What the texts of this test name: once a file, once a pipe without a writer.
+  /// The texts of this test name this path: once a file, once a pipe without a writer.
   const std::string named = (folder / "named").string();
 
   CrsFiles() { folder.write("grid.asc", grid); }
 
-  /// Rejected, with `words` in the message, and nobody has opened or waited for the named file. The first
-  /// text of a test names a pipe, too.
+  /// Expects that the program rejects the scene with `words` in its message, without opening or waiting for
+  /// the named file. In the first text of a test the name is a pipe, too.
   void expect_unopened(const std::string& scene, const std::string& words) {
     const fs::path file = folder.write("scene.toml", scene);
     const bool first = std::exchange(first_, false);
@@ -55,7 +55,7 @@ struct CrsFiles : InputRegistry {
     return "GEOGCS[\"a\",DATUM[\"b\",SPHEROID[\"WGS 84\",6378137,298.257223563],EXTENSION[\"" + word +
            "\",\"" + named + "\"]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]";
   }
-  /// Texts of systems that name a file, whose telling word is spelled as XML may.
+  /// Texts of systems that name a file. XML escapes spell the decisive word.
   std::vector<std::string> texts_in_xml() const {
     return {wkt("PROJ4_&#71;RIDS"),
             wkt("PROJ4_&#x47;RIDS"),
@@ -181,7 +181,7 @@ TEST_F(CrsFiles, AreNotOpenedWhenMetadataOfABagHideTheWord) {
   H5Tclose(type);
 }
 
-// SQLite stores a long text in pages, so a word of it may lie in two places.
+// SQLite stores a long text in pages, so that one word may lie in two pages.
 TEST_F(CrsFiles, AreNotOpenedWhenPagesOfAGeoPackageDivideTheWord) {
   GDALAllRegister();
   const fs::path file = folder / "map.gpkg";
@@ -212,7 +212,7 @@ TEST_F(CrsFiles, AreNotOpenedWhenPagesOfAGeoPackageDivideTheWord) {
   write(padded(1, 6));
   EXPECT_TRUE(is_whole());
   expect_unopened(with_map("map.gpkg"));
-  // The last page of a text is full: more letters behind the word move it towards the page before.
+  // The last page of a text is full: more letters after the word move it towards the previous page.
   constexpr std::size_t before = 9000, behind = 5000, page_bytes = 4096;
   write(padded(before, behind));
   const std::size_t at = bytes_of(file).find("PROJ4_GRIDS");
@@ -222,7 +222,7 @@ TEST_F(CrsFiles, AreNotOpenedWhenPagesOfAGeoPackageDivideTheWord) {
   expect_unopened(with_map("map.gpkg"));
 }
 
-// PROJ looks in the working folder last, for names that come with it, too.
+// PROJ searches the working folder last, also for its own file names.
 TEST_F(CrsFiles, OfTheWorkingFolderAreNotOpened) {
   mkfifo((folder / "conus").c_str(), 0600);
   mkfifo((folder / "named").c_str(), 0600);
@@ -256,7 +256,7 @@ TEST_F(CrsFiles, OfAHostAreNotFetched) {
   }
 }
 
-// Web Mercator says that it has no grid, by the same word.
+// Web Mercator uses the same word to state that it has no grid.
 TEST_F(CrsFiles, ThatAreNoneDoNoHarm) {
   OGRSpatialReference crs;
   crs.importFromEPSG(3857);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The current folder may be deleted by somebody else: names from the root are as good as ever, others are
-// errors in the program's own words.
+// Tests a current folder that another process has deleted. Absolute paths still work, and relative paths
+// give errors in the program's own messages.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where memory or threads run out, the program says so in its own words, or goes on with the threads there
-// are.
+// Tests exhausted memory or threads: the program reports it in its own messages, or continues with the
+// available threads.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using testing::AnyOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Ended of itself: done, or with a message of the program's own.
+/// Expects that the program ended by itself: successfully, or with its own message.
 void expect_done_or_told(const Outcome& outcome) {
   EXPECT_EQ(outcome.signal, 0) << outcome.err;
   EXPECT_THAT(outcome.exit_code, AnyOf(0, 1)) << outcome.err;
@@ -36,7 +36,7 @@ struct Exhaustion : testing::Test {
   TestFolder folder;
   const fs::path scene = folder.write("scene.toml", small_scene);
   Exhaustion() { folder.write("thing.obj", tetrahedron); }
-  /// Names and bytes of all files but stats.json, which tells the seconds and the threads.
+  /// Names and bytes of all files except stats.json, which contains seconds and threads.
   std::map<std::string, std::string> contents(const std::string& output) const {
     std::map<std::string, std::string> all;
     for (const std::string& name : names_below(folder / output))
@@ -59,7 +59,8 @@ TEST_F(Exhaustion, OfAddressesIsReportedBeforeAnyLibraryFails) {
     meagre.largest_memory_bytes = megabytes << 20;
     return run_program({"--version"}, meagre);
   };
-  // The loader reports too few addresses in its own words. Halving finds where the libraries are loaded.
+  // With too few addresses the loader itself reports the error. Bisection finds the limit at which the
+  // libraries load.
   std::size_t too_few = 290, enough = 900;
   while (enough - too_few > 10) {
     const std::size_t middle = (too_few + enough) / 20 * 10;
@@ -103,7 +104,7 @@ TEST_F(Exhaustion, OfThreadsLeavesARunWithThoseThereAre) {
   ASSERT_EQ(run_program(run_words("whole")).exit_code, 0);
   const auto whole = contents("whole");
   int done = 0, fewer = 0;
-  // Below 4 the initializers of the libraries have too few.
+  // Below 4 the initializers of the libraries have too few threads.
   for (const int most : {0, 3, 5, 6, 7, 8, 9, 10, 11, 12}) {
     SCOPED_TRACE(most);
     Surroundings few;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Whatever hits a run: nothing is lost, no half file stands under a final name, and what is said tells what
-// to do. The program is killed, its disk fills up, its memory is limited and its input is changed under it.
+// Tests faults during a run: a kill, a full disk, limited memory and changed input. Nothing is lost, no
+// partial file has a final name, and the message states the remedy.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -36,7 +36,7 @@ struct Faults : LongRun {
               const Surroundings& surroundings = {}) const {
     return run_program(words(output, more), surroundings);
   }
-  /// With what a shell can set before it becomes the program: variables, or `ulimit -v N;`.
+  /// Runs the program after shell settings: variables, or `ulimit -v N;`.
   Outcome run_after(const std::string& before, const std::vector<std::string>& more = {}) const {
     std::string line = before + " exec '" + std::string(TUBEFOOT_PROGRAM) + "'";
     for (const std::string& word : words(results, more)) line += " '" + word + "'";
@@ -50,14 +50,14 @@ struct Faults : LongRun {
     outcome.err = bytes_of(said / "err");
     return outcome;
   }
-  /// Names and bytes of all files but stats.json, which tells the seconds.
+  /// Names and bytes of all files except stats.json, which contains the seconds.
   static std::map<std::string, std::string> contents(const fs::path& of) {
     std::map<std::string, std::string> all;
     for (const std::string& name : names_below(of))
       if (name != "stats.json") all[name] = bytes_of(of / name);
     return all;
   }
-  /// Nothing beside the input and, perhaps, a result and the pings kept for one.
+  /// Expects no files except the input, an optional result and an optional checkpoint.
   void expect_no_litter() const {
     for (const auto& entry : fs::directory_iterator(folder.path()))
       EXPECT_THAT(entry.path().filename().string(),
@@ -65,8 +65,8 @@ struct Faults : LongRun {
   }
 };
 
-// Every resumed run may be killed again, before its first ping, between two, while files are written and
-// while an earlier result is replaced.
+// The test may kill each resumed run again: before its first ping, between two pings, while files are
+// written, and while an earlier result is replaced.
 TEST_F(Faults, KilledAtAHundredRandomMomentsItEndsInTheSameBytes) {
   const unsigned seed = std::random_device{}();
   SCOPED_TRACE(seed);
@@ -115,8 +115,8 @@ TEST_F(Faults, KilledAtAHundredRandomMomentsItEndsInTheSameBytes) {
   std::cout << ended << " runs ended before they were killed\n";
 }
 
-// A disk that fills up at any call, and one that refuses a single call: an earlier result stays as it is, or
-// the new one is whole.
+// A disk becomes full at any call, or rejects a single call. The earlier result stays unchanged, or the new
+// result is complete.
 TEST_F(Faults, EveryWritingCallMayFail) {
   const std::string scene = replaced(small_scene, "beams = 4", "beams = 1\nsamples = 4");
   folder.write("scene.toml", scene);
@@ -142,7 +142,7 @@ TEST_F(Faults, EveryWritingCallMayFail) {
   const long calls = std::stol(bytes_of(folder / "count"));
   std::cout << calls << " calls\n";
   ASSERT_GT(calls, 10);
-  // Every call with TUBEFOOT_EVERY_CALL set; else about forty of each kind.
+  // Tests every call if TUBEFOOT_EVERY_CALL is set, else about forty of each kind.
   const char* every = std::getenv("TUBEFOOT_EVERY_CALL");
   const long stride = every != nullptr ? 1 : std::max(1L, calls / 40);
   int tried = 0, refused = 0;
@@ -154,7 +154,7 @@ TEST_F(Faults, EveryWritingCallMayFail) {
       fs::remove(partial);
       fs::copy(earlier, results, fs::copy_options::recursive);
       const Outcome outcome = run_after(shim(at, once));
-      if (outcome.exit_code == 0) {  // a call that is not needed, or for which there is another way
+      if (outcome.exit_code == 0) {  // a call that is unnecessary or has an alternative
         EXPECT_EQ(contents(results), whole);
         continue;
       }
@@ -162,7 +162,7 @@ TEST_F(Faults, EveryWritingCallMayFail) {
       EXPECT_THAT(outcome.exit_code, AnyOf(1, 2)) << outcome.err;
       EXPECT_THAT(outcome.err, AllOf(HasSubstr(folder.path().string()), HasSubstr("cannot")));
       EXPECT_THAT(outcome.err, AnyOf(HasSubstr("--resume"), HasSubstr("choose another -o")));
-      // A disk that then refuses to bring the earlier one back, too, has the new one, whole.
+      // If the disk also fails to restore the earlier result, the new result is there, complete.
       EXPECT_TRUE(contents(results) == before || contents(results) == whole);
       fs::remove(folder / "count");
       for (const auto& entry : fs::directory_iterator(folder.path()))
@@ -184,7 +184,7 @@ TEST_F(Faults, OutOfMemoryIsSaidAndLosesNothing) {
   const auto whole = contents(folder / "whole");
   int short_of_memory = 0, enough = 0, megabytes = 200;
   const auto limit = [&] { return fmt::format("ulimit -v {};", megabytes * 1024); };
-  // With less the libraries do not load, or end in what they do before main.
+  // With less memory the libraries do not load, or end before main.
   while (megabytes < 2000 &&
          std::system(
              fmt::format("( {} exec '{}' --version ) > /dev/null 2>&1", limit(), TUBEFOOT_PROGRAM).c_str()) !=
@@ -203,7 +203,7 @@ TEST_F(Faults, OutOfMemoryIsSaidAndLosesNothing) {
     }
     ++short_of_memory;
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
-    // OpenEXR does not say what zlib was short of.
+    // OpenEXR does not report which resource zlib lacked.
     EXPECT_THAT(outcome.err, AnyOf(HasSubstr("memory"), HasSubstr("Data compression (zlib) failed")));
     EXPECT_FALSE(fs::exists(results));
     const Outcome again = run(results, {"--resume"});
@@ -214,7 +214,7 @@ TEST_F(Faults, OutOfMemoryIsSaidAndLosesNothing) {
   EXPECT_GT(short_of_memory, 0);
 }
 
-// The first asks, the second ends it at once, whichever of the two signals it is.
+// The first signal requests a stop. The second ends the run at once, for either of the two signals.
 TEST_F(Faults, InterruptedTwiceItEndsAtOnceAndIsResumable) {
   write_scene(1000);
   ASSERT_EQ(run(folder / "whole").exit_code, 0);
@@ -236,7 +236,7 @@ TEST_F(Faults, InterruptedTwiceItEndsAtOnceAndIsResumable) {
     int status = 0;
     while (done() < 5 && waitpid(child, &status, WNOHANG) == 0)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    // Both while it stands still: it cannot end of itself in between.
+    // Both signals arrive while the process is stopped, so that it cannot end between them.
     kill(child, SIGSTOP);
     kill(child, SIGINT);
     kill(child, SIGCONT);
@@ -289,7 +289,7 @@ TEST_F(Faults, InputThatChangesDuringTheRunIsNoticed) {
   }
 }
 
-// Files that a run which was killed as it began may leave: nothing in them can be lost.
+// A run that was killed at its start may leave such files. They contain nothing that can be lost.
 TEST_F(Faults, FilesWithoutPingsAreBegunAnew) {
   folder.write("results.partial", "");
   EXPECT_EQ(run(results).exit_code, 0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Names in a scene file that lead elsewhere, and files that are none: told, or refused, never waited for.
+// Tests names in a scene file that lead elsewhere, and names that are not regular files. The program
+// reports or rejects them, and never waits for them.
 #include <fmt/format.h>
 #include <sys/stat.h>
 
@@ -44,7 +45,7 @@ TEST_F(Hostile, SceneFilesThatAreNoFiles) {
   }
 }
 
-// Readers of rasters and maps open what lies beside a file, unasked.
+// Readers of rasters and maps also open files next to a file.
 TEST_F(Hostile, PipesBesideAFile) {
   folder.write("grid.asc", grid);
   for (const char* name : {"grid.PRJ", "grid.asc.aux.xml", "grid.asc.msk"}) {
@@ -55,7 +56,8 @@ TEST_F(Hostile, PipesBesideAFile) {
                     ": is a special file, and would be read along with 'grid.asc': move it away"});
     fs::remove(folder / name);
   }
-  mkfifo((folder / "grid.aux").c_str(), 0600);  // of no format that is read: not opened
+  // not a format that the program reads, so that it is not opened
+  mkfifo((folder / "grid.aux").c_str(), 0600);
   fs::create_directory(folder / "grid.prj");
   EXPECT_EQ(check(with_raster()).exit_code, 0);
 }
@@ -83,7 +85,7 @@ TEST_F(Hostile, NamesThatLeaveTheFolderAreReported) {
                     Not(HasSubstr("\"thing.obj\" leaves"))));
 }
 
-// What a message quotes is the input's: a terminal must not obey it.
+// A message quotes the input, and a terminal must not obey the quoted text.
 TEST_F(Hostile, MessagesHoldNoControlCharacters) {
   folder.write("track.csv",
                "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n\x1b[2J\x07,0,0,0,0,0,0\n");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Small input that asks for much: it is refused before anything is taken, with the place, the limit and what
-// to do; and however deep or degenerate it is, no recursion follows it down.
+// Tests small input that requests large resources. The program rejects it before allocation, with the
+// position, the limit and a remedy. No recursion follows deep or degenerate input.
 #include <fmt/format.h>
 #include <netcdf.h>
 
@@ -31,11 +31,11 @@ TEST_F(Hostile, MeshesThatAnnounceMoreThanTheyHold) {
   folder.write("thing.stl", std::string(80, '\0') + "\xff\xff\xff\xff");
   expect_refused(with_mesh("stl"), {"announces 4294967295 facets", "the file has 84"});
   folder.write("thing.stl", "");
-  fs::resize_file(folder / "thing.stl", std::uintmax_t{1} << 40);  // all hole
+  fs::resize_file(folder / "thing.stl", std::uintmax_t{1} << 40);  // a sparse file
   expect_refused(with_mesh("stl"), {"scene.toml:11:8: 'file'", "more than 64 GiB", "cut it"});
 }
 
-/// A TIFF of single-precision cells without any data, of one block; readers take them for zeros.
+/// A TIFF of single-precision cells of one block without data, which readers take for zeros.
 std::string sparse_tiff(std::uint32_t columns, std::uint32_t rows, std::uint32_t rows_a_block) {
   std::string bytes("II*\0\x08\0\0\0", 8);
   const auto put = [&bytes](auto value) {
@@ -53,9 +53,9 @@ std::string sparse_tiff(std::uint32_t columns, std::uint32_t rows, std::uint32_t
   entry(256, four_bytes, 1, columns);
   entry(257, four_bytes, 1, rows);
   entry(258, two_bytes, 1, 32);
-  entry(259, two_bytes, 1, 8);  // deflated: one that is not, GDAL reads by rows
+  entry(259, two_bytes, 1, 8);  // deflated, because GDAL reads an uncompressed block by rows
   entry(262, two_bytes, 1, 1);
-  entry(273, four_bytes, blocks, list_at);  // where the blocks are: nowhere
+  entry(273, four_bytes, blocks, list_at);  // the offsets of the blocks are 0
   entry(277, two_bytes, 1, 1);
   entry(278, four_bytes, 1, rows_a_block);
   entry(279, four_bytes, blocks, list_at);
@@ -79,7 +79,7 @@ TEST_F(Hostile, RastersThatAnnounceMoreThanTheyHold) {
                  {"scene.toml:4:1: ", "100000 x 100000 cells are more than 2e+09", "decimate"});
   expect_refused(with_raster("load = \"whole\""),
                  {"scene.toml:4:1: ", "100000 x 100000 cells are more than 5e+07", "decimate"});
-  // Of which only a corner is asked for.
+  // The scene requests only a corner of the raster.
   folder.write("grid.tif", sparse_tiff(100'000, 100'000, 100'000));
   expect_refused(with_raster("window = [0, 0, 10, 10]"),
                  {"blocks of 100000 x 100000 cells, which are more than 512 MB each", "gdal_translate"});
@@ -88,7 +88,7 @@ TEST_F(Hostile, RastersThatAnnounceMoreThanTheyHold) {
   folder.write("grid.tif", sparse_tiff(40'000, 1000, 100));
   const Outcome corner = check(with_raster("window = [0, 0, 10, 10]"));
   EXPECT_EQ(corner.exit_code, 0) << corner.err;
-  // The others that read rasters.
+  // The other readers of rasters.
   const std::string tile =
       "\n[[materials.reflectivity]]\nkind = \"map\"\ntile_m = [10, 10]\nfile = \"grid.tif\"";
   folder.write("grid.tif", sparse_tiff(100'000, 100'000, 100'000));
@@ -160,7 +160,7 @@ TEST_F(HostileToMemory, NumbersWithinAllOtherLimits) {
                  {"facets between 7000 x 7000 cells need 7.84 GB of memory", "decimate"});
 }
 
-// Each fits; all of them together do not.
+// Each part fits, but their sum does not.
 TEST_F(HostileToMemory, SumsOfWhatFits) {
   std::string scene(small_scene);
   for (int k = 0; k < 12; ++k)
@@ -211,7 +211,7 @@ TEST_F(Hostile, PolygonsNestedWithoutEnd) {
   expect_refused(map, {"scene.toml:", "map.geojson"});
 }
 
-// No cut parts them, and each would be held against each.
+// No split separates these facets, so that each would be compared with each.
 TEST_F(Hostile, ManyFacetsOnOneSpot) {
   const auto audit = [&](const std::string& mesh) {
     folder.write("scene.toml", small_scene);
@@ -227,7 +227,7 @@ TEST_F(Hostile, ManyFacetsOnOneSpot) {
   EXPECT_EQ(audit(copies), alone);
 }
 
-// A few kilobytes that hold, so they say, 8 TB of energies.
+// A few kilobytes that claim to contain 8 TB of energies.
 TEST_F(Hostile, EchoFilesThatWereNeverWritten) {
   const std::string file = (folder / "echoes.nc").string();
   int id = 0, energy = 0, dimensions[3];

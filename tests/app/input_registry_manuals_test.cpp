@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A second list of attacks on what is read (docs/limits.md), drawn from the manuals of the formats by
-// somebody who had not seen the first: those that got through when they were first tried.
+// Tests a second list of attacks on the input (docs/limits.md). An author who did not know the first list
+// took it from the manuals of the formats. The list contains the attacks that succeeded at first.
 #include <netcdf.h>
 #include <ogrsf_frmts.h>
 #include <sqlite3.h>
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 struct InputRegistryManuals : InputRegistry {
-  /// Refused in words, by check and, as it is, by compare.
+  /// Expects that `check` and `compare` both reject the file with these words.
   void expect_both_refuse(const std::string& name, const std::string& words) const {
     SCOPED_TRACE(name);
     expect_refused(with_raster(name), {name, words});
@@ -37,7 +37,7 @@ TEST_F(InputRegistryManuals, OverviewsOnAHostAreNotRequested) {
     for (const bool in_tag : {true, false}) {
       SCOPED_TRACE(name);
       GDALAllRegister();
-      // Before GDAL does it, which would look for the overviews of what it deletes.
+      // The test deletes the files itself, because GDAL would search the overviews of a deleted file.
       for (const char* old : {"grid.tif.aux.xml", "grid.tif"}) fs::remove(folder / old);
       GDALDatasetUniquePtr made(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
           (folder / "grid.tif").c_str(), 100, 100, 1, GDT_Float32, nullptr));
@@ -58,7 +58,7 @@ TEST_F(InputRegistryManuals, OverviewsOnAHostAreNotRequested) {
     }
 }
 
-// ".." after a link is another folder for the file system than for who reads the letters.
+// After a link, ".." is another folder for the file system than in the text of the path.
 TEST_F(InputRegistryManuals, WhatIsBehindALinkIsWhatIsHashed) {
   fs::create_directories(folder / "sub/deep");
   fs::create_directory_symlink("sub/deep", folder / "link");

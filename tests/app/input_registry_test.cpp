@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every byte that is read is reported, hashed and where it may be (docs/limits.md): attacks by files that a
-// stranger could send, each of which one of the libraries under tubefoot would fall for.
+// Tests that all bytes that the program reads are reported, hashed and inside the permitted folder
+// (docs/limits.md). The attacks use files that a stranger could send. One of the libraries under tubefoot
+// would fall for each attack.
 #include <gdal_priv.h>
 #include <hdf5.h>
 #include <netcdf.h>
@@ -30,8 +31,7 @@ void write_external(const fs::path& file, const fs::path& storage) {
   });
 }
 
-// ------------------------------------------------------------------------------------------------ the
-// network
+// --- the network
 
 TEST_F(InputRegistry, NothingInAVirtualRasterCallsAHost) {
   const CalledHost host;
@@ -119,8 +119,7 @@ TEST_F(InputRegistry, ALinkedCrsOfAMapIsNotFetched) {
   EXPECT_FALSE(host.was_called());
 }
 
-// ------------------------------------------------------------------------------------------------ other
-// files
+// --- other files
 
 TEST_F(InputRegistry, ARawBandReadsNoFileOfTheMachine) {
   folder.write("secret", std::string(4096, '\1'));
@@ -205,7 +204,7 @@ TEST_F(InputRegistry, AGeoPackageIsTablesAndNothingElse) {
   expect_refused(with_map("map.gpkg"), {"map.gpkg: is being written to", "'map.gpkg-wal'"});
 }
 
-// ------------------------------------------------------------------------------------------------ pipes
+// --- pipes
 
 TEST_F(InputRegistry, PipesAreNotWaitedFor) {
   const auto pipe = [&](const std::string& name) { mkfifo((folder / name).c_str(), 0600); };
@@ -231,7 +230,7 @@ TEST_F(InputRegistry, PipesAreNotWaitedFor) {
   EXPECT_THAT(compared.err, HasSubstr("is a special file"));
 }
 
-// ------------------------------------------------------------------------------------------------ the hash
+// --- the hash
 
 struct InputRegistryHash : InputRegistry {
   std::string hash(const std::string& scene) {
@@ -271,7 +270,7 @@ TEST_F(InputRegistryHash, SeesWhatBelongsToTheSourcesOfAMosaic) {
   EXPECT_NE(hash(with_raster("mosaic.vrt")), with);
 }
 
-// What is not hashed is not there: an overview, a table, another program's notes do not move a cell.
+// Data outside of the hash has no effect: an overview, a table or notes of another program change no cell.
 TEST_F(InputRegistryHash, WhatIsNotHashedIsNotRead) {
   folder.write("grid.asc", grid);
   const std::string scene = with_raster("grid.asc");
@@ -300,7 +299,7 @@ TEST_F(InputRegistryHash, ARunDoesNotGoOnWithAnotherTerrain) {
   EXPECT_THAT(compared.err, HasSubstr("scene"));
 }
 
-/// Scenes that are shipped.
+/// Shipped scenes.
 std::vector<fs::path> shipped_scenes() {
   std::vector<fs::path> scenes;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(TUBEFOOT_SOURCE_DIR "/scenes"))
@@ -319,16 +318,16 @@ TEST(InputRegistryOfShippedScenes, OpensWhatTheHashIsOf) {
       for (const fs::path& input : read_scene_file(scene).inputs)
         hashed.insert(fs::canonical(input).string());
     } catch (const InputError& error) {
-      // make_terrain.py writes the tiles of this one: 10^8 facets.
+      // make_terrain.py writes the tiles of this scene: 10^8 facets.
       EXPECT_THAT(scene.string(), HasSubstr("big-terrain")) << error.what();
       ++skipped;
       continue;
     }
-    // Scenes of one file open that file: a few of them show it.
+    // Scenes of one file open only that file. A few of them are enough.
     if (hashed.size() == 1 && ++plain > 3 && std::getenv("TUBEFOOT_ALL_SCENES") == nullptr) continue;
     const WatchedRun run = run_watched({"check", scene.string()});
     EXPECT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
-    // What is shipped is right.
+    // Shipped scenes give no warnings.
     for (const char* alarm : {"receives nothing", "is buried", "beside the terrain", "times the terrain",
                               "radians", "antenna", "in metres?", "seconds?"})
       EXPECT_THAT(run.outcome.err, Not(HasSubstr(alarm)));
@@ -357,7 +356,7 @@ TEST_F(InputRegistryHash, EveryKindOfFileIsOpenedAsItIsHashed) {
         (folder / name).c_str(), source.get(), FALSE, const_cast<char**>(options), nullptr, nullptr));
     ASSERT_NE(made, nullptr);
   }
-  // GDAL takes a small grid without CRS for degrees: its axes become metres.
+  // GDAL takes a small grid without CRS for degrees, so that the test gives its axes in metres.
   for (const char* name : {"classic.nc", "four.nc"}) {
     int id = 0, variable = 0;
     ASSERT_EQ(nc_open((folder / name).c_str(), NC_WRITE, &id), NC_NOERR);
@@ -381,7 +380,7 @@ TEST_F(InputRegistryHash, EveryKindOfFileIsOpenedAsItIsHashed) {
   }
 }
 
-// ------------------------------------------------------------------------------------------------ the folder
+// --- the folder
 
 TEST_F(InputRegistry, ConfinedReadsNothingOutsideOfTheFolder) {
   const TestFolder elsewhere;
@@ -410,7 +409,7 @@ TEST_F(InputRegistry, ConfinedReadsNothingOutsideOfTheFolder) {
   }
 }
 
-// ------------------------------------------------------------------------------------------------ sizes
+// --- sizes
 
 TEST_F(InputRegistry, AnEchoFileLargerThanMemoryIsRefusedByItsSizesAlone) {
   const fs::path file = folder / "echoes.nc";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What somebody does wrong in the first hour, and what the program says to it: units, frames, windows, names,
-// files, tables, command lines. Each is one change of a good scene; none may pass in silence.
+// Tests typical mistakes of new users and the messages of the program: units, frames, range gates, names,
+// files, tables and command lines. Each is one change of a valid scene, and none may stay unreported.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -76,11 +76,11 @@ using Files = std::map<std::string, std::string>;
 
 struct Mistake {
   std::string what;
-  Edits edits;                     ///< of the good scene
-  std::vector<std::string> words;  ///< that it is answered with
-  int exit_code = 2;               ///< 0: a warning, and what was asked for is done
+  Edits edits;                     ///< of the valid scene
+  std::vector<std::string> words;  ///< of the message
+  int exit_code = 2;               ///< 0: a warning, and the request is completed
   Files files = {};
-  /// SCENE stands for the scene, OUT for a folder that is not there yet.
+  /// SCENE stands for the scene, OUT for a folder that does not exist yet.
   std::vector<std::string> command = {"check", "SCENE"};
   std::string unreadable = {};  ///< a file that the user may not read
 };
@@ -117,7 +117,7 @@ Mistake of_command(std::string what, std::vector<std::string> command, std::vect
   return mistake;
 }
 
-/// The program's own command line in this process: a hundred programs take long to start.
+/// Runs the command line of the program in this process, because a hundred processes take long to start.
 Outcome said(std::vector<std::string> words) {
   words.insert(words.begin(), "tubefoot");
   std::vector<char*> arguments;
@@ -156,7 +156,8 @@ Outcome outcome_of(const Mistake& mistake) {
 void expect_answers(const std::vector<Mistake>& mistakes) {
   for (const Mistake& mistake : mistakes) {
     SCOPED_TRACE(mistake.what);
-    if (!mistake.unreadable.empty() && (geteuid() != 0 || !nobody_can_run_program())) continue;  // two users
+    // two users
+    if (!mistake.unreadable.empty() && (geteuid() != 0 || !nobody_can_run_program())) continue;
     const Outcome outcome = outcome_of(mistake);
     EXPECT_EQ(outcome.exit_code, mistake.exit_code) << outcome.err;
     for (const std::string& word : mistake.words) EXPECT_THAT(outcome.err, HasSubstr(word));
@@ -164,7 +165,7 @@ void expect_answers(const std::vector<Mistake>& mistakes) {
   }
 }
 
-// --- the good ones
+// --- valid input
 
 TEST(Mistakes, NoneIsSeenInWhatIsRight) {
   const auto expect_silence = [](const Edits& edits, const Files& files) {
@@ -180,7 +181,7 @@ TEST(Mistakes, NoneIsSeenInWhatIsRight) {
   expect_silence({{"tilt_deg = 25", "tilt_deg = 24.5"}, {"[0, 0, 3]", "[0, 0, 3]\nheading_deg = 2.5"}}, {});
 }
 
-// --- what looks at nothing
+// --- sensors that look at nothing
 
 std::vector<Mistake> directions() {
   return {
@@ -253,7 +254,7 @@ std::vector<Mistake> windows() {
 }
 TEST(Mistakes, Windows) { expect_answers(windows()); }
 
-// --- where things are
+// --- positions
 
 std::vector<Mistake> frames() {
   const std::string utm =

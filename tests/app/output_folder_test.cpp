@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A result folder appears whole or not at all, and nothing that tubefoot did not write is ever touched.
+// Tests result folders: a folder appears as a whole or not at all, and the program never touches files that
+// tubefoot did not write.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -101,9 +102,9 @@ TEST_F(OutputFolders, ThatCannotBeWrittenAreRefused) {
   if (!nobody_can_run_program()) GTEST_SKIP() << "the program lies where only its owner may run it";
   Surroundings nobody;
   nobody.as_nobody = true;
-  const Outcome outcome = run(results, nobody);  // the test's folder belongs to somebody else
+  const Outcome outcome = run(results, nobody);  // the folder of the test belongs to another user
   if (geteuid() != 0 && outcome.exit_code == 0) {
-    // The same user: take the right away first.
+    // The user is the same, so that the test removes the permission first.
     fs::remove_all(results);
     fs::permissions(folder.path(), fs::perms(0555));
     const Outcome refused = run(results);
@@ -117,8 +118,8 @@ TEST_F(OutputFolders, ThatCannotBeWrittenAreRefused) {
   EXPECT_EQ(names_below(folder.path()), input);
 }
 
-// Whichever file meets the end of the disk first, it is named; what was computed is kept, and is enough to
-// end the run once there is room.
+// The message names the file that first meets the full disk. The checkpoint is kept, and is enough to
+// complete the run when there is space.
 TEST_F(OutputFolders, FullDiskIsReportedAndLosesNothing) {
   folder.write("scene.toml", replaced(small_scene, "beams = 4", "beams = 1\nsamples = 8"));
   ASSERT_EQ(run(results).exit_code, 0);
@@ -134,7 +135,7 @@ TEST_F(OutputFolders, FullDiskIsReportedAndLosesNothing) {
     full_disk.largest_file_bytes = size;
     const Outcome outcome = run(results, full_disk);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
-    // Where another file failed, the advice after it names the .partial.
+    // If another file failed, the advice after it names the .partial file.
     for (const char* file :
          {"echoes.nc", "camera-0000.png", "camera-0000.exr", "scene.png", "stats.json", "results.partial"})
       if (outcome.err.find(file) != std::string::npos) {

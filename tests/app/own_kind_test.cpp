@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A kind of sensor that this file alone knows, a sonar that a motor turns: it is read from a scene file
-// with its keys and its mistakes, runs, and writes echoes and a product of its own.
+// Tests a user-defined kind of sensor, a sonar that a motor rotates. The program reads it from a scene file
+// with its keys and errors, runs it, and writes echoes and its own product.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ struct TurningKeys {
   static const SensorSection& kind();
 };
 
-/// One beam that a motor turns: a transmission a direction.
+/// One beam that a motor rotates, with one transmission per direction.
 class TurningSonar : public Sensor {
  public:
   explicit TurningSonar(const SensorDescription& description) : Sensor(description) {
@@ -148,7 +148,7 @@ pings = 2
                          "scene.toml", with_turning());
 }
 
-/// What a run writes.
+/// Returns the files that a run writes.
 std::vector<std::filesystem::path> run_into(const TestFolder& folder, const Survey& survey) {
   SimulationStats stats;
   const RunRequest request = request_of(survey.scene.description.run);
@@ -187,7 +187,7 @@ TEST(OwnKind, IsReadWithItsKeysAndItsMistakes) {
                                       "samples", "range_min_m", "range_max_m"));
 }
 
-// From one place, a turn of the beam sees what a fan of such beams sees at once.
+// At one position, a full rotation of the beam receives the same as a fan of such beams.
 TEST(OwnKind, RunsAndWritesWhatItSaysItWrites) {
   const TestFolder folder, of_fan;
   const auto survey = open_survey(scene_with("kind = \"turning\"\n"));

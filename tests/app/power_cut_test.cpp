@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The power may fail at any moment: after every call that changes a name or brings something to the disk,
-// what the disk then holds is put together by the harshest rules, and is either what was there before or the
-// whole result, with no finished ping lost that was said to be kept.
+// Tests a power failure at any moment. After each call that changes a name or flushes data, the test builds
+// the contents of the disk by the harshest rules. The disk then contains the earlier state or the whole
+// result, and no ping of the reported checkpoint is lost.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files and their bytes, by their paths; folders end in a slash.
+/// Files and their bytes by path. Folders end in a slash.
 using Tree = std::map<std::string, std::string>;
 
 Tree tree_of(const fs::path& folder) {
@@ -33,7 +33,7 @@ Tree tree_of(const fs::path& folder) {
   return tree;
 }
 
-/// What is below one folder of it.
+/// Returns the part of the tree below one folder.
 Tree below(const Tree& tree, const std::string& folder) {
   Tree part;
   for (const auto& [name, bytes] : tree)
@@ -41,12 +41,12 @@ Tree below(const Tree& tree, const std::string& folder) {
   return part;
 }
 
-/// What a disk may hold of names that were not brought to it: none of the changes, all of them (a journal has
-/// them, the files' bytes are late), only names that went, or only names that came.
+/// State of unflushed names on the disk: no change, all changes (a journal has them, but the bytes of the
+/// files are late), only removed names, or only new names.
 enum class Names { as_synced, as_changed, removed, added };
 
-/// The calls that a program made (power_cuts.c), and what the disk holds if the power fails after one of
-/// them. Of a file it holds the bytes that were last brought to it: none, if none ever were.
+/// The calls of a program (power_cuts.c), and the contents of the disk after a power failure at one of
+/// them. A file has the bytes of its last flush, or none without a flush.
 class PowerCuts {
  public:
   PowerCuts(const fs::path& log, const Tree& before) {
@@ -78,7 +78,7 @@ class PowerCuts {
 
   std::size_t moments() const { return moments_.size(); }
   const std::string& call() const { return moments_[at_].call; }
-  /// Goes on to the next moment.
+  /// Continues with the next moment.
   bool next() {
     if (++at_ >= moments_.size()) return false;
     const Moment& now = moments_[at_];
@@ -108,7 +108,7 @@ class PowerCuts {
     std::map<std::string, Folder> folders;
   };
 
-  /// The bytes of what was there before.
+  /// Records the bytes of the state before.
   void learn(const std::string& folder, const std::string& path, const Tree& before) {
     for (const auto& [name, entry] : synced_[folder])
       if (entry.type == 'd')
@@ -172,7 +172,8 @@ struct PowerCut : LongRun {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  /// A result folder's files but stats.json, which tells the seconds; that is only to be there.
+  /// Returns the files of a result folder except stats.json, which contains the seconds and must only
+  /// exist.
   static Tree result(Tree tree) {
     const std::string statistics = tree.contains("stats.json") ? tree["stats.json"] : "";
     tree["stats.json"] = statistics.starts_with("{") && statistics.ends_with("}\n") ? "whole" : "not whole";
@@ -209,8 +210,8 @@ struct PowerCut : LongRun {
 
 constexpr Names all_names[] = {Names::as_synced, Names::as_changed, Names::removed, Names::added};
 
-// An earlier result is replaced by a run that goes on with kept pings: at every moment the disk has the
-// earlier one and the pings, or the new one. What is there is always enough to go on.
+// A resumed run replaces an earlier result. At each moment the disk has the earlier result and the pings,
+// or the new result. The contents are always enough to continue.
 TEST_F(PowerCut, AtAnyMomentLeavesTheEarlierResultOrTheWholeNewOne) {
   ASSERT_EQ(run(run_words(folder.path())).exit_code, 0);
   const Tree whole = result(tree_of(results));
@@ -244,7 +245,7 @@ TEST_F(PowerCut, AtAnyMomentLeavesTheEarlierResultOrTheWholeNewOne) {
   for (const Names names : all_names)
     EXPECT_EQ(result(below(cuts_at_end(before).disk(names), "results/")), whole);
   EXPECT_GT(tried, 100u);
-  // Each of them with TUBEFOOT_EVERY_CALL set; else about a dozen.
+  // Tests every disk state if TUBEFOOT_EVERY_CALL is set, else about a dozen.
   const std::size_t stride = std::getenv("TUBEFOOT_EVERY_CALL") != nullptr ? 1 : disks.size() / 12 + 1;
   std::size_t number = 0;
   for (const Tree& disk : disks) {
@@ -259,7 +260,7 @@ TEST_F(PowerCut, AtAnyMomentLeavesTheEarlierResultOrTheWholeNewOne) {
   std::cout << tried << " power cuts, " << disks.size() << " different disks\n";
 }
 
-// Where there was none before, and the folders on the way are new.
+// There is no earlier result, and the parent folders are new.
 TEST_F(PowerCut, AtAnyMomentLeavesNoHalfNewResult) {
   ASSERT_EQ(run(run_words(folder.path())).exit_code, 0);
   const Tree whole = result(tree_of(results));

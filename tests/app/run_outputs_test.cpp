@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which pictures a run writes, and what it says of writing: before, while it writes, and after.
+// Tests which pictures a run writes, and its messages about writing: before the run, while it writes, and
+// after.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ using Words = std::vector<std::string>;
 struct RunOutputs : testing::Test {
   TestFolder folder;
 
-  /// A camera that pings so often, and another sonar of each kind that once.
+  /// A camera with this number of pings, and another sonar of each kind with one ping.
   std::string scene(int frames) const {
     const auto other = [](const char* name, const char* keys) {
       return std::string("[[sensors]]\nname = \"") + name + "\"\n" + keys;
@@ -107,7 +108,7 @@ TEST_F(RunOutputs, RefusesPicturesThatThereAreNot) {
   refused({"--pictures", "none", "--animate"}, "leave out one of them");
 }
 
-// What is reported meanwhile is Progress.* and Pictures.TellHowManyOfThemThereAreWhileTheyAreDrawn.
+// Tests of messages during the run are Progress.* and Pictures.TellHowManyOfThemThereAreWhileTheyAreDrawn.
 TEST_F(RunOutputs, TellWritingBeforeAndAfter) {
   write(scene(320));
   const Outcome checked = run_program({"check", (folder / "scene.toml").string()});

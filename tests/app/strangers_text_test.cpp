@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What strangers wrote - titles, names, files' names, what echo files say of themselves - obeys no terminal,
-// turns no words round, is no formula, and runs in no page, wherever it is shown.
+// Tests text from untrusted sources: titles, names, file names and attributes of echo files. In all outputs
+// the text controls no terminal, reverses no text direction, is no formula, and runs no script in a page.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,10 +20,10 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// U+009B 2 J: what clears the screen, without an escape character; U+202E: words run backwards from there.
+/// U+009B 2 J clears the screen without an escape character. U+202E reverses the text direction.
 constexpr const char *clear_screen = "\u009b2J", *backwards = "\u202e";
 
-/// Bytes that a terminal obeys, or that turn text: none of them may be in what is shown.
+/// Returns the bytes that control a terminal or the text direction. No output may contain such bytes.
 std::string obeyed(const std::string& text) {
   for (std::size_t k = 0; k < text.size(); ++k) {
     const auto byte = [&](std::size_t more) {
@@ -50,7 +50,7 @@ struct StrangersText : testing::Test {
     EXPECT_EQ(obeyed(outcome.err), "");
     return outcome;
   }
-  /// The small scene with titles and names of a stranger's choice.
+  /// Makes the small scene with malicious titles and names.
   fs::path scene_of(const std::string& title, const std::string& sand, const std::string& thing) const {
     std::string scene = replaced(small_scene, "A tetrahedron", title);
     scene = replaced(scene, "\"sand\"", "\"" + sand + "\"");
@@ -184,7 +184,7 @@ TEST_F(StrangersText, RunsInNoPage) {
   EXPECT_THAT(html, AllOf(HasSubstr("sand\\\\u202e"), HasSubstr("\\\\u009b2J")))
       << "and not turned by the script that reads it";
 
-  // A chart calls scenes as their files are called.
+  // A chart names scenes by their file names.
   const std::string name = "<img src=x onerror=alert(1)>\u202e=1";
   fs::rename(scene, folder / (name + ".toml"));
   const fs::path chart = folder / "chart";
@@ -199,7 +199,7 @@ TEST_F(StrangersText, RunsInNoPage) {
   }
 }
 
-// What an echo file says of itself, somebody else may have written.
+// Another person may have written the attributes of an echo file.
 TEST_F(StrangersText, OfEchoFilesIsEscapedAndCut) {
   ForeignGroup echoes = least_echoes();
   const fs::path plain = write_foreign(folder / "plain.nc", echoes);

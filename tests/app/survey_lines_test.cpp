@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A survey by lines through the whole program: over a slope, on a map, kept line by line.
+// Tests surveys by lines in whole runs: over a slope, on a map, with altitudes, echoes and soundings that
+// are kept line by line.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -63,7 +64,8 @@ TEST(SurveyLinesRun, KeepsEveryPingAtItsAltitudeAndEveryLineByItself) {
     EXPECT_NEAR(east, 30.0 * double(ping / 7) - 30, 1e-9);
     EXPECT_NEAR(up, -20 - east * 0.1051042353 + 6, 1e-5);  // tan 6 degrees
     EXPECT_NEAR(heading[ping], ping / 7 == 1 ? 180 : 0, 1e-9);
-    // Nothing comes back before the seabed, which is 6 m cos 6 degrees away; from there on it does.
+    // No energy returns before the seabed, which is 6 m cos 6 degrees away. All later range bins have
+    // energy.
     for (std::size_t side = 0; side < 2; ++side) {
       for (std::size_t k = 0; k < 11; ++k) EXPECT_EQ(energy[(2 * ping + side) * 60 + k], 0);
       EXPECT_GT(energy[(2 * ping + side) * 60 + 13], 0);
@@ -74,7 +76,7 @@ TEST(SurveyLinesRun, KeepsEveryPingAtItsAltitudeAndEveryLineByItself) {
     EXPECT_TRUE(std::filesystem::exists(folder / "out" / name)) << name;
 }
 
-/// How many records of each kind a GSF file has.
+/// Number of records of each kind in a GSF file.
 std::map<unsigned, int> gsf_records(const std::filesystem::path& path) {
   samples::PacketReader file(samples::file_content(path), true);
   std::map<unsigned, int> records;
@@ -82,7 +84,7 @@ std::map<unsigned, int> gsf_records(const std::filesystem::path& path) {
   return records;
 }
 
-/// The numbers of the pings of an XTF file's multibeam packets, and the depth of the sonar in its header.
+/// The ping numbers of the multibeam packets of an XTF file, and the depth of the sonar in its header.
 std::pair<std::vector<unsigned>, double> xtf_pings(const std::filesystem::path& path) {
   samples::PacketReader file(samples::file_content(path), false);
   std::vector<unsigned> pings;
@@ -91,7 +93,7 @@ std::pair<std::vector<unsigned>, double> xtf_pings(const std::filesystem::path& 
   return {pings, file.f32(256 + 56)};
 }
 
-// 61 m across in steps of 15 m are five lines.
+// A width of 61 m at intervals of 15 m gives five lines.
 TEST(SurveyLinesRun, KeepsTheSoundingsOfAMultibeamLineByLine) {
   const TestFolder folder;
   std::string text(scene);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot compare from outside: figures worked out by hand, what is refused and what is noted, results and
-// exit codes.
+// Tests `tubefoot compare`: figures that were worked out by hand, rejected input, notes, results and exit
+// codes.
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -51,8 +51,8 @@ struct Compare : testing::Test {
     EXPECT_THAT(outcome.err, IsEmpty());
     return nlohmann::json::parse(outcome.out);
   }
-  /// Refused by words about the candidate that also name the reference, before anything is written; then both
-  /// start anew.
+  /// Expects an error about the candidate that also names the reference, before any file is written. Then
+  /// resets both.
   void expect_mismatch(const std::string& message, bool names_reference = true) {
     SCOPED_TRACE(message);
     const Outcome outcome = compare({"--json", path("f.json"), "--png", path("p.png")});
@@ -71,7 +71,7 @@ TEST_F(Compare, FiguresAreThoseOfTheDefinition) {
   // 24 bins of k nJ, every fifth 0: the sum is 276 - 50 = 226. Doubled 24 -> no such bin; 23 -> 46, 1 -> 0.
   auto& energies = candidate.variables["energy"].values;
   energies[23] = 46e-9;  // ping 1, beam 2, sample 3
-  energies[1] = 0;       // ping 0, beam 0, sample 1: the first return moves on by one sample
+  energies[1] = 0;       // ping 0, beam 0, sample 1: the first return moves by one sample
   energies[5] = 1e-9;    // ping 0, beam 1, sample 1: a shadow
   std::vector<double> bounds(24, 0);
   bounds[1] = 1e-9;
@@ -283,7 +283,7 @@ TEST_F(CompareSensors, ThatAreMissingAreRefused) {
   EXPECT_THAT(outcome.err, HasSubstr("has no sensor 'bow'"));
   EXPECT_THAT(outcome.err, HasSubstr("it has 'mast', 'stern'"));
   EXPECT_EQ(compare({"--sensor", "stern"}).exit_code, 0);
-  // One with one: whatever they are called.
+  // One sensor on each side is compared under any names.
   reference_groups.erase("bow");
   candidate_groups.erase("stern");
   EXPECT_THAT(figures()["notes"], ElementsAre("the candidate calls its sensor 'mast', not 'stern'"));
@@ -365,7 +365,7 @@ TEST_F(Compare, FiguresAfterAFitAreOfWhatIsLeft) {
 
 TEST_F(Compare, GeometryAloneNeedsNoUnits) {
   for (double& energy : candidate.variables["energy"].values) energy = energy > 0 ? 200 : 0;
-  candidate.variables["energy"].values[1] = 0;  // the first return of ping 0, beam 0 moves on by a sample
+  candidate.variables["energy"].values[1] = 0;  // the first return of ping 0, beam 0 moves by one sample
   const auto geometry = figures({"--geometry"})["sensors"][0]["geometry"];
   EXPECT_NEAR(geometry["visible"]["iou"], 18.0 / 19, 1e-12);
   EXPECT_NEAR(geometry["shadow"]["iou"], 4.0 / 5, 1e-12) << "bin 15 is behind its beam's last echo";

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests comparison pictures: the cells of candidate and ratio, orientation of waterfalls, colours, any
+// sensor size, and texts that do not overlap.
+
 #include "compare/comparison_picture.hpp"
 
 #include <OpenImageIO/imageio.h>
@@ -51,7 +54,7 @@ struct Box {
   int height() const { return y1 - y0; }
 };
 
-/// Where two pictures differ, per panel: panels lie far apart, with columns between them that do not differ.
+/// Returns the differences of two pictures per panel. Columns without differences separate the panels.
 std::vector<Box> differences(const Pixels& a, const Pixels& b) {
   EXPECT_EQ(a.width, b.width);
   EXPECT_EQ(a.height, b.height);
@@ -71,7 +74,8 @@ std::vector<Box> differences(const Pixels& a, const Pixels& b) {
   return boxes;
 }
 
-/// What halving a bin of the candidate changes: its cell in the candidate's and in the ratio's panel.
+/// Returns the change after halving a bin of the candidate: its cells in the panels of the candidate and of
+/// the ratio.
 std::vector<Box> halved(const SensorEchoes& reference, std::size_t ping, std::size_t beam, std::size_t sample,
                         std::size_t drawn_ping = 0) {
   SensorEchoes candidate = reference;

@@ -11,15 +11,15 @@
 #include "geometry/visibility/visibility.hpp"
 #include "prove/small_scenes.hpp"
 
-// Prints the topology hash of fixed scenes, from one thread and from four, and compares it with the known
-// one. The scenes come from integers alone, so that they are the same wherever this is built.
+// Prints the topology hash of fixed scenes, with one thread and with four, and compares it with the known
+// hash. The scenes come from integers alone, so that they are the same on each build platform.
 namespace {
 
 using namespace tubefoot;
 
 constexpr std::uint64_t seed = 3;
 
-/// All tubes of a scene, dealt out to `threads` threads.
+/// Computes all tubes of a scene, distributed over `threads` threads.
 TopologyHash hash_of(const prove::SmallScene& scene, std::uint64_t label, Arithmetic arithmetic,
                      std::uint32_t threads) {
   const SceneTree tree(scene.mesh);

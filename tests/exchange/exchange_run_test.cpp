@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Out and in again: the same triangles in their places, the same sonar, the same energies, by what is written
-// for other engines to read as well as by our own elements.
+// Tests export and import: the same triangles at their positions, the same sonar and the same energies. The
+// sonar comes from the native elements of the other engine as well as from tubefoot's own elements.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -105,7 +105,7 @@ std::string scene_with(const std::string& kind) {
          sonars.at(kind);
 }
 
-/// Runs it, and fails the test where that fails.
+/// Runs the command, and fails the test if the command fails.
 std::string done(const std::vector<std::string>& words) {
   const Outcome outcome = run_program(words);
   EXPECT_EQ(outcome.exit_code, 0) << words.front() << ": " << outcome.err;
@@ -168,7 +168,7 @@ TEST_F(Exchange, BringsBackTrianglesSonarAndEnergies) {
   }
 }
 
-/// Takes our own sonar's element away, so that what others read is what is left.
+/// Removes the element of tubefoot's own sonar, so that only the elements for other engines remain.
 void without_own_sonar(const fs::path& file) {
   pugi::xml_document document;
   ASSERT_TRUE(document.load_file(file.c_str()));
@@ -178,9 +178,9 @@ void without_own_sonar(const fs::path& file) {
   ASSERT_TRUE(document.save_file(file.c_str()));
 }
 
-/// The words that another engine reads mean the same sonar: what has an exact word there comes back with the
-/// same energies. (Not so: a fan of Stonefish's, whose beams are equidistant; sides of a sidescan in
-/// SDF.)
+/// The native elements of another engine mean the same sonar: a sonar with exact elements there returns
+/// with the same energies. (Not exact: a fan of Stonefish, whose beams are equidistant; the sides of a
+/// sidescan in SDF.)
 TEST_F(Exchange, MeansTheSameInTheEnginesOwnWords) {
   for (const auto& [kind, format] : {std::pair("imaging", "sdf"), std::pair("sidescan", "stonefish"),
                                      std::pair("scanning", "stonefish")}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The axes of other engines: rotations all, and a point ahead, to port and above lies where each engine's own
-// documents say. Angles and quaternions come back.
+// Tests the axes of other engines. All are rotations. A point ahead, to port and above has the coordinates
+// that the documents of each engine state. Angles and quaternions are invertible.
 #include "exchange/frames.hpp"
 
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ TEST(Frames, PutDirectionsWhereEachEngineSays) {
 }
 
 TEST(Frames, PlaceAPointAheadOfATurnedBody) {
-  // Heading 90: bow east. What is 3 m ahead of a body at (5, 7, -2) is at (8, 7, -2), in any engine.
+  // Heading 90: bow east. A point 3 m ahead of a body at (5, 7, -2) is at (8, 7, -2), in any engine.
   const Placement ours{{5, 7, -2}, glm::mat3_cast(attitude_from_angles(std::numbers::pi / 2, 0, 0))};
   for (const EngineAxes& engine : engine_axes()) {
     const Placement theirs = to_theirs(ours, engine.world, engine.body);
@@ -101,13 +101,13 @@ TEST(Frames, AnglesAndQuaternionsComeBack) {
     EXPECT_LT(distance(turn_of(roll_pitch_yaw(turn)), turn), 1e-14);
     EXPECT_LT(distance(turn_of_quaternion(quaternion_xyzw(turn)), turn), 1e-14);
   }
-  // Straight up and down, where roll and yaw are one.
+  // Straight up and down, where roll and yaw have the same axis.
   for (const double pitch : {-std::numbers::pi / 2, std::numbers::pi / 2})
     for (const double roll : {0.0, 0.3, 3.0}) {
       const glm::dmat3 turn = turn_of({roll, pitch, 0.7});
       EXPECT_LT(distance(turn_of(roll_pitch_yaw(turn)), turn), 1e-14);
     }
-  // What text of sixteen digits means is exact: quarters of a turn.
+  // Text of sixteen digits gives exact quarter turns.
   EXPECT_EQ(distance(turn_of({0, 0, 1.5707963267948966}),
                      glm::dmat3(glm::dvec3(0, 1, 0), glm::dvec3(-1, 0, 0), up)),
             0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Worlds as others write them: poses in poses, shapes, frames by name, sonars; what is left out is reported,
-// and what a stranger may put into one does no harm.
+// Tests worlds of other engines: nested poses, shapes, frames by name, and sonars. The import reports
+// omitted elements, and malicious content does no harm.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -56,14 +56,14 @@ std::string model(const std::string& visual, const std::string& pose = "", const
 const std::string box = "<geometry><box><size>1 2 3</size></box></geometry>";
 const std::string mesh = "<geometry><mesh><uri>triangle.obj</uri></mesh></geometry>";
 
-/// Of an object's own point in our world.
+/// Converts a point of an object to the scene frame.
 glm::dvec3 at(const ImportedObject& object, glm::dvec3 p) {
   return object.placed.position_m + object.placed.turn * p;
 }
 
 TEST_F(Worlds, PutPosesIntoPoses) {
-  // A model at (10, 0, 0) turned by 90 degrees, in it one at (1, 0, 0), a link at (0, 1, 0), a visual at (0,
-  // 0, 1).
+  // A model at (10, 0, 0) is turned by 90 degrees. It contains a model at (1, 0, 0), a link at (0, 1, 0),
+  // and a visual at (0, 0, 1).
   const ImportedScene scene = sdf(R"(<model name='outer'><pose degrees='true'>10 0 0 0 0 90</pose>
     <model name='inner'><pose>1 0 0 0 0 0</pose><link name='l'><pose>0 1 0 0 0 0</pose>
     <visual name='v'><pose rotation_format='quat_xyzw'>0 0 1 0 0 0.7071067811865476 0.7071067811865476</pose>)" +
@@ -71,7 +71,7 @@ TEST_F(Worlds, PutPosesIntoPoses) {
   ASSERT_EQ(scene.objects.size(), 1);
   EXPECT_EQ(scene.objects[0].name, "outer::inner::l::v");
   EXPECT_LT(glm::length(scene.objects[0].placed.position_m - glm::dvec3(9, 1, 1)), 1e-14);
-  // 90 and 90 degrees: its x looks to -x.
+  // 90 and 90 degrees: its x axis points to -x.
   EXPECT_LT(glm::length(at(scene.objects[0], {1, 0, 0}) - glm::dvec3(8, 1, 1)), 1e-14);
   EXPECT_THAT(scene.objects[0].keys, Contains(std::pair<std::string, std::string>("size_m", "[1, 2, 3]")));
 }
@@ -86,7 +86,7 @@ TEST_F(Worlds, FindFramesByName) {
   ASSERT_EQ(scene.objects.size(), 2);
   EXPECT_EQ(scene.objects[1].placed.position_m, glm::dvec3(1, 1, 5));
   EXPECT_THAT(scene.noticed, Contains(HasSubstr("relative to 'nowhere'")));
-  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'d' left out")));  // they hang on each other
+  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'d' left out")));  // they depend on each other
 }
 
 TEST_F(Worlds, ReadShapesAndTellWhatTheyDoNot) {
@@ -107,7 +107,7 @@ TEST_F(Worlds, ReadShapesAndTellWhatTheyDoNot) {
   const ImportedObject& wall = scene.objects[2];
   EXPECT_LT(glm::length(wall.placed.turn * glm::dvec3(0, 0, 1) - glm::dvec3(1, 0, 0)), 1e-14);
   EXPECT_EQ(wall.placed.position_m.z, 7);
-  // A mirrored mesh faces where it faced, mirrored.
+  // A mirrored mesh faces in the mirrored direction.
   const ComponentMesh& mirrored = scene.meshes[*scene.objects[3].mesh].mesh;
   EXPECT_EQ(mirrored.points_m[1], glm::dvec3(-1, 0, 0));
   EXPECT_EQ(mirrored.triangles[0], (std::array<std::uint32_t, 3>{0, 2, 1}));
@@ -168,7 +168,7 @@ TEST_F(Worlds, ReadSonarsInTheEnginesWords) {
   EXPECT_EQ(std::stod(key(0, "horizontal_deg")), 80);
   EXPECT_EQ(key(0, "samples"), "100");  // 15 m at 1500 / (2 x 5000) m
   EXPECT_EQ(key(0, "frequency_khz"), "900");
-  // Its middle is 20 degrees to port of east and 10 down; angles about z grow to port.
+  // Its middle is 20 degrees to port of east and 10 down. Angles about z grow to port.
   const double down = 10 * std::numbers::pi / 180, port = 20 * std::numbers::pi / 180;
   const glm::dvec3 ahead = scene.sensors[0].own.turn * glm::dvec3(0, 1, 0);
   EXPECT_LT(glm::length(ahead - glm::dvec3(std::cos(down) * std::cos(port), std::cos(down) * std::sin(port),
@@ -209,12 +209,12 @@ TEST_F(Worlds, ReadStonefishDown) {
   EXPECT_EQ(scene.objects[0].scale, (std::array<double, 3>{2, 2, 2}));
   EXPECT_EQ(scene.objects[1].placed.position_m.z, -9);
   ASSERT_EQ(scene.sensors.size(), 1);
-  // The usual way of mounting one: it looks ahead, which is north, upright.
+  // The usual mounting: it looks ahead, which is north, upright.
   EXPECT_LT(glm::length(scene.sensors[0].own.turn * glm::dvec3(0, 1, 0) - glm::dvec3(0, 1, 0)), 1e-14);
   EXPECT_LT(glm::length(scene.sensors[0].own.turn * glm::dvec3(0, 0, 1) - glm::dvec3(0, 0, 1)), 1e-14);
   EXPECT_EQ(scene.sensors[0].own.position_m, glm::dvec3(0, 0, -1));
-  // Four views of 20 degrees, 16 beams each: the first one's axis is 15 sixteenths of the transmit leg, in
-  // tangent.
+  // Four views of 20 degrees with 16 beams each: the tangent of the first axis is 15 sixteenths of that of
+  // the edge.
   const double ten = 10 * std::numbers::pi / 180;
   const std::string first =
       fmt::format("[{}, ", -30 + std::atan(std::tan(ten) * -15 / 16) * 180 / std::numbers::pi);
@@ -336,7 +336,7 @@ TEST_F(Worlds, BecomeScenesThatRun) {
   EXPECT_EQ(read_mesh_file(folder / "out/triangle.obj").triangles.size(), 1);
   const Outcome checked = run_program({"check", (folder / "out/scene.toml").string()});
   EXPECT_EQ(checked.exit_code, 0) << checked.err;
-  // Not over what it reads.
+  // The command never overwrites its input.
   EXPECT_EQ(
       run_program({"import-scene", (folder / "w.sdf").string(), "-o", folder.path().string()}).exit_code, 2);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One door for each thing: outside of src/files nothing opens, writes, moves or removes files by itself
-// (docs/limits.md).
+// Tests that only src/files opens, writes, moves or removes files, through one entry point for each
+// operation (docs/limits.md).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Lines of a file that match, but for comments: "src/app/run.cpp:12: ...".
+/// Returns the matching lines of a file except for comments: "src/app/run.cpp:12: ...".
 std::vector<std::string> lines_with(const fs::path& file, const std::regex& pattern) {
   std::vector<std::string> found;
   std::ifstream in(file);
@@ -31,7 +31,7 @@ std::vector<std::string> lines_with(const fs::path& file, const std::regex& patt
   return found;
 }
 
-/// In all code of the program and the Python module but src/files and the files named.
+/// Searches all code of the program and the Python module except src/files and the named files.
 std::vector<std::string> outside_of_gdal_access(const std::string& pattern,
                                                 const std::vector<std::string>& allowed = {}) {
   std::vector<std::string> found;
@@ -59,7 +59,7 @@ TEST(Doors, FilesAreReadThroughTheInputRegistry) {
               IsEmpty());
   EXPECT_THAT(
       outside_of_gdal_access(R"(GDALDataset::Open|\bGDALOpen|\bOGROpen|GDALAllRegister|ImageInput::open)",
-                             {"src/footprints/footprint_file_ogr.cpp"}),  // looks at what it wrote
+                             {"src/footprints/footprint_file_ogr.cpp"}),  // reads the file that it wrote
       IsEmpty());
   EXPECT_THAT(outside_of_gdal_access(R"(parse_file\s*\(|CPLParseXMLFile|VSIFOpen)"), IsEmpty());
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Chunks come back to the bit, and what is none is refused. That HDF5 reads them is held by the tests of
-// echoes.nc.
+// Tests that chunks are unpacked to the bit, and invalid chunks rejected. The tests of echoes.nc verify
+// that HDF5 reads the chunks.
 #include "files/hdf5_chunks.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace tubefoot {
 namespace {
 
-/// Of `lit` of the values all bits are drawn; the others are 0, some of them with a sign.
+/// Returns values of which a share `lit` has random bits. The others are 0, some of them with a sign.
 std::vector<double> some_values(std::size_t count, double lit, std::mt19937_64& random) {
   std::uniform_real_distribution<double> part(0, 1);
   std::vector<double> values(count);
@@ -58,7 +58,7 @@ TEST(Hdf5Chunks, OfOtherLengthsOrDamagedAreRefused) {
   for (std::size_t at = 0; at < packed.size(); ++at) {
     std::vector<unsigned char> damaged = packed;
     damaged[at] ^= 0x10;
-    // Some bits of a stream mean nothing: then it has the values that it had.
+    // Some bits of a stream have no meaning: after their change the values are the same.
     if (unpack_chunk(damaged, back)) {
       EXPECT_EQ(std::memcmp(back.data(), values.data(), 300 * sizeof(double)), 0) << at;
       ++meaningless;

@@ -16,7 +16,7 @@
 namespace tubefoot {
 namespace {
 
-// What a temporary buffer holds, in memory and beyond, is what was put into it, wherever one begins.
+// Tests that a temporary buffer returns its contents, in memory and on disk, from any start position.
 TEST(TemporaryBuffer, GivesBackWhatWasPutWhereverOneBegins) {
   const TestFolder folder;
   for (const std::size_t numbers : {std::size_t{3}, std::size_t{100000}, std::size_t{1000003}}) {
@@ -35,7 +35,7 @@ TEST(TemporaryBuffer, GivesBackWhatWasPutWhereverOneBegins) {
     std::uint32_t none = 0;
     EXPECT_THROW(temporary_buffer.read(4 * numbers - 3, &none, 4), std::out_of_range);
     EXPECT_THROW(temporary_buffer.read(4 * numbers + 1, &none, 0), std::out_of_range);
-    temporary_buffer.put(std::uint32_t(numbers));  // it goes on after a look
+    temporary_buffer.put(std::uint32_t(numbers));  // writing continues after a read
     at(numbers - 1, 2);
     std::string all;
     temporary_buffer.replay([&](std::span<const char> some) { all.append(some.data(), some.size()); });

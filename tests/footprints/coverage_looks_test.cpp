@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot coverage by pings that look from two places, through refracting water, or at relief of their own:
-// against each other, and against the same told otherwise.
+// Tests `tubefoot coverage` for separate receivers, stratified water, and relief of each ping. The
+// comparisons are equivalent scenes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ struct CoverageLooks : testing::Test {
     EXPECT_GT(all.shadow_m2, 0.1);
     return all;
   }
-  /// Of the same scene's base facets, to `error`.
+  /// Compares the base facets of the same scene, to `error`.
   static void expect_near(const Covered& a, const Covered& b, double error) {
     for (const auto& [facet, share] : a.seen)
       EXPECT_NEAR(share, b.seen.contains(facet) ? b.seen.at(facet) : 0, error) << "facet " << facet;
@@ -80,17 +80,17 @@ std::string arms(const std::string& transmitter, const std::string& receiver) {
 }
 const std::string one = "[-0.6, 0, 0.2]", other = "[0.7, 0.3, -0.1]";
 
-// Pixels by transmitter and receiver are the same parts of the seabed whichever sends.
+// After an exchange of transmitter and receiver, pixels are the same parts of the seabed.
 TEST_F(CoverageLooks, ASeparateReceiverAndATransmitterAreExchanged) {
   for (const std::string& where :
        {even + flat_sand, water(steep) + flat_sand, even + ripples(0.03, "online")}) {
     SCOPED_TRACE(where);
     const Covered there = cover(scene(where, arms(one, other))), back = cover(scene(where, arms(other, one)));
-    // Corners of the window are rounded on images of the transmitter's; that of relief is decided by looks.
+    // Corners of the range gate are rounded on images of the transmitter. The looks determine the relief.
     if (where == even + flat_sand || where == even + ripples(0.03, "online"))
       expect_near(there, back, 1e-6);
     else
-      expect_near(there, back, 2e-3);  // ranges are by the sound speed at the transmitter
+      expect_near(there, back, 2e-3);  // ranges use the sound speed at the transmitter
     const Covered of_one = cover(scene(where, "lever_arm_m = " + one + "\n"));
     EXPECT_LT(there.seen_m2, of_one.seen_m2) << "what both see is less";
   }
@@ -99,7 +99,7 @@ TEST_F(CoverageLooks, ASeparateReceiverAndATransmitterAreExchanged) {
 TEST_F(CoverageLooks, AReceiverAHairApartSeesWhatOnePlaceDoes) {
   const Covered alone = cover(scene(even + flat_sand)),
                 near = cover(scene(even + flat_sand, "receiver_arm_m = [0, 0, 1e-6]\n"));
-  // But for the corners of the window's polygons, which go round otherwise.
+  // The difference is due to the corners of the polygons of the range gate, which have another start.
   expect_near(near, alone, 1e-4);
 }
 
@@ -118,8 +118,8 @@ TEST_F(CoverageLooks, NeitherThreadsNorWaterThatHardlyRefractsChangeIt) {
 TEST_F(CoverageLooks, ReliefOfEachTransmissionIsThatOfReliefOnce) {
   const Covered flat = cover(scene(even + flat_sand));
   expect_near(cover(scene(even + ripples(1e-6, "online"))), flat, 1e-4);
-  // With a tolerance of 0 each transmission makes the cells that all are made of once: the same facets, told
-  // by the unrefined ones or by themselves. Areas are those of slopes, which are small.
+  // With a tolerance of 0 the cells of each transmission are those of a single refinement. The coverage of
+  // the same facets refers to the unrefined facets or to the cells. Areas are those of small slopes.
   const Covered online = cover(scene(even + ripples(0.03, "online"))),
                 offline = cover(scene(even + ripples(0.03, "offline")));
   EXPECT_LT(online.seen.size(), 20u);

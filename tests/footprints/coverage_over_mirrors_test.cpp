@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot coverage of what is seen over mirrors: against sonars at the places of the images, in scenes
-// without the mirror.
+// Tests `tubefoot coverage` over mirrors. The comparison is sonars at the positions of the images, in
+// scenes without the mirror.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,8 +29,8 @@ struct CoverageOverMirrors : testing::Test {
   }
 };
 
-/// A sidescan that looks up as it looks down, over a seabed with a box, 3 m under the surface if there is
-/// one.
+/// A sidescan that looks upwards as well as downwards, over a seabed with a box, 3 m under an optional
+/// surface.
 std::string scene(const std::string& beginning, double height_m, const std::string& sensor = {}) {
   return beginning + flat_terrain(16, 16, "material = \"sand\"\n") +
          fmt::format(R"([[objects]]
@@ -65,7 +65,7 @@ std::string gradient(const std::string& per_s) {
          "\nprofile_bottom_m = 30\nsurface_height_m = 6\n";
 }
 
-// The surface's image of a sonar 3 m below it is one 3 m above it.
+// The mirror image of a sonar 3 m below the surface is a sonar 3 m above it.
 TEST_F(CoverageOverMirrors, IsThatOfSonarsAtTheImages) {
   const Covered straight = cover(scene(even + sand, 3)),
                 apart = cover(scene(even + sand, 3, "receiver_arm_m = [0, 0, 6]\n")),
@@ -79,7 +79,7 @@ TEST_F(CoverageOverMirrors, IsThatOfSonarsAtTheImages) {
     expect_near(of(3, "only_order = 1\n"), straight, error);
     expect_near(of(2, "only_order = 2\n"), apart, error);
     expect_near(of(3, "only_order = 3\n"), above, error);
-    // Together they see no less than each, and less than the sum.
+    // Together they cover at least as much as each, and at most the sum.
     const Covered all = of(3, "");
     for (const Covered* one : {&straight, &apart, &above})
       for (const auto& [facet, share] : one->seen) EXPECT_GE(all.seen.at(facet), share - error);
@@ -99,8 +99,8 @@ TEST_F(CoverageOverMirrors, AnOptionSaysHowFarPathsAreFollowed) {
   EXPECT_EQ(cover(mirrored, {"--threads", "1"}).table, all.table);
 }
 
-// A wall that mirrors, and a seabed that goes on behind it: its plane cuts facets. Without the wall, from its
-// image, over a seabed that ends there.
+// A wall that is a mirror, and a seabed that extends behind it: the mirror plane cuts facets. The
+// comparison has no wall, the image of the sonar, and a seabed that ends at the plane.
 TEST_F(CoverageOverMirrors, FacetsThatAMirrorsPlaneCutsEndThere) {
   const auto camera = [](double north_m, double heading_deg) {
     return fmt::format(
@@ -126,8 +126,8 @@ TEST_F(CoverageOverMirrors, FacetsThatAMirrorsPlaneCutsEndThere) {
   EXPECT_GT(mirrored.seen_m2, 10);
 }
 
-// A sidescan's fans receive themselves alone: what one sends to the other by way of a wall, or of where its
-// receiver hangs, is not seen.
+// Each fan of a sidescan receives only its own transmissions. Coverage excludes sound from one fan to the
+// other, over a wall or at a separate receiver.
 TEST_F(CoverageOverMirrors, NobodyReceivesWhatOneFanSendsToAnother) {
   const std::string wall =
       "[[materials]]\nname = \"steel\"\nspecular_loss_db = 3\n[[objects]]\nname = \"wall\"\nshape = \"box\"\n"
@@ -155,7 +155,8 @@ TEST_F(CoverageOverMirrors, NobodyReceivesWhatOneFanSendsToAnother) {
   }
 }
 
-// Exact corners are those of paths of order 1: where that is left out, so are they, and that is said.
+// Exact corners are those of paths of order 1. Without this order there are none, and the program reports
+// this.
 TEST_F(CoverageOverMirrors, ExactCornersOfOtherOrdersAreRefused) {
   const auto file = folder.write("scene.toml", scene(even + surface(2, "only_order = 2\n") + sand, 3));
   const Outcome outcome =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot coverage: tables and layers that agree with each other and close in rationals, in the scene's
-// reference system; and what has no coverage is refused.
+// Tests `tubefoot coverage`: tables and layers agree with each other and close in rationals, in the
+// reference system of the scene. Scenes without coverage are rejected.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 using Rational = boost::multiprecision::mpq_rational;
 using testing::HasSubstr;
 
-/// Five pings of a sidescan past a box on a flat seabed; neighbours' beams overlap.
+/// Five pings of a sidescan past a box on a flat seabed. Adjacent beams overlap.
 constexpr std::string_view scene = R"(
 title = "Box"
 [[materials]]
@@ -116,7 +116,7 @@ TEST(CoverageRun, LayersAndTablesAgreeAndCloseInRationals) {
     EXPECT_EQ(seen[id], facet.seen);
   }
 
-  // Polygons: every facet wholly covered by its own, plan areas of OGR included.
+  // Polygons cover each facet completely, including plan areas by OGR.
   std::map<GIntBig, double> area, seen_area, shadow_area;
   for (const auto& feature : *data->GetLayerByName("coverage")) {
     const GIntBig facet = feature->GetFieldAsInteger64("facet");
@@ -207,7 +207,7 @@ TEST(CoverageRun, IsInTheReferenceSystemOfTheScene) {
   EXPECT_NEAR(utm.MaxY - local.MaxY, 7245100, 1e-6);
 }
 
-// Doubles choose the same planes here; where they take much for zero, what they chose is still a partition.
+// Doubles choose the same planes here. With a large tolerance their choice is still a partition.
 TEST(CoverageRun, OfWhatDoublesSeeIsAsExact) {
   const TestFolder folder;
   const fs::path file = folder.write("scene.toml", scene);
@@ -263,7 +263,7 @@ TEST(CoverageRun, ASectorThatMeetsNothingGivesEmptyTables) {
   EXPECT_TRUE(fs::exists(folder / "out/coverage.gpkg"));
 }
 
-/// Boxes sunk into the sand, cylinders, curved primitives in facets: contacts of all kinds.
+/// Boxes embedded in the sand, cylinders and curved primitives of facets give contacts of all kinds.
 TEST(CoverageRun, WellheadCloses) {
   const TestFolder folder;
   const Outcome outcome = cover(fs::path(TUBEFOOT_SOURCE_DIR) / "scenes/wellhead/scene.toml",

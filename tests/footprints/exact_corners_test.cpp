@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exact corners where facets are seen elsewhere, or from two places: the polygons of the table, in rationals,
-// on the seabed.
+// Tests exact corners of apparent facets and of bistatic footprints: the polygons of the table, in
+// rationals, on the seabed.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <ogrsf_frmts.h>
@@ -132,7 +132,7 @@ TEST_P(ExactCorners, AreThoseOfTheTable) {
     const int facet = number("facet"), tube = number("tube"), rx = number("receive_tube");
     const auto found = exact.area_m2.find({facet, tube, apart ? rx : -1});
     ASSERT_NE(found, exact.area_m2.end()) << facet << ' ' << tube << ' ' << rx;
-    // The seabed is the plane 0, though rays lead where it does not seem to be.
+    // The seabed is the plane 0, although rays arrive from apparent positions.
     if (std::string(row->GetFieldAsString("material")) == "sand") {
       EXPECT_LT(exact.farthest_up_m.at(facet), 1e-9);
       ++surface_apex;
@@ -154,7 +154,7 @@ TEST_P(ExactCorners, AreThoseOfTheTable) {
   EXPECT_EQ(rows, keys);
 }
 
-// Doubles choose the same planes here; where they take much for zero, corners are still numbers.
+// Doubles choose the same planes here. With a large tolerance, corners are still numbers.
 TEST(ExactCornersOfDoubles, AreWhereTheChosenPlanesMeet) {
   const TestFolder folder;
   const auto corners = [&](const std::string& run, const char* name) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the columns of tubefoot footprints say: energies against the echoes of a run, occluders and areas
-// against projections onto a flat seabed, chosen pings and beams, and what is refused.
+// Tests the columns of `tubefoot footprints`. Energies are compared with the echoes of a run. Occluders and
+// areas are compared with projections onto a flat seabed. Selections of pings and beams, and rejected
+// options, are tested, too.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// A seabed, rough or not, with a box on it, under a sensor with the keys given; all in the window.
+/// A flat or rough seabed with a box under a sensor with the given keys. All ranges lie in the range gate.
 std::string box_scene(const std::string& sensor_keys, const std::string& more = {}) {
   return "[water]\nabsorption_db_per_km = 300\n" + lambert_material("sand", -27) +
          lambert_material("steel", -5) +
@@ -44,7 +45,7 @@ samples = 64
          "\n";
 }
 
-/// The same under water that refracts.
+/// The same in stratified water.
 std::string in_layers(const std::string& scene) {
   return replaced(scene, "absorption_db_per_km = 300",
                   "absorption_db_per_km = 300\nprofile = \"gradient\"\nsound_speed_m_s = 1500\n"
@@ -82,7 +83,7 @@ TEST_P(FootprintEnergies, SumToTheEchoes) {
   const auto [name, sensor, more, tolerance, by_beam] = GetParam();
   std::string scene = box_scene(sensor, more);
   if (std::string(name).starts_with("Refraction")) scene = in_layers(scene);
-  if (std::string(sensor).starts_with("window")) {  // instead of the scene's own
+  if (std::string(sensor).starts_with("window")) {  // in place of the values of the scene
     scene = replaced(scene, "window_start_m = 1\n", "");
     scene = replaced(scene, "window_length_m = 20\n", "");
   }
@@ -166,8 +167,8 @@ TEST(FootprintChoice, LeavesOutWhatFootprintsAreNot) {
   EXPECT_THAT(twice.err, HasSubstr("footprints are those of what is scattered once"));
 }
 
-// A seabed in z = 0 (facets 0, 1) under a plate in z = 1 (facets 2, 3), from 5 m: what a tube and a facet are
-// on the seabed's plane follows from similar triangles.
+// A seabed in z = 0 (facets 0, 1) under a plate in z = 1 (facets 2, 3), from 5 m. Similar triangles give
+// the sections of tubes and facets on the plane of the seabed.
 constexpr std::string_view two_plates = R"(v -20 -20 0
 v 20 -20 0
 v 20 20 0
@@ -213,7 +214,7 @@ double signed_area(const Polygon& p) {
   return twice / 2;
 }
 
-/// Convex polygons, whichever way they turn.
+/// Convex polygons of either orientation.
 Polygon intersection(Polygon a, Polygon b) {
   if (signed_area(b) < 0) std::reverse(b.begin(), b.end());
   for (std::size_t k = 0; k < b.size() && !a.empty(); ++k) {
@@ -233,7 +234,7 @@ Polygon intersection(Polygon a, Polygon b) {
 
 double common_area(const Polygon& a, const Polygon& b) { return std::abs(signed_area(intersection(a, b))); }
 
-/// By number: the tube's quadrangle on the plane z = 0, from the rays in a file of exact corners.
+/// By number: the quadrangle of the tube on the plane z = 0, from the rays in a file of exact corners.
 std::map<int, Polygon> tubes_on_the_seabed(const fs::path& exact) {
   std::map<int, Polygon> tubes;
   std::istringstream lines(bytes_of(exact));
@@ -330,7 +331,7 @@ TEST(FootprintFileBytes, DependOnNeitherThreadsNorTime) {
     };
     const std::string one = bytes("1");
     EXPECT_GT(one.size(), 1000u);
-    EXPECT_TRUE(one == bytes("3"));  // printed, it would drown the message
+    EXPECT_TRUE(one == bytes("3"));  // a failure message with all bytes would be too long
   }
 }
 
@@ -396,7 +397,7 @@ TEST(FootprintMeshes, AreReadBackByTheSceneLoaders) {
                                      mesh.points_m[f[2]] - mesh.points_m[f[0]])) /
               2;
     EXPECT_NEAR(read, area, 1e-9 * area);
-    for (const auto& f : mesh.triangles) {  // seen from the sensor, or edge on to rounding
+    for (const auto& f : mesh.triangles) {  // visible from the sensor, or edge-on to rounding
       const glm::dvec3 p = mesh.points_m[f[0]],
                        n = glm::cross(mesh.points_m[f[1]] - p, mesh.points_m[f[2]] - p);
       EXPECT_GT(glm::dot(n, glm::dvec3(0, 0, 2.5) - p), -1e-12);
@@ -427,7 +428,7 @@ TEST(GeoreferencedFootprints, LieWhereTheSceneDoes) {
   EXPECT_THAT(map->GetLayer(0)->GetMetadataItem("DESCRIPTION"), HasSubstr("scene's CRS"));
   const std::unique_ptr<OGRCoordinateTransformation> to_utm(
       OGRCreateCoordinateTransformation(&lat_lon, &utm));
-  std::map<GIntBig, OGREnvelope3D> uprights;  // of what has no plan area
+  std::map<GIntBig, OGREnvelope3D> uprights;  // of features without plan area
   for (const auto& feature : *map->GetLayerByName("upright"))
     feature->GetGeometryRef()->getEnvelope(&uprights[feature->GetFieldAsInteger64("footprint")]);
   EXPECT_FALSE(uprights.empty());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The Python examples of docs/footprints.md, run as they stand there by the libraries that they recommend:
-// what these read is what the CSV file says.
+// Runs the Python examples of docs/footprints.md unchanged with the recommended libraries. Their results
+// agree with the CSV file.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// The code block under a heading.
+/// Returns the code block under a heading.
 std::string example(const std::string& heading) {
   const std::string page = bytes_of(fs::path(TUBEFOOT_SOURCE_DIR) / "docs" / "footprints.md"),
                     begin = "```python\n";
@@ -71,7 +71,8 @@ struct FootprintExamples : testing::Test {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return file;
   }
-  /// What the example under a heading prints about a file; nothing where Python lacks what it imports.
+  /// Returns the output of the example under a heading for a file, or nothing if Python lacks an imported
+  /// module.
   std::string run(const std::string& heading, const fs::path& file) const {
     const auto script = folder.write("example.py", example(heading));
     const auto output = folder / "output.txt";
@@ -84,7 +85,7 @@ struct FootprintExamples : testing::Test {
     EXPECT_EQ(status, 0) << printed;
     return printed;
   }
-  /// The number behind a text.
+  /// Returns the number after a text.
   static double behind(const std::string& output, const std::string& text) {
     const std::size_t at = output.find(text);
     if (at == std::string::npos) throw std::runtime_error("no '" + text + "' in: " + output);
@@ -141,7 +142,8 @@ TEST_F(FootprintExamples, GeoPandasKnowsTheSceneOnEarth) {
             0);
   const std::string output = run("### GeoPandas", file);
   EXPECT_THAT(output, HasSubstr("footprints in WGS 84 / UTM zone 32N\n"));
-  EXPECT_NEAR(behind(output, "plan area "), area, 1e-5 * area);  // a northing has a nanometre
+  // a northing has a resolution of a nanometre
+  EXPECT_NEAR(behind(output, "plan area "), area, 1e-5 * area);
 }
 
 TEST_F(FootprintExamples, VtkMeasuresTheCells) {
@@ -163,7 +165,7 @@ TEST_F(FootprintExamples, NetcdfIsReadAsRaggedColumns) {
   const Totals all = totals();
   EXPECT_THAT(output, HasSubstr(fmt::format("{} footprints", all.rows)));
   EXPECT_NEAR(behind(output, "energy "), all.energy_j, 1e-9 * all.energy_j);
-  EXPECT_THAT(output, HasSubstr(" J m-2\n"));  // as the file has it
+  EXPECT_THAT(output, HasSubstr(" J m-2\n"));  // as in the file
   EXPECT_LT(behind(output, "worst "), 1e-9);
   EXPECT_THAT(output, HasSubstr(fmt::format("occluders {0} {0}\n", all.occluders)));
   EXPECT_THAT(output, HasSubstr("materials ['sand', 'painted steel']"));
@@ -177,7 +179,7 @@ TEST_F(FootprintExamples, FractionsCloseEveryTube) {
   EXPECT_GT(tubes, 1u);
   EXPECT_THAT(output, HasSubstr(fmt::format("closed: {}\n", tubes)));
   EXPECT_GT(behind(output, "tubes, "), double(tubes));
-  // A corner that is off by the least is found.
+  // The smallest error of a corner is detected.
   std::string text = bytes_of(file);
   const std::size_t piece = text.find("\npiece "), slash = text.find('/', piece);
   ASSERT_NE(slash, std::string::npos);

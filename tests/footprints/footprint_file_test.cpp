@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot footprints: files that OGR reads back, whose polygons, areas and angles agree with each other and
-// with the sector that the sensor looks into.
+// Tests the files of `tubefoot footprints`: OGR reads them, and polygons, areas and angles agree with each
+// other and with the sector of the sensor.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// Two pings of a camera whose whole sector meets the seabed; a box stands in it.
+/// Two pings of a camera whose whole sector meets the seabed, with a box in the sector.
 const std::string scene =
     lambert_material("sand", -27) + lambert_material("steel", -27) +
     rough_terrain(40, 60, 0.5, "name = \"bed\"\nmaterial = \"sand\"\nrms_height_m = 0.05\n") + box_ahead(4) +
@@ -92,7 +92,7 @@ std::vector<Row> read_footprints(const fs::path& file, const glm::dvec3& apex) {
     glm::dvec3 area(0);
     const auto add = [&](const OGRSimpleCurve& ring) {
       EXPECT_TRUE(ring.get_IsClosed());
-      area += area_of(ring);  // holes turn the other way
+      area += area_of(ring);  // holes have the opposite orientation
       for (int k = 0; k < ring.getNumPoints(); ++k) {
         const double range = glm::distance(apex, glm::dvec3(ring.getX(k), ring.getY(k), ring.getZ(k)));
         row.nearest_corner_m = std::min(row.nearest_corner_m, range);
@@ -107,7 +107,7 @@ std::vector<Row> read_footprints(const fs::path& file, const glm::dvec3& apex) {
     } else if (!geometry->IsEmpty()) {
       for (const OGRPolygon* polygon : *geometry->toMultiPolygon())
         for (const OGRLinearRing* ring : *polygon) add(*ring);
-    } else {  // a GeoPackage has them in a layer of their own
+    } else {  // a GeoPackage stores them in a separate layer
       const auto lines = uprights.find(feature->GetFID());
       if (lines == uprights.end()) throw std::runtime_error("a footprint without shape");
       add_lines(*lines->second);
@@ -162,7 +162,7 @@ TEST_P(FootprintFiles, AreReadBackWholeAndConsistent) {
     const double range = glm::distance(row.centroid_m, glm::dvec3(0, 0, 2.5));
     EXPECT_GE(range, row.near_m - 1e-9);
     EXPECT_LE(range, row.far_m + 1e-9);
-    // A facet's solid angle is its area, foreshortened, over range squared: between the extremes of its
+    // The solid angle of a facet is its foreshortened area over range squared: between the extremes of its
     // ranges.
     EXPECT_LE(row.solid_angle_sr, row.area_m2 / (row.near_m * row.near_m));
     EXPECT_GT(row.solid_angle_sr, 0);
@@ -173,8 +173,8 @@ TEST_P(FootprintFiles, AreReadBackWholeAndConsistent) {
   EXPECT_EQ(beams.size(), 12u);
   EXPECT_EQ(*beams.rbegin(), 11);
   EXPECT_GT(cut, 0u) << "the box hides something";
-  // The seabed fills the sector, 29 x 14 degrees: an azimuth-elevation sector, whose walls of constant
-  // elevation the tubes replace by planes, at most 1e-4 outwards.
+  // The seabed fills the sector of 29 x 14 degrees in azimuth and elevation. The tubes replace its walls of
+  // constant elevation by planes, at most 1e-4 outwards.
   const double sector = 29 * std::numbers::pi / 180 * 2 * std::sin(7 * std::numbers::pi / 180);
   EXPECT_GE(solid_angle, sector * (1 - 1e-8));
   EXPECT_LE(solid_angle, sector * (1 + 1e-4));
@@ -196,7 +196,7 @@ TEST_P(FootprintFiles, EarlierFileOutlivesAFailedRun) {
   const std::string earlier = "an earlier file, of whatever kind";
   folder.write(file.filename().string(), earlier);
   const auto expect_untouched = [&] {
-    EXPECT_TRUE(bytes_of(file) == earlier);  // printed, it would drown the message
+    EXPECT_TRUE(bytes_of(file) == earlier);  // a failure message with all bytes would be too long
     EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml", file.filename().string()}));
   };
   EXPECT_EQ(write({"--pings", "2"}).exit_code, 2);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Footprints of paths over mirrors: energies against the echoes of a run, order by order, and places and
-// ranges against an image that the test makes itself.
+// Tests footprints of paths over mirrors. Energies are compared with the echoes of a run, order by order.
+// Positions and ranges are compared with an image that the test constructs.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,8 +24,8 @@ struct PathCase {
   double tolerance;
 };
 
-/// A sidescan between a rough seabed with a box, and a surface that mirrors; it receives no specular return
-/// of that.
+/// A sidescan between a rough seabed with a box, and a surface that is a mirror. It receives no specular
+/// return from the surface.
 class FootprintsOverMirrors : public testing::TestWithParam<PathCase> {
  protected:
   static std::string scene(int order, std::string_view only, double height_m = 3) {
@@ -98,7 +98,7 @@ TEST_P(FootprintsOverMirrors, SumToTheEchoesOfTheirOrder) {
   EXPECT_NEAR(all.sum("energy_j"), sum, 1e-12 * sum);
 }
 
-// The place and the half paths of a footprint are those of its image and the seabed.
+// The position and the half paths of a footprint are those of its image and the seabed.
 TEST(FootprintsOverTheSurface, LieOnTheSeabedAtTheRangesOfTheImages) {
   const TestFolder folder;
   const std::string scene =

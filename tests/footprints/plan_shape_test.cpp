@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Convex pieces as valid simple features: GEOS is asked through GDAL.
+// Tests that convex pieces become valid simple features. GEOS, which GDAL calls, decides whether they are
+// valid.
 #include "footprints/plan_shape.hpp"
 
 #include <fmt/format.h>
@@ -20,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Pieces and their corners, one behind the other.
+/// Pieces and their corners in sequence.
 struct Pieces {
   std::vector<glm::dvec3> corners;
   std::vector<Piece> pieces;
@@ -69,7 +70,7 @@ TEST(PieceUnion, ARingOfPiecesHasAHole) {
   EXPECT_TRUE(ring.shape().multi_polygon()->IsValid());
 }
 
-// A hole that touches the border in a corner is a hole; the ring must not come to that corner twice.
+// A hole that touches the border in a corner is a hole: the ring must not visit this corner twice.
 TEST(PieceUnion, AHoleMayTouchTheBorder) {
   Pieces pieces;
   pieces.add({{0, 0, 0}, {4, 0, 0}, {2, 2, 0}});  // about a hole (0, 0) (2, 2) (1, 3) (0, 2)
@@ -105,7 +106,7 @@ TEST(PlanShape, OfAWallIsTheLinesRoundIt) {
   EXPECT_TRUE(shape.multi_line()->IsValid());
 }
 
-/// Squares of a board, some of them taken away, each cut into up to three; turned in space and moved.
+/// Squares of a board with some removed, each cut into up to three pieces, rotated in space and displaced.
 TEST(PlanShape, OfRandomBoardsIsValidWholeAndOfTheirCorners) {
   ASSERT_TRUE(OGRGeometryFactory::haveGEOS());
   constexpr unsigned seed = 20261124;
@@ -127,10 +128,10 @@ TEST(PlanShape, OfRandomBoardsIsValidWholeAndOfTheirCorners) {
         const double x = column, y = row, at = any(random), low = any(random);
         if (any(random) < 0.3) {
           board.add({placed(x, y), placed(x + 1, y), placed(x + 1, y + 1), placed(x, y + 1)});
-        } else if (any(random) < 0.5) {  // two, cut across: a corner on each of two neighbours' edges
+        } else if (any(random) < 0.5) {  // two pieces: a corner on edges of two adjacent squares
           board.add({placed(x, y), placed(x + low, y), placed(x + at, y + 1), placed(x, y + 1)});
           board.add({placed(x + low, y), placed(x + 1, y), placed(x + 1, y + 1), placed(x + at, y + 1)});
-        } else {  // three round a point inside
+        } else {  // three pieces around an inner point
           const glm::dvec3 middle = placed(x + 0.2 + 0.6 * at, y + 0.2 + 0.6 * low);
           board.add({placed(x, y), placed(x + 1, y), middle});
           board.add({placed(x + 1, y), placed(x + 1, y + 1), middle});
@@ -189,7 +190,8 @@ TEST(PlanShape, EveryFeatureOfTheShippedScenesIsAValidSimpleFeature) {
   expect_valid({"footprints", wrecks, "--sensor", "multibeam", "--pings", "90:94"}, "wrecks.gpkg", 5000);
 }
 
-// Northings of 5 400 000 m have a nanometre: thin shapes that rounding folds over are mended.
+// Northings of 5 400 000 m have a resolution of a nanometre. Thin shapes that rounding folds over are
+// repaired.
 TEST(PlanShape, ValidInAProjectedSystemToo) {
   const TestFolder folder;
   const fs::path scene =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Recordings of ROS 2: MCAP files, serialized messages, messages as they are printed, metadata. (SQLite files
-// are read by SQLite.)
+// Fuzzes recordings of ROS 2: MCAP files, serialized messages, printed messages, and metadata. (SQLite
+// itself reads SQLite files.)
 #include <cmath>
 
 #include "files/shown.hpp"
@@ -46,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::may_refuse([&] {
     try {
       fuzz::check(read_bag(kind == 3 ? file.parent_path() : file));
-    } catch (const UsageError& error) {  // a topic to be chosen
+    } catch (const UsageError& error) {  // a topic must be chosen
       fuzz::check_message(shown(error.what()));
     }
   });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tables as CSV: trajectories, sound-speed profiles and casts, beam patterns, scattering models.
+// Fuzzes CSV tables: trajectories, sound-speed profiles and casts, beam patterns, and scattering models. A
+// reader may only reject a table by InputError.
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>

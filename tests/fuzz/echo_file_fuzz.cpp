@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Echo files, from whoever wrote them: bytes as they are, in netCDF's classic formats; and whole files,
-// classic or netCDF-4, with dimensions, types, units and values as the bytes say. netCDF and HDF5 are not
-// under test: docs/fuzzing.md.
+// Fuzzes echo files of any origin. The input is raw bytes in netCDF's classic formats, or a description of
+// a whole classic or netCDF-4 file. The description has dimensions, types, units and values. The libraries
+// netCDF and HDF5 are not under test: docs/fuzzing.md.
 #include <netcdf.h>
 
 #include <array>
@@ -43,7 +43,7 @@ void put_attribute(int id, int variable, const char* name, const std::string& te
     nc_put_att_string(id, variable, name, 0, nullptr);
 }
 
-/// Dimensions, attributes and variables of one group. What netCDF refuses is not there.
+/// Defines dimensions, attributes and variables of one group, except for those that netCDF rejects.
 void define(int id, Bytes& bytes, std::vector<std::vector<double>>& written) {
   constexpr std::array lengths{std::size_t{0},       std::size_t{1},       std::size_t{100000},
                                std::size_t{1} << 31, std::size_t{1} << 40, std::size_t{65536}};
@@ -52,7 +52,7 @@ void define(int id, Bytes& bytes, std::vector<std::vector<double>>& written) {
     const std::uint32_t how = bytes.below(16);
     if (how == 15) continue;
     int dimension = 0;
-    const std::size_t length = how < lengths.size() ? lengths[how] : how - lengths.size();  // 0: grows
+    const std::size_t length = how < lengths.size() ? lengths[how] : how - lengths.size();  // 0: unlimited
     const std::string name = how == 14 ? word(bytes, {"ping", "beam", "sample"}) : usual;
     if (nc_def_dim(id, name.c_str(), length, &dimension) == NC_NOERR) dimensions.push_back(dimension);
   }
@@ -106,7 +106,7 @@ void define(int id, Bytes& bytes, std::vector<std::vector<double>>& written) {
       const std::uint32_t pattern = bytes.below(4);
       for (std::size_t k = 0; k < count; ++k)
         written.back().push_back(pattern == 0 ? number(bytes) : double(k) * (pattern == 1 ? 0.5 : 1e-9));
-    } else if (!ids.empty()) {  // what is never written must not take room
+    } else if (!ids.empty()) {  // variables that are never written must not take space
       const std::vector<std::size_t> chunk(ids.size(), 1);
       nc_def_var_chunking(id, variable, NC_CHUNKED, chunk.data());
     }
@@ -118,7 +118,7 @@ void fill(int id, const std::vector<std::vector<double>>& written) {
     if (!written[v].empty()) nc_put_var_double(id, static_cast<int>(v), written[v].data());
 }
 
-/// A netCDF file; none if netCDF refuses it.
+/// Writes a netCDF file. Returns false if netCDF rejects it.
 bool write_echoes(const std::filesystem::path& file, Bytes& bytes) {
   constexpr std::array formats{NC_NETCDF4, 0, NC_64BIT_OFFSET, NC_64BIT_DATA};
   const int format = formats[bytes.below(formats.size())];
@@ -134,7 +134,7 @@ bool write_echoes(const std::filesystem::path& file, Bytes& bytes) {
         groups.push_back({group, {}});
     }
   for (auto& [group, written] : groups) define(group, bytes, written);
-  // Classic files hold room for what was never written: not terabytes of it.
+  // Classic files reserve space for unwritten data, which must stay small.
   std::size_t room = 0;
   if (format != NC_NETCDF4) {
     int count = 0;
@@ -182,7 +182,7 @@ void read(const std::filesystem::path& file) {
 }  // namespace
 }  // namespace tubefoot::fuzz
 
-/// A byte: 0 to 1 the file follows, else what is to be in it.
+/// First byte: for 0 to 1 the file follows, else a description of the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
   const fuzz::TimeLimit limit;

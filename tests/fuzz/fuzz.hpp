@@ -17,10 +17,11 @@
 
 #include "files/input_error.hpp"
 
-// What all targets share (docs/fuzzing.md).
+// Common functions of all fuzz targets (docs/fuzzing.md): input bytes, scratch files, limits on processor
+// time, and checks of error messages.
 namespace tubefoot::fuzz {
 
-/// An input, taken from the front; zeros after its end.
+/// An input that is read from the front. It returns zeros after its end.
 class Bytes {
  public:
   Bytes(const std::uint8_t* data, std::size_t size) : left_(reinterpret_cast<const char*>(data), size) {}
@@ -36,7 +37,7 @@ class Bytes {
   }
   /// 0 to `end` - 1.
   std::uint32_t below(std::uint32_t end) { return take<std::uint8_t>() % end; }
-  /// 0 to `end` - 1, of two bytes.
+  /// 0 to `end` - 1, from two bytes.
   std::uint32_t below_many(std::uint32_t end) { return take<std::uint16_t>() % end; }
   std::string_view text(std::size_t most) {
     const std::string_view front = left_.substr(0, most);
@@ -50,19 +51,19 @@ class Bytes {
   std::string_view left_;
 };
 
-/// Stops the program, for libFuzzer to report the input.
+/// Stops the program, so that libFuzzer reports the input.
 [[noreturn]] inline void finding(const std::string& what) {
   std::fprintf(stderr, "finding: %s\n", what.c_str());
   std::abort();
 }
 
-/// Processor time of all threads that an input may take while one of these lives. (libFuzzer's own limit
-/// counts by the clock, which says little on a machine that is busy otherwise.)
+/// Limits the processor time of all threads during its lifetime. (libFuzzer's own limit uses the clock,
+/// which is not meaningful on a busy machine.)
 class TimeLimit {
  public:
   TimeLimit() {
     static const bool ready = [] {
-      std::signal(SIGPROF, [](int) { std::abort(); });  // libFuzzer reports where
+      std::signal(SIGPROF, [](int) { std::abort(); });  // libFuzzer reports the position
       return true;
     }();
     static_cast<void>(ready);
@@ -80,7 +81,7 @@ class TimeLimit {
   }
 };
 
-/// A folder of this process, in memory where there is /dev/shm; removed at the end.
+/// A folder of this process, in memory if there is /dev/shm. It is removed at the end.
 inline const std::filesystem::path& scratch_folder() {
   static const std::filesystem::path folder = [] {
     const char* const parent = std::filesystem::is_directory("/dev/shm") ? "/dev/shm" : "/tmp";
@@ -96,7 +97,7 @@ inline const std::filesystem::path& scratch_folder() {
   return folder;
 }
 
-/// A file with these bytes; the next one of that name takes its place.
+/// Writes a file with these bytes. The next file of that name replaces it.
 inline std::filesystem::path scratch_file(std::string_view name, std::string_view content) {
   std::filesystem::path file = scratch_folder() / name;
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
@@ -105,7 +106,7 @@ inline std::filesystem::path scratch_file(std::string_view name, std::string_vie
   return file;
 }
 
-/// What a refusal must be: a message of a few lines, not the input's own bytes.
+/// Checks an error message: it has a few lines and does not contain the raw bytes of the input.
 inline void check_message(const std::string& message) {
   constexpr std::size_t longest = 20000;  // 4000 characters, at worst all of them as \x1b
   if (message.empty()) finding("an error without a word");
@@ -115,8 +116,8 @@ inline void check_message(const std::string& message) {
       finding("a control character in a message: " + message);
 }
 
-/// Runs a reader. It may refuse by InputError, with a place; what else it throws goes on up, to
-/// std::terminate(), and libFuzzer reports it.
+/// Runs a reader. The reader may reject the input by InputError, with a position. Other exceptions
+/// propagate to std::terminate(), and libFuzzer reports them.
 template <class Read>
 void may_refuse(const Read& read) {
   try {

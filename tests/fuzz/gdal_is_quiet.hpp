@@ -7,7 +7,7 @@
 
 #include "fuzz.hpp"
 
-/// What GDAL has to say belongs into our messages, not on the terminal.
+/// Collects GDAL's messages for our own messages, instead of printing them on the terminal.
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   CPLSetErrorHandler([](CPLErr severity, CPLErrorNum, const char* text) {
     if (severity >= CE_Warning) tubefoot::fuzz::finding(std::string("GDAL speaks past the program: ") + text);

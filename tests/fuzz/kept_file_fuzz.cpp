@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files that tubefoot keeps for itself and takes up again: pings of a run that did not end, refined
-// seabeds, parts of a run.
+// Fuzzes files that tubefoot writes and resumes from: checkpoints, refined seabeds, and shards of a run,
+// each damaged or arbitrary.
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -29,7 +29,7 @@ nlohmann::ordered_json requested() { return {{"scene_hash", "0123"}, {"reference
 
 nlohmann::ordered_json identity() { return {{"asked", requested()}, {"run", json_of(RunRequest())}}; }
 
-/// A file of pings as the program writes it, with some pings done, or of another layout or identity.
+/// A file of pings as the program writes it, with some finished pings, or with another layout or identity.
 std::string good_store(std::uint32_t kind) {
   const auto file = scratch_folder() / "made.pings";
   StoreLayout made = layout();
@@ -48,7 +48,7 @@ std::string good_store(std::uint32_t kind) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Changes bytes of a file's text, cuts it or makes it longer, as the input says.
+/// Changes bytes of a file, truncates it or extends it, according to the input.
 std::string damaged(std::string text, Bytes& bytes) {
   while (!bytes.empty()) {
     const std::uint32_t how = bytes.below(8);
@@ -212,7 +212,8 @@ void refined_seabed(Bytes& bytes) {
 }  // namespace
 }  // namespace tubefoot::fuzz
 
-/// A byte for the kind of file, one or two for what is made of a good one, then the damage or the file.
+/// A byte for the kind of file, one or two bytes for the variant of a good file, then the damage or the
+/// file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
   const fuzz::TimeLimit limit;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The kernel: bytes become a tube and some facets. It must close, see the same in all three exact
-// arithmetics, and see of each plane what taking cones away from one another, in plain rationals, leaves of
-// it.
+// Fuzzes the kernel: the input describes a tube and some facets. The tube must close, and all three exact
+// arithmetics must agree. For each plane the visible area must equal that of cone subtraction in plain
+// rationals.
 #include <array>
 #include <map>
 #include <vector>
@@ -19,7 +19,8 @@ using namespace test;
 constexpr std::int32_t range_end = 1 << WorldGrid::coordinate_bits;
 constexpr std::size_t most_facets = 12;
 
-/// Coordinates of mixed magnitudes: small numbers, powers of two and what is one beside them, anything.
+/// Coordinates of mixed magnitudes: small numbers, powers of two and their neighbours, and arbitrary
+/// numbers.
 std::int32_t coordinate(Bytes& bytes) {
   const auto kind = bytes.take<std::uint8_t>();
   const std::int32_t sign = (kind & 1) != 0 ? -1 : 1;
@@ -53,7 +54,7 @@ bool is_pyramid(const std::vector<GridPoint>& rays) {
   return true;
 }
 
-/// Rays about y: (x0, y, z0) to (x1, y, z1), each moved a little if the bytes say so.
+/// Rays about y: (x0, y, z0) to (x1, y, z1), each optionally displaced a little.
 std::vector<GridPoint> rays_of(Bytes& bytes) {
   const auto kind = bytes.take<std::uint8_t>();
   if (kind % 4 == 3) {
@@ -84,7 +85,8 @@ struct Case {
   TubeSet tubes;
 };
 
-/// A vertex, about the apex: anew, an earlier one, on a ray, between two earlier ones or beside one.
+/// A vertex relative to the apex: a new one, an earlier one, on a ray, or between two earlier ones or next
+/// to one.
 GridPoint vertex(Bytes& bytes, const std::vector<GridPoint>& earlier, const std::vector<GridPoint>& rays) {
   const std::uint32_t kind = bytes.below(8);
   if (kind < 3 || earlier.empty()) return point(bytes);
@@ -150,7 +152,7 @@ bool is_flat(const Cone& cone) {
   return true;
 }
 
-/// What lies outside of a convex cone, given by its walls.
+/// Returns the part outside of a convex cone, which its walls define.
 Pieces without(const Pieces& pieces, const std::vector<V3>& walls) {
   Pieces rest;
   for (const Cone& piece : pieces) {
@@ -162,13 +164,14 @@ Pieces without(const Pieces& pieces, const std::vector<V3>& walls) {
       inside = clipped(inside, wall);
       if (is_flat(inside)) break;
     }
-    if (is_flat(inside)) parts = {piece};  // they do not meet: no need to cut
+    if (is_flat(inside)) parts = {piece};  // they do not meet: no cut is necessary
     rest.insert(rest.end(), parts.begin(), parts.end());
   }
   return rest;
 }
 
-/// Areas in the tube's gnomonic plane of what is seen, facets of one plane together under the first of them.
+/// Visible areas in the gnomonic plane of the tube. Facets of one plane count together under the first of
+/// them.
 std::map<FacetId, Q> expected_areas(const Case& made, const GnomonicPlane& plane,
                                     std::vector<FacetId>& leader) {
   const std::vector<V3> walls = walls_of(cone_of(made.tubes, 0));

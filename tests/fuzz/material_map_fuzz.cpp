@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Material maps: rasters of classes and polygons, draped over a small seabed. GDAL itself is not under test.
+// Fuzzes material maps: rasters of classes and polygons over a small seabed. GDAL itself is not under test
+// (docs/fuzzing.md).
 #include <array>
 #include <cmath>
 
@@ -61,8 +62,8 @@ PolygonMaterialMap polygons(const std::filesystem::path& file, std::uint8_t opti
 }  // namespace
 }  // namespace tubefoot::fuzz
 
-/// A byte each for the format and its options, then the file; of a Shapefile, the lengths of .shp and .shx in
-/// two bytes each, then .shp, .shx and .dbf.
+/// A byte each for the format and its options, then the file. For a Shapefile: the lengths of .shp and .shx
+/// in two bytes each, then .shp, .shx and .dbf.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
   const fuzz::TimeLimit limit;
@@ -98,7 +99,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (mesh.materials.size() != mesh.triangles.size()) fuzz::finding("a facet without a material");
     for (const std::uint16_t m : mesh.materials)
       if (m >= materials.size()) fuzz::finding("a material that there is not");
-    // Cuts move nothing but by their own rounding.
+    // Cuts move points only by rounding.
     if (!(std::abs(fuzz::plan_area(mesh) - 16 * 25) < 1e-3)) fuzz::finding("the bed has another area");
   });
   return 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A mesh file of any format: refused, or facets of finite points that all are used. Of a glTF, what is read
-// before Assimp sees it.
+// Fuzzes mesh files of all formats: a file is rejected, or gives facets of finite points that are all used.
+// For glTF, the fuzzer covers the parts that tubefoot reads before Assimp.
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
@@ -29,7 +29,7 @@ void check(const ComponentMesh& mesh) {
   for (const std::string& warning : mesh.warnings) check_message(shown(warning));
 }
 
-/// On the grid, as load_scene() takes it.
+/// Builds the mesh on the grid, as load_scene() does.
 void build(const ComponentMesh& mesh) {
   glm::dvec3 lo = mesh.points_m.front(), hi = lo;
   for (const glm::dvec3& p : mesh.points_m) lo = glm::min(lo, p), hi = glm::max(hi, p);

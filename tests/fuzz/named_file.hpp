@@ -9,10 +9,10 @@
 
 #include "fuzz.hpp"
 
-// A file that inputs name as a part of a coordinate reference system, and that nobody may open.
+// Watches a file that inputs name as a part of a coordinate reference system, and that no library may open.
 namespace tubefoot::fuzz {
 
-/// While one lives, opening the file is a finding. Seeds name it (tests/fuzz/seeds).
+/// While an object lives, opening the file is a finding. Seeds name this file (tests/fuzz/seeds).
 class NamedFile {
  public:
   static constexpr const char* name = "/tmp/tubefoot-fuzz-named";
@@ -25,7 +25,7 @@ class NamedFile {
   NamedFile& operator=(const NamedFile&) = delete;
 
  private:
-  /// Whether it was opened since the last time.
+  /// Returns whether the file was opened since the last call.
   static bool forget() {
     static const int watch = [] {
       std::ofstream(name) << "named\n";

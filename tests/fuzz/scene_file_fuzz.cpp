@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Scene files, beside a few small files that they may name. What a scene of modest size describes is loaded,
-// too.
+// Fuzzes scene files, next to a few small files that they may name. Scenes of moderate size are also
+// loaded.
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
@@ -79,7 +79,7 @@ bool is_modest(const MaterialDescription& material) {
   return true;
 }
 
-/// Of a size that loads at once, sanitizers and all.
+/// Returns whether the scene loads quickly, even with sanitizers.
 bool is_modest(const SceneDescription& scene) {
   const auto all = [](const auto& list) {
     return list.size() <= 8 && std::ranges::all_of(list, [](const auto& one) { return is_modest(one); });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files of element signals (signals.nc), from whoever wrote them: bytes as they are, in netCDF's classic
-// formats; and whole files, classic or netCDF-4, that are good ones but for what the bytes say of dimensions,
-// types, units and values. netCDF and HDF5 are not under test: docs/fuzzing.md.
+// Fuzzes files of element signals (signals.nc) of any origin. The input is raw bytes in netCDF's classic
+// formats, or a set of changes to a valid classic or netCDF-4 file. The changes concern dimensions, types,
+// units and values. The libraries netCDF and HDF5 are not under test: docs/fuzzing.md.
 #include <netcdf.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ double number(Bytes& bytes) {
   return which < usual.size() ? usual[which] : double(which) * 0.25;
 }
 
-/// 0 in most inputs, so that most of a file is as it should be.
+/// 0 for most inputs, so that most of a file is valid.
 std::uint32_t seldom(Bytes& bytes, std::uint32_t others) {
   const std::uint32_t how = bytes.below(64);
   return how <= others ? how : 0;
@@ -53,7 +53,7 @@ struct Variable {
   const char* name;
   const char* unit;
   std::vector<std::size_t> along;  ///< of `dimensions`
-  double (*usual)(std::size_t);    ///< value, by place
+  double (*usual)(std::size_t);    ///< value by index
 };
 const std::array<Variable, 10>& variables() {
   constexpr auto counted = [](std::size_t k) { return double(k); };
@@ -77,7 +77,7 @@ void define_attributes(int id, Bytes& bytes) {
     const double other = number(bytes);
     switch (const std::uint32_t how = seldom(bytes, 5)) {
       case 1:
-        break;  // it is missing
+        break;  // omitted
       case 2:
         nc_put_att_text(id, NC_GLOBAL, name, 1, "1");
         break;
@@ -100,7 +100,8 @@ void define_attributes(int id, Bytes& bytes) {
   nc_put_att_text(id, NC_GLOBAL, "time_factor", said.size(), said.data());
 }
 
-/// What netCDF refuses is not there. Values are those of variables that are small enough to be written.
+/// Defines variables, except for those that netCDF rejects. Returns the values of variables that are small
+/// enough to be written.
 std::vector<std::pair<int, std::vector<double>>> define_variables(int id, Bytes& bytes) {
   constexpr std::array lengths{std::size_t{0},       std::size_t{1},       std::size_t{100000},
                                std::size_t{1} << 31, std::size_t{1} << 40, std::size_t{65536}};
@@ -111,13 +112,13 @@ std::vector<std::pair<int, std::vector<double>>> define_variables(int id, Bytes&
                                : how <= lengths.size() ? lengths[how - 1]
                                                        : how - lengths.size();
     ids.push_back(-1);
-    nc_def_dim(id, name, length, &ids.back());  // length 0: grows
+    nc_def_dim(id, name, length, &ids.back());  // length 0: unlimited
   }
   constexpr std::array types{NC_FLOAT, NC_INT, NC_CHAR, NC_UINT64};
   std::vector<std::pair<int, std::vector<double>>> written;
   for (const Variable& usual : variables()) {
     const std::uint32_t how = seldom(bytes, 16);
-    if (how == 1) continue;  // it is missing
+    if (how == 1) continue;  // omitted
     std::vector<int> along;
     for (const std::size_t d : usual.along) along.push_back(ids[d]);
     if (how == 2) std::ranges::reverse(along);
@@ -137,11 +138,11 @@ std::vector<std::pair<int, std::vector<double>>> define_variables(int id, Bytes&
     for (const int dimension : along) {
       std::size_t length = 0;
       nc_inq_dimlen(id, dimension, &length);
-      // What grows is one long as soon as one value is in it.
+      // An unlimited dimension has length one after its first value.
       count *= std::max(1.0, double(length)), chunk.push_back(1);
     }
     if (how == 12) nc_def_var_deflate(id, variable, 1, 1, 9);
-    if (count > 4096) {  // what is never written must not take room
+    if (count > 4096) {  // variables that are never written must not take space
       if (!along.empty()) nc_def_var_chunking(id, variable, NC_CHUNKED, chunk.data());
       continue;
     }
@@ -155,7 +156,7 @@ std::vector<std::pair<int, std::vector<double>>> define_variables(int id, Bytes&
   return written;
 }
 
-/// A netCDF file; none if netCDF refuses it.
+/// Writes a netCDF file. Returns false if netCDF rejects it.
 bool write_any(const std::filesystem::path& file, Bytes& bytes) {
   constexpr std::array formats{NC_NETCDF4, 0, NC_64BIT_OFFSET, NC_64BIT_DATA};
   const int format = formats[bytes.below(formats.size())];
@@ -164,7 +165,7 @@ bool write_any(const std::filesystem::path& file, Bytes& bytes) {
   if (nc_create(file.c_str(), NC_CLOBBER | format, &id) != NC_NOERR) return false;
   define_attributes(id, bytes);
   const auto written = define_variables(id, bytes);
-  // Classic files hold room for what was never written: not terabytes of it.
+  // Classic files reserve space for unwritten data, which must stay small.
   if (format != NC_NETCDF4) nc_set_fill(id, NC_NOFILL, &old);
   bool good = nc_enddef(id) == NC_NOERR;
   for (const auto& [variable, values] : written) {
@@ -197,7 +198,7 @@ void read(const std::filesystem::path& file) {
       if (!std::isfinite(pose.position_m[axis])) finding("a pose that is nowhere");
     if (!(std::abs(glm::dot(pose.attitude, pose.attitude) - 1) < 1e-5)) finding("an attitude that is none");
   }
-  // What was read can be kept, and is the same then.
+  // The program can write the signals again, and the copy is equal.
   const std::filesystem::path again = scratch_folder() / "again.nc";
   std::filesystem::remove(again);
   write_signals(again, signals);
@@ -210,7 +211,7 @@ void read(const std::filesystem::path& file) {
 }  // namespace
 }  // namespace tubefoot::fuzz
 
-/// A byte: 0 to 1 the file follows, else what is to be in it.
+/// First byte: for 0 to 1 the file follows, else a description of the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tubefoot;
   const fuzz::TimeLimit limit;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A world of another engine, SDF or Stonefish, beside a mesh: refused, or objects and sonars at finite
-// places.
+// Fuzzes worlds of other engines, SDF or Stonefish, next to a mesh. A world is rejected, or gives objects
+// and sonars at finite positions.
 #include <cmath>
 
 #include "exchange/readers/scene_readers.hpp"

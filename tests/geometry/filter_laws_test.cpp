@@ -8,7 +8,8 @@
 #include "geometry/visibility/candidate_facets.hpp"
 #include "geometry/visibility/gnomonic_frame.hpp"
 
-// What doubles say surely is so, in rationals.
+// Tests filters in doubles against rationals: each decision that a filter reports as certain is correct.
+// The filters compare cones and select candidate facets.
 namespace tubefoot {
 namespace {
 
@@ -16,7 +17,7 @@ using namespace test;
 
 Cone cone_of(const SeenFrom& facet) { return {facet.vertex.begin(), facet.vertex.end()}; }
 
-/// Whether a convex cone has an interior.
+/// Returns whether a convex cone has an interior.
 bool is_solid(const Cone& cone) {
   for (std::size_t j = 1; j < cone.size(); ++j)
     for (std::size_t k = j + 1; k < cone.size(); ++k)
@@ -65,7 +66,7 @@ TEST(GnomonicFilters, WhatIsSureIsSo) {
           return lo + (hi - lo) * uniform(random, 0, 1000) / 1000;
         };
         const glm::dvec2 p{between(box.x0, box.x1), between(box.y0, box.y1)};
-        const glm::dvec3 rounded = frame.direction(p);  // by far less than the filters' margin
+        const glm::dvec3 rounded = frame.direction(p);  // by far less than the margin of the filters
         const V3 d{Q(rounded.x), Q(rounded.y), Q(rounded.z)};
         bool holds = true;
         for (const V3& wall : exact[a].inward) holds = holds && scalar_product(wall, d) >= 0;

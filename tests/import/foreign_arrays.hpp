@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-// NumPy's files written from their specification, byte by byte.
+// Writes files of NumPy byte by byte from their specification: .npy arrays, and .npz archives with claimed
+// sizes.
 namespace tubefoot {
 
 inline std::string npy_header(const std::string& type, const std::string& shape, bool fortran = false) {
@@ -36,7 +37,7 @@ void append_stored(std::string& bytes, Stored value, bool big) {
   bytes.append(own, sizeof own);
 }
 
-/// Of a number above 0 that has one exactly, and of 0.
+/// Bits of a half-precision number. The value is 0 or a positive number with an exact representation.
 inline std::uint16_t half_bits(double value) {
   if (value == 0) return 0;
   const int exponent = std::ilogb(value);
@@ -66,7 +67,7 @@ inline std::string npy_bytes(const std::string& type, const std::vector<std::siz
   return bytes;
 }
 
-/// CRC-32 of ISO 3309, as ZIP has it.
+/// CRC-32 of ISO 3309, as in ZIP.
 inline std::uint32_t crc32_of(const std::string& bytes) {
   std::uint32_t crc = ~0u;
   for (const char byte : bytes) {
@@ -78,10 +79,10 @@ inline std::uint32_t crc32_of(const std::string& bytes) {
 
 struct ZipMember {
   std::string name, bytes;
-  std::uint32_t claimed = 0;  ///< unpacked bytes; 0: those that there are, not packed
+  std::uint32_t claimed = 0;  ///< claimed unpacked bytes; 0: the actual number, stored without compression
 };
 
-/// A ZIP archive of files that are stored as they are (APPNOTE 6.3).
+/// A ZIP archive of stored files (APPNOTE 6.3).
 inline std::string zip_bytes(const std::vector<ZipMember>& members) {
   std::string all, directory;
   for (const auto& [name, bytes, claimed] : members) {
@@ -112,7 +113,7 @@ inline std::string npz_bytes(const std::vector<std::pair<std::string, std::strin
   return zip_bytes(members);
 }
 
-/// Claims 4 GB of what are ten bytes.
+/// Claims 4 GB for ten bytes.
 inline std::string bursting_npz() { return zip_bytes({{"image.npy", "0123456789", 0xfffffff0u}}); }
 
 }  // namespace tubefoot

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files of other engines, written here byte by byte, are read as what they are, and what is wrong with them
-// is said: cut off at every length, bursting, of Python's own objects, in colours.
+// Tests files of other engines, which the test writes byte by byte. The reader recognises their kinds and
+// reports errors: truncation at each length, excessive sizes, Python objects, and colours.
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,13 +41,13 @@ struct ImportFiles : testing::Test {
     } catch (const InputError& error) {
       EXPECT_THAT(error.what(), HasSubstr((folder / name).string()));
       return error.what();
-    } catch (const UsageError& error) {  // a beginning may be of another kind, for which options are none
+    } catch (const UsageError& error) {  // a prefix of another kind rejects the options
       EXPECT_THAT(error.what(), HasSubstr((folder / name).string()));
       return error.what();
     }
     return "not refused";
   }
-  /// Every beginning of a file is refused, and never anything but.
+  /// Expects that each prefix of a file is rejected with a message.
   void expect_refused_at_every_length(const char* name, const std::string& bytes) const {
     for (std::size_t length = 0; length < bytes.size(); ++length)
       EXPECT_NE(refusal(name, bytes.substr(0, length)), "not refused") << length << " of " << bytes.size();
@@ -103,7 +103,7 @@ TEST_F(ImportFiles, FortransOrderIsTurned) {
 
 TEST_F(ImportFiles, ThreeAxesAreSeveralPictures) {
   const ForeignData data = read("a.npy", npy_bytes("<f4", {2, 1, 2}, {1, 2, 3, 4}));
-  // An axis of one place says nothing: two rows, then.
+  // The axis of length one is removed, so that this file has one picture of two rows.
   ASSERT_EQ(data.frames.size(), 1u);
   const ForeignData two = read("b.npy", npy_bytes("<f4", {2, 2, 2}, {1, 2, 3, 4, 5, 6, 7, 8}));
   ASSERT_EQ(two.frames.size(), 2u);
@@ -111,7 +111,7 @@ TEST_F(ImportFiles, ThreeAxesAreSeveralPictures) {
 }
 
 TEST_F(ImportFiles, PointsSayWhereTheyAre) {
-  // Rows at 2 and 3 m, columns at 120, 90 and 60 degrees from starboard: OceanSim's way.
+  // Rows at 2 and 3 m, columns at 120, 90 and 60 degrees from starboard: the order of OceanSim.
   std::vector<double> values;
   for (const double range : {2.0, 3.0})
     for (const double angle : {60.0, 90.0, 120.0}) {
@@ -159,7 +159,7 @@ TEST_F(ImportFiles, BadArraysAreRefused) {
   EXPECT_THAT(refusal("a.npy", with("'<f4'", "'<U4'")), HasSubstr("'<U4'"));
   EXPECT_THAT(refusal("a.npy", with("'<f4'", "[<f4]")), HasSubstr("several types"));
   EXPECT_THAT(refusal("a.npy", with("(3, 2)", "(-3,2)")), HasSubstr("'shape'"));
-  // As many values as there are, by a product that runs over.
+  // The shape is as large as the number of values by a product that overflows.
   EXPECT_THAT(refusal("b.npy", npy_of_shape("<f8", "(4294967296, 4294967296, 2)")),
               HasSubstr("more than there can be"));
   EXPECT_THAT(refusal("b.npy", npy_of_shape("<f8", "(1000000000, 1000000000)")), HasSubstr("claims"));
@@ -172,14 +172,14 @@ TEST_F(ImportFiles, BadArchivesAreRefused) {
   const std::string good = npz_bytes({{"image", npy_bytes("<f4", {2, 2}, {1, 2, 3, 4})}});
   expect_refused_at_every_length("a.npz", good);
   std::string damaged = good;
-  damaged[damaged.find("NUMPY") + 100] ^= 1;  // of the values, which a checksum guards
+  damaged[damaged.find("NUMPY") + 100] ^= 1;  // of the values, which a checksum protects
   EXPECT_NE(refusal("a.npz", damaged), "not refused");
   EXPECT_THAT(refusal("b.npz", npz_bytes({{"no array", ""}})), HasSubstr("NPY"));
   EXPECT_THAT(refusal("c.npz", bursting_npz()),
               testing::AnyOf(HasSubstr("which nothing can be"), HasSubstr("memory")));
 }
 
-// No member claims more than deflate can make of its bytes; all together do.
+// No member claims more than deflate can make of its bytes. All members together do.
 TEST_F(ImportFiles, MembersThatUnpackToFarMoreThanTheArchiveAreRefused) {
   const std::string packed(70'000, 'x');
   const std::uint32_t claimed = std::uint32_t{1} << 26;
@@ -204,7 +204,7 @@ TEST_F(ImportFiles, MatricesInText) {
 }
 
 TEST_F(ImportFiles, TablesOfDave) {
-  // As its code writes them: a plus only where the imaginary part is above 0.
+  // As the code of the engine writes them: a plus only if the imaginary part is above 0.
   const ForeignData data =
       read("raw.csv",
            "# Raw Sonar Data Log (Row: beams, Col: time series data)\n# First column is range "

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot import on what does not go together: options without an object, references whose tables have other
-// lengths, folders whose links lead out of them; and what it kept, imported again.
+// Tests invalid combinations of `tubefoot import`: options without an object, references with tables of
+// other lengths, and folders with links to the outside. It also imports the kept originals again.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ struct ImportRefusals : testing::Test {
   std::string out = (folder / "candidate.nc").string(),
               like = write_foreign(folder / "like.nc", least_echoes()).string();
 
-  /// Of three beams with four samples, a row a beam; no two values alike.
+  /// A picture of three beams with four samples, one row per beam, with distinct values.
   static std::string picture(double first = 1) {
     std::vector<double> values;
     for (int k = 0; k < 12; ++k) values.push_back(first + k * 7 % 12);
@@ -112,7 +112,7 @@ TEST_F(ImportRefusals, OptionsWithoutAnObjectAreRefused) {
   refused("a.png", png, {"--topic", "/sonar"}, "picture");
   refused("a.nc", bytes_of(like), {"--topic", "/sonar"}, "netCDF");
   refused("a.npy", picture(), {"--range-origin", "edges"}, "no ranges");
-  // A profile's own assumption is no wish of the user's.
+  // The assumption of a profile is not an option of the user.
   const std::string at = folder.write("a.npy", picture()).string();
   EXPECT_EQ(import({at, at}, {"--profile", "oceansim", "--order", "beam-first"}).exit_code, 0);
 }
@@ -123,7 +123,7 @@ TEST_F(ImportRefusals, AFullDiskLeavesWhatWasThere) {
   const std::string earlier = bytes_of(out);
   const auto before = names_below(folder.path());
   Surroundings full_disk;
-  full_disk.largest_file_bytes = 1000;  // more than a picture's, less than an echo file's
+  full_disk.largest_file_bytes = 1000;  // more than a picture, less than an echo file
   const Outcome outcome =
       run_program({"import", at, at, "--like", like, "-o", out, "--scale", "energy"}, full_disk);
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
@@ -157,7 +157,7 @@ TEST_F(ImportRefusals, NoMoreEnergiesAreWrittenThanThereAre) {
   EXPECT_THROW(write_candidate(out, candidate, reference, 0), std::logic_error);
 }
 
-/// Their values lie along another file's dimensions, which are not as long.
+/// Their values lie along dimensions of another file, which have other lengths.
 TEST_F(ImportRefusals, TablesOfAReferenceThatAreNotAsLongAreLeftOut) {
   ForeignGroup group = least_echoes();
   group.dimensions.emplace_back("xyz", 1);
@@ -191,14 +191,15 @@ TEST_F(ImportRefusals, AxesThatAreNoAxesOfAPictureAreRefusedBeforeTheyAreCopied)
   expect_refused<InputError>(read, "'long' (25)");
   options.arrays.azimuth_variable = "good";
   EXPECT_EQ(read().frames.size(), 20u);
-  // A row of a two-sided picture has both sides' ranges.
+  // A row of a two-sided picture has the ranges of both sides.
   const std::string sides = npz_bytes({{"image", npy_bytes("<f8", {5, 6}, std::vector<double>(30, 1))},
                                        {"r", npy_bytes("<f8", {3}, {1, 2, 3})}});
   options.arrays = {"image", "r", "", false};
   EXPECT_EQ(read_foreign_file(folder.write("b.npz", sides), options).frames.at(0).range_m.size(), 3u);
 }
 
-/// The farthest row first, and ranges that say so: the file's word is enough.
+/// The farthest row comes first, and the ranges of the file state this. The profile does not reverse them
+/// again.
 TEST_F(ImportRefusals, RangesOfAFileAreNotTurnedAgainByItsProfile) {
   const std::vector<double> truth = energies(like);
   std::vector<double> rows;
@@ -289,7 +290,7 @@ TEST_F(Again, OriginalsMakeTheSameOnceMore) {
   const std::vector<double> first = energies(out);
   EXPECT_EQ(first.size(), 6u * 12);
   EXPECT_EQ(energies((folder / "again.nc").string()), first);
-  // Names by hash have another order than names.
+  // The order of hashes differs from the order of names.
   Words hashes;
   for (int k = 1; k <= 6; ++k) hashes.push_back(hash_of(picture(10 * k)));
   EXPECT_FALSE(std::ranges::is_sorted(hashes));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// tubefoot import from outside: pictures made of a truth in known wrong ways come back as its energies; what
-// is assumed and wrong is found; what cannot be read so is refused.
+// Tests `tubefoot import`. Pictures are made from a reference with known distortions, and the import
+// recovers its energies. It detects wrong assumptions, and rejects unreadable files.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,8 +25,8 @@ using testing::Not;
 
 using Words = std::vector<std::string>;
 
-/// A seabed with a block and a ball that are no mirror image of each other, seen ahead; `keys`: more of the
-/// sonar's.
+/// A seabed with a block and a sphere that are not mirror images of each other, seen ahead. `keys`: further
+/// keys of the sonar.
 std::string scene_with(const std::string& keys) {
   return R"(title = "Blocks"
 [[materials]]
@@ -72,7 +72,7 @@ tilt_deg = 15
 )" + keys;
 }
 
-/// The scene run once for all tests.
+/// The scene, which runs once for all tests.
 struct Reference {
   TestFolder folder;
   std::string scene, file, tangent;
@@ -98,7 +98,7 @@ const Reference& reference() {
   return made;
 }
 
-/// A picture of rows that are ranges, the nearest first, and columns that are beams, port first.
+/// A picture whose rows are ranges, the nearest first, and whose columns are beams, port first.
 struct Picture {
   std::size_t rows, columns;
   std::vector<double> values;
@@ -146,7 +146,7 @@ struct Import : testing::Test {
     words.insert(words.end(), options.begin(), options.end());
     return run_program(words);
   }
-  /// Imports without complaint; then the energies are the truth's, but for a gain, as far as `within`.
+  /// Imports without warnings. The energies then agree with the reference except for a gain, to `within`.
   void expect_truth(const std::string& bytes, const Words& options, double within, double gain = 0,
                     const char* name = "picture.npy") const {
     SCOPED_TRACE(fmt::format("{}", fmt::join(options, " ")));
@@ -248,13 +248,14 @@ TEST_F(Import, WrongOrderIsFoundByTheTruth) {
   warned(Picture(truth).flip_range().flip_beams(), "use --flip-beams --flip-range");
   warned(Picture(truth), "use --no-flip-beams", {"--flip-beams"});
   warned(Picture(truth).each([](double) { return 0; }), "silent where the truth has echoes");
-  // Nothing like the scene.
+  // Values unrelated to the scene.
   std::size_t k = 0;
   warned(Picture(truth).each([&](double) { return double(++k * 7919 % 101); }), "is it the same scene");
 }
 
 TEST_F(Import, AnotherScaleIsReportedAndNeverRefuses) {
-  // A mean per bin differs from a sum as an energy does from its root: the truth cannot tell which it is.
+  // A mean per bin differs from a sum in the same way as an energy from its square root. The reference
+  // cannot decide between them.
   const Echoes& truth = reference().echoes;
   const Picture roots = Picture(truth).each([](double e) { return std::sqrt(e); });
   const Words words = {"--scale", "energy", "--strict"};
@@ -265,13 +266,13 @@ TEST_F(Import, AnotherScaleIsReportedAndNeverRefuses) {
   EXPECT_THAT(import_file("picture.npy", Picture(truth).npy(), words).err, Not(HasSubstr("--scale")));
   std::filesystem::remove(out);
   std::filesystem::remove_all(folder / "candidate.originals");
-  // An order is refuted whatever the scale.
+  // A wrong order is detected for any scale.
   EXPECT_THAT(refusal(Picture(roots).flip_beams().npy(), words), HasSubstr("use --flip-beams"));
 }
 
 TEST_F(Import, AnOutputModelBringsTheReferenceToItsMeasure) {
-  // A picture in amplitudes, declared as it is: with its output model nothing is doubted, and the same is
-  // written.
+  // A picture in amplitudes with a correct declaration: with its output model there is no warning, and the
+  // output is the same.
   const Picture roots = Picture(reference().echoes).each([](double e) { return std::sqrt(e); });
   const std::string output_model = folder / "recipe.toml";
   std::ofstream(output_model) << "[[steps]]\nstep = \"amplitude\"\n";
@@ -284,7 +285,7 @@ TEST_F(Import, AnOutputModelBringsTheReferenceToItsMeasure) {
   EXPECT_THAT(with.err, Not(HasSubstr("warning"))) << with.out;
   EXPECT_THAT(with.out, AllOf(HasSubstr("in the measure of"), HasSubstr("corr 1.00")));
   EXPECT_EQ(read_echoes(out).energy, written);
-  // An order is refuted in it, too, and an output model that is none is reported.
+  // The import also detects a wrong order here, and reports an invalid output model.
   EXPECT_THAT(import_file("picture.npy", Picture(roots).flip_beams().npy(),
                           {"--scale", "energy", "--output-model", output_model})
                   .err,
@@ -297,7 +298,7 @@ TEST_F(Import, AnOutputModelBringsTheReferenceToItsMeasure) {
 }
 
 TEST(ImportBins, ACutHasThePicturesOwnNumbers) {
-  // 0 to 1.1 in steps of 0.1, of which 0.3 to 1.1 is wanted: edges are equal up to rounding only.
+  // 0 to 1.1 in steps of 0.1, of which 0.3 to 1.1 is requested: edges are equal except for rounding.
   std::vector<double> edges, wanted, values;
   for (int k = 0; k <= 11; ++k) edges.push_back(k * 0.1);
   for (int k = 0; k <= 8; ++k) wanted.push_back(0.3 + k * (1.1 - 0.3) / 8);
@@ -317,7 +318,7 @@ TEST_F(Import, WhatLooksLikeNothingDoesNotHold) {
 }
 
 TEST_F(Import, RangesByTheirEdgesAreFound) {
-  // Each bin half a bin farther: the mean of itself and the one before.
+  // Each bin is half a bin farther: the mean of itself and the previous bin.
   Picture picture(reference().echoes);
   for (std::size_t s = picture.rows - 1; s > 0; --s)
     for (std::size_t b = 0; b < picture.columns; ++b) {
@@ -332,12 +333,12 @@ TEST_F(Import, EquidistantBeamsAreFound) {
   const Picture picture(reference().equidistant);
   const Outcome wrong = import_file("picture.npy", picture.npy(), {"--scale", "energy"});
   EXPECT_THAT(wrong.err, HasSubstr("--azimuths tangent"));
-  // Declared, its axes are those of a scene whose beams are equidistant.
+  // With the declaration, the axes are those of a scene with equidistant beams.
   const Outcome right = import_file("picture.npy", picture.npy(),
                                     {"--scale", "energy", "--azimuths", "tangent"}, reference().tangent);
   EXPECT_EQ(right.exit_code, 0) << right.err;
   EXPECT_THAT(right.err, Not(HasSubstr("warning")));
-  // Beside beams even in angle they are other bins, which compare refuses; or they are resampled.
+  // Relative to equiangular beams these are other bins. `compare` rejects them, unless they are resampled.
   const Outcome other =
       import_file("picture.npy", picture.npy(), {"--scale", "energy", "--azimuths", "tangent"});
   EXPECT_THAT(other.err, HasSubstr("'compare' will refuse them"));
@@ -436,7 +437,7 @@ TEST_F(Import, AFanInPixelsComesBack) {
   EXPECT_GT(l1({"--scale", "energy", "--cartesian",
                 fmt::format("{}:{}:{}", double(columns) / 2 + 15, rows, pixel)}),
             0.2);
-  // Turned so that ahead is left, or right.
+  // Rotated so that ahead is left, or right.
   std::vector<double> left, right;
   for (std::size_t row = 0; row < columns; ++row)
     for (std::size_t column = 0; column < rows; ++column) {
@@ -471,7 +472,7 @@ TEST_F(Import, OriginalsAreKeptByTheirHash) {
   EXPECT_EQ(bytes_of(folder / "candidate.originals" / "list.txt"), name + "  picture.npy\n");
   EXPECT_EQ(attribute("import_originals"), name + "  picture.npy\n");
   EXPECT_THAT(attribute("import_options"), HasSubstr("--profile holoocean"));
-  // Once more, from what was kept, by the options that were kept.
+  // Imports the kept originals again with the kept options.
   const Echoes first = read_echoes(out);
   const std::string again = (folder / "again.nc").string();
   ASSERT_EQ(run_program({"import", (folder / "candidate.originals" / (name + ".npy")).string(), "--like",
@@ -516,7 +517,8 @@ TEST_F(Import, SeveralPicturesAreFramesOfAPing) {
 }
 
 TEST_F(Import, BothSidesOfASidescanInOneRow) {
-  // The least of a reference: no names, no poses. Energies of three pings by a rule that no turn keeps.
+  // The minimal reference: no names and no poses. Energies of three pings follow a rule that no flip
+  // preserves.
   ForeignGroup group;
   group.dimensions = {{"ping", 3}, {"beam", 2}, {"sample", 40}};
   std::vector<double> energies, ranges;

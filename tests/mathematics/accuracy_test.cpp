@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far the functions that everything is computed with (cmake/mathematics.cmake) are from the truth:
-// MPFR's.
+// Measures the error of the mathematical functions that all computations use (cmake/mathematics.cmake),
+// relative to MPFR.
 #include <gtest/gtest.h>
 #include <mpfr.h>
 
@@ -11,7 +11,7 @@ extern "C" double exp10(double);
 
 namespace {
 
-// What proofs take for granted is 8 (geometry/numbers/interval.hpp, docs/reference.md).
+// Proofs assume 8 (geometry/numbers/interval.hpp, docs/reference.md).
 constexpr double units_allowed = 4;
 constexpr int trials = 5000;
 
@@ -30,7 +30,7 @@ class Wide {
   mpfr_t value_;
 };
 
-/// Units in the last place of the truth's double.
+/// Error in units in the last place of the double nearest to the exact value.
 double units_off(Wide& truth, double value) {
   const double nearest = mpfr_get_d(truth, MPFR_RNDN);
   if (!std::isfinite(nearest) || !std::isfinite(value))
@@ -114,7 +114,7 @@ TEST(MathematicalFunctions, AreNearTheTruth) {
   expect_near("hypot", std::hypot, mpfr_hypot, far, any);
 }
 
-// What the compiler makes of a sine and a cosine of one angle.
+// The compiler may combine a sine and a cosine of one angle into one call.
 TEST(MathematicalFunctions, GiveTheSameInPairs) {
   std::mt19937_64 random(2);
   for (int trial = 0; trial < trials; ++trial) {

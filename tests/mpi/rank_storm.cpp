@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Run by mpirun: ranks that all send to all before anybody receives. Ends with 1, and a line that says why,
-// if a message is lost, changed or out of order; hangs if a send waits for who sends.
+// Program for mpirun: each rank sends to all ranks before any rank receives. It exits with 1 and a message
+// if a message is lost, changed or out of order. It hangs if a send waits for a sending rank.
 #include <dlfcn.h>
 #include <fmt/format.h>
 
@@ -54,7 +54,7 @@ int storm(RankLink& link) {
   return 0;
 }
 
-/// Says whether a message of a byte leaves rank 0 while rank 1 has not asked for it.
+/// Reports whether a message of one byte leaves rank 0 before rank 1 requests it.
 int hold(RankLink& link, const fs::path& told) {
   if (link.rank() == 0) {
     link.send(1, "?");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Drawings of scenes: what stands where is read back from the SVG by its own axes, and compared with where
-// the scene put it; pictures of every scene that is shipped; mistakes as they look; the commands that write
-// them.
+// Tests drawings of scenes. The test reads positions back from the SVG by its own axes and compares them
+// with the scene. It draws each shipped scene and typical mistakes, and runs the commands that write
+// drawings.
 #include "plan/scene_drawing.hpp"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ std::string drawing_of(const std::string& scene) {
 
 using Texts = std::vector<std::tuple<double, double, std::string>>;
 
-/// Elements of one name, each as its attributes; the text of a text as "".
+/// Elements of one name, each as its attributes; the content of a text has the key "".
 std::vector<std::map<std::string, std::string>> elements(const std::string& svg, const std::string& name) {
   std::vector<std::map<std::string, std::string>> all;
   static const std::regex attribute("([a-z0-9-]+)=\"([^\"]*)\"");
@@ -57,8 +57,7 @@ double number(const std::map<std::string, std::string>& element, const std::stri
   return std::stod(element.at(name));
 }
 
-/// A panel of a drawing, by the words that it is titled with: its frame, and metres by the labels of its
-/// ticks.
+/// A panel of a drawing, found by its title: its frame, and metres by the labels of its ticks.
 struct ReadPanel {
   Box frame;
   double right_m = 0, right_px = 0, right_slope = 0, up_m = 0, up_px = 0, up_slope = 0;
@@ -93,7 +92,7 @@ struct ReadPanel {
   bool holds(glm::dvec2 at) const { return frame.holds({at.x, at.y, at.x, at.y}); }
   double metres_a_pixel() const { return std::abs(right_slope); }
 
-  /// Places of sensors.
+  /// Positions of sensors.
   std::vector<glm::dvec2> sensors(const std::string& svg) const {
     std::vector<glm::dvec2> places;
     for (const auto& circle : elements(svg, "circle")) {
@@ -102,7 +101,7 @@ struct ReadPanel {
     }
     return places;
   }
-  /// About all paths of a colour drawn with an unbroken line.
+  /// Bounding box of all solid paths of a colour.
   Box outline(const std::string& svg, const std::string& colour) const {
     Box box = Box::none();
     for (const auto& path : elements(svg, "path")) {
@@ -119,7 +118,8 @@ struct ReadPanel {
   }
 };
 
-/// Whether a coordinate is not a number or infinite; pictures are letters, too.
+/// Returns whether a coordinate is NaN or infinite. The base64 text of pictures may contain such letters,
+/// too.
 bool has_no_number(const std::string& svg) {
   for (const char* word : {"nan", "inf"})
     for (std::size_t at = 0; (at = svg.find(word, at)) != std::string::npos; ++at) {
@@ -150,7 +150,8 @@ TEST(SceneDrawing, AxesTellWhereASensorIsAndHowFarItReceives) {
   EXPECT_NEAR(plan.sensors(svg)[0].y, 3, pixel);
   EXPECT_NEAR(section.sensors(svg)[0].x, 0, near_pixel);
   EXPECT_NEAR(section.sensors(svg)[0].y, 4, near_pixel);
-  // The fan's corners, 20 degrees aside and 10 up or down of its middle, which is turned 30 degrees down.
+  // The corners of the fan, 20 degrees aside and 10 up or down from its middle, which is tilted 30 degrees
+  // down.
   const auto rad = [](double degrees) { return degrees * std::numbers::pi / 180; };
   const auto ahead = [&](double up) {
     return std::cos(rad(20)) * std::cos(rad(up)) * std::cos(rad(30)) + std::sin(rad(up)) * std::sin(rad(30));
@@ -316,7 +317,7 @@ TEST_F(ScenePicture, PlacesThatCannotBeWrittenAreRefusedBeforeAnythingIsLoaded) 
     EXPECT_THAT(outcome.err, HasSubstr(what));
     EXPECT_THAT(outcome.err, Not(HasSubstr("broken.obj")));
   }
-  // Never over an input, whatever it is called.
+  // The command never overwrites an input, for any name.
   folder.write("thing.png", tetrahedron);
   folder.write("scene.toml", replaced(small_scene, "thing.obj", "thing.png"));
   EXPECT_NE(check("thing.png").exit_code, 0);
@@ -357,7 +358,7 @@ TEST(ScenesShipped, AreAllDrawn) {
       survey = open_survey(read_scene_file(file));
     } catch (const InputError& error) {
       if (std::string(error.what()).find("there is no file") == std::string::npos) throw;
-      continue;  // data that is made or fetched
+      continue;  // data that is generated or downloaded
     }
     const auto start = std::chrono::steady_clock::now();
     const std::string svg = scene_drawing(*survey, {});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The seabed of a drawing: heights of planes, distances to them, and profiles, in closed form.
+// Tests the seabed of a drawing against closed forms: heights of planes, distances to planes, profiles, and
+// terrain of many tiles.
 #include "plan/seabed.hpp"
 
 #include <fmt/format.h>
@@ -49,7 +50,7 @@ TEST(PlanHeights, HoldsAPlaneAndNothingBesideIt) {
         ++covered;
       }
     }
-  EXPECT_EQ(covered, 50 * 51);  // rows lie on the borders of 20 m, columns beside them
+  EXPECT_EQ(covered, 50 * 51);  // rows lie on the borders of 20 m, columns next to them
   EXPECT_NEAR(*map.at({3.21, -4.56}), plane(3.21, -4.56), 1e-9);
   EXPECT_FALSE(map.at({15, 0}).has_value());
   EXPECT_FALSE(map.at({1e9, std::nan("")}).has_value());
@@ -92,7 +93,7 @@ TEST(PlanHeights, OfNothingIsEmpty) {
 
 TEST(Profile, CutsAPlaneWhereItIs) {
   Profile cut(-15, 15, 60), between(-15, 15, 60);
-  // Along x through y = 4; what lies south of it is before the paper.
+  // A profile along x through y = 4. Facets south of it lie before the drawing plane.
   square([&](const std::array<glm::dvec3, 3>& facet) {
     std::array<glm::dvec3, 3> turned;
     for (std::size_t k = 0; k < 3; ++k) turned[k] = {facet[k].x, facet[k].z, 4 - facet[k].y};
@@ -112,14 +113,14 @@ TEST(Profile, CutsAPlaneWhereItIs) {
 }
 
 TEST(Profile, GoesThroughVerticesOfItsPlane) {
-  Profile cut(-10, 10, 40);  // y = 0 is through an edge of four facets
+  Profile cut(-10, 10, 40);  // y = 0 contains an edge of four facets
   for (const double side : {-1.0, 1.0})
     for (const double end : {-10.0, 10.0}) cut.add({glm::dvec3(0, 1, 0), {end, 1, 0}, {end, 3, side}}, true);
   for (std::size_t k = 0; k < 40; ++k) EXPECT_NEAR(cut.highest_m(k), 1, 1e-9) << k;
 }
 
-// Terrain of so many tiles that they are not read for all of it: coarse, and as it is where few are looked
-// at.
+// The terrain has too many tiles to read all: it is coarse as a whole, and exact where the drawing needs
+// few tiles.
 TEST(TerrainFacets, ManyTilesAreDrawnByTheirExtentsAndFewAreRead) {
   constexpr int cells = 1350;  // 22 x 22 tiles
   std::string row, grid = fmt::format("ncols {0}\nnrows {0}\nxllcorner 0\nyllcorner 0\ncellsize 4\n", cells);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Outlines of unions against areas that are known, and the other parts that drawings are made of.
+// Compares outlines of unions with known areas, and tests the other parts of drawings: lines, names, scales
+// and texts.
 #include "plan/silhouette.hpp"
 
 #include <gmock/gmock.h>
@@ -31,7 +32,7 @@ std::vector<std::vector<glm::dvec2>> loops_of(std::string data) {
   return loops;
 }
 
-/// Holes turn the other way and count against it.
+/// Holes have the opposite orientation and a negative area.
 double area_of(const std::string& data) {
   double sum = 0;
   for (const auto& loop : loops_of(data))
@@ -58,7 +59,7 @@ TEST(Silhouette, CoversADiscAndTwoThatOverlapOnce) {
   add_disc(one, {200, 150}, 60);
   const double disc = std::numbers::pi * 60 * 60, half_a_cell_about = 2 * std::numbers::pi * 60 * 0.5;
   EXPECT_NEAR(area_of(one.path()), disc, half_a_cell_about);
-  // Overlapping by the lens of two circles whose middles are a radius apart.
+  // They overlap by the lens of two circles whose middles are a radius apart.
   add_disc(two, {200, 150}, 60);
   add_disc(two, {260, 150}, 60);
   const double lens = 60 * 60 * (2 * std::numbers::pi / 3 - std::sqrt(3.0) / 2);
@@ -130,7 +131,7 @@ TEST(Silhouette, UnionsOfRandomTrianglesHaveTheAreaOfTheirPixels) {
         }
         covered += in;
       }
-    // Of cells that are touched, half on the average are outside: along borders of some thousand pixels.
+    // On average half of each touched border cell is outside, along borders of some thousand pixels.
     EXPECT_NEAR(area_of(silhouette.path()), covered, 2500);
     EXPECT_GT(area_of(silhouette.path()), covered - 100);
   }
@@ -156,7 +157,7 @@ TEST(DrawingParts, NamesAreNeverOverEachOtherNorOutside) {
   Sheet sheet;
   int put = 0;
   for (int k = 0; k < 60; ++k) put += labels.put(sheet, {200, 150, 204, 154}, "name of an object", {});
-  EXPECT_EQ(put, 4);  // about a small thing, where names are so wide
+  EXPECT_EQ(put, 4);  // around a small object, with such wide names
   const std::string svg = sheet.svg(10, 10);
   std::vector<Box> boxes;
   for (std::size_t at = 0; (at = svg.find("<text x=\"", at)) != std::string::npos; ++at) {

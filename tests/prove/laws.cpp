@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Checks the laws of docs/visibility.md on one scene: closure, agreement of arithmetics, the predicate,
+// facet order, translation, and splitting of tubes and facets.
+
 #include "prove/laws.hpp"
 
 #include <algorithm>
@@ -16,7 +19,7 @@ namespace {
 
 using Rational = CGAL::Exact_rational;
 
-/// The cheap laws come more often; `rational` is some twenty times slower than the rest.
+/// Cheap laws come more often. `rational` is about twenty times slower than the rest.
 constexpr std::array turns{Law::filtered,        Law::predicate,  Law::facet_order, Law::tube_splitting,
                            Law::facet_splitting, Law::filtered,   Law::translation, Law::rational,
                            Law::inner_splitting, Law::predicate,  Law::facet_order, Law::tube_splitting,
@@ -37,7 +40,7 @@ FacetMesh shuffled(Random& random, const FacetMesh& mesh) {
   FacetMesh result = mesh;
   random.shuffle(result.facets);
   for (auto& facet : result.facets) random.shuffle(facet);
-  if (random.one_in(3)) {  // no vertex shared
+  if (random.one_in(3)) {  // no shared vertex
     result.vertices.clear();
     for (auto& facet : result.facets)
       for (VertexId& v : facet) v = add_vertex(result, mesh.vertices[v]);
@@ -52,11 +55,11 @@ FacetMesh shuffled(Random& random, const FacetMesh& mesh) {
   return result;
 }
 
-/// Edges are cut in half up to so many times: then their ends are multiples of 8 from each other.
+/// Edges are bisected up to this many times. Their ends then differ by multiples of 8.
 constexpr int most_cuts = 3;
 
-/// The scene 8 times as large about its apex (which changes nothing that the tubes see) or, where that does
-/// not fit, rounded to multiples of 8.
+/// Returns the scene scaled by 8 about its apex (which changes no visible polygon) or, if that does not
+/// fit, rounded to multiples of 8.
 FacetMesh with_midpoints(FacetMesh mesh, GridPoint apex) {
   constexpr std::int32_t scale = 1 << most_cuts, end = (1 << WorldGrid::coordinate_bits) / scale;
   bool fits = true;
@@ -72,7 +75,7 @@ FacetMesh with_midpoints(FacetMesh mesh, GridPoint apex) {
   return mesh;
 }
 
-/// Cuts facets at the midpoint of one edge: all that share the edge, or one only, which makes a T-junction.
+/// Cuts facets at the midpoint of one edge: all that share the edge, or only one, which makes a T-junction.
 void split_an_edge(Random& random, FacetMesh& mesh) {
   const std::size_t chosen = random.index(mesh.facets.size()), k = random.index(3);
   const bool conforming = !random.one_in(3);
@@ -96,8 +99,8 @@ void split_an_edge(Random& random, FacetMesh& mesh) {
   }
 }
 
-/// The plane n . x = c of a facet about the apex, in lowest terms: equal for coplanar facets. Which of those
-/// is seen where they overlap depends on their vertices, so that only their sum can survive a cut.
+/// The plane n . x = c of a facet about the apex, in lowest terms: equal for coplanar facets. Their
+/// vertices decide which of them is visible where they overlap, so that a cut preserves only their sum.
 using PlaneKey = std::array<Int128, 4>;
 
 PlaneKey plane_of(const FacetMesh& mesh, FacetId facet, GridPoint apex) {
@@ -113,12 +116,12 @@ PlaneKey plane_of(const FacetMesh& mesh, FacetId facet, GridPoint apex) {
   return key;
 }
 
-/// Areas in the plane axis . x = 1, by a key of the facet; open water apart.
+/// Areas in the plane axis . x = 1, by a key of the facet. Open water is separate.
 template <class Key>
 struct Areas {
   std::map<Key, Rational> of;
   Rational open = 0;
-  bool cones = true;  ///< false if a piece is no cone within the tube, which only inexact signs make
+  bool cones = true;  ///< false if a piece is no cone within the tube, which only inexact signs can cause
   friend bool operator==(const Areas&, const Areas&) = default;
 };
 
@@ -129,7 +132,7 @@ struct Prover::State {
   TubeVisibility seen;
   PlaneSigns signs;
 
-  /// Looks at a tube; the result is in `seen`.
+  /// Computes a tube. The result is in `seen`.
   void look(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std::uint32_t tube,
             Arithmetic arithmetic = Arithmetic::fixed, std::uint32_t facets_per_split = 64) {
     VisibilityOptions options;
@@ -157,7 +160,7 @@ struct Prover::State {
 
 namespace {
 
-/// A scene with what its laws are compared with.
+/// A scene with the values that its laws are compared with.
 struct Case {
   const SmallScene& scene;
   const SceneTree& tree;
@@ -166,7 +169,7 @@ struct Case {
   std::uint64_t label(std::uint32_t tube) const { return number * tubes_per_scene + tube; }
 };
 
-/// Every tube of `mesh`, `tubes` closes and has the case's hash.
+/// Expects that each tube of `mesh`, `tubes` closes and has the hash of the case.
 void compare_hashes(Prover::State& state, const Case& of, const FacetMesh& mesh, const TubeSet& tubes,
                     Law law, Ledger& ledger, Arithmetic arithmetic = Arithmetic::fixed,
                     std::uint32_t facets_per_split = 64) {
@@ -178,7 +181,7 @@ void compare_hashes(Prover::State& state, const Case& of, const FacetMesh& mesh,
   }
 }
 
-/// s a + t b, halved as often as it divides; a direction within the wall of a and b.
+/// Returns s a + t b, divided by two as often as possible; a direction within the wall of a and b.
 GridPoint between(GridPoint a, GridPoint b, std::int64_t s, std::int64_t t) {
   std::array<std::int64_t, 3> d{s * a.x + t * b.x, s * a.y + t * b.y, s * a.z + t * b.z};
   while ((d[0] | d[1] | d[2]) % 2 == 0)
@@ -207,7 +210,7 @@ void check_tube_splitting(Prover::State& state, const Case& of, Random& random, 
       return uneven == GridPoint{} ? between(a, b, 1, 1) : uneven;
     };
     const GridPoint low = in_wall(r[0], r[1]), high = in_wall(r[2], r[3]);
-    if (low == GridPoint{} || high == GridPoint{}) continue;  // odd rays at the very end of the range
+    if (low == GridPoint{} || high == GridPoint{}) continue;  // odd rays at the end of the range
     TubeSet halves = scene.tubes;
     halves.rays = {r[0], r[1], r[2], r[3], low, high};
     halves.tubes = {{0, 4, 5, 3}, {4, 1, 2, 5}};
@@ -238,7 +241,7 @@ void check_law(Prover::State& state, const Case& of, Law law, Random& random, Le
   const SmallScene& scene = of.scene;
   switch (law) {
     case Law::closure:
-      return;  // of every tube, in Prover::check
+      return;  // for each tube, in Prover::check
     case Law::filtered:
       return compare_hashes(state, of, scene.mesh, scene.tubes, law, ledger, Arithmetic::filtered);
     case Law::rational:

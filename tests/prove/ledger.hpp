@@ -29,7 +29,8 @@ constexpr std::array<std::string_view, 9> law_names{"closure",        "filtered 
                                                     "predicate",      "facet order",      "translation",
                                                     "tube splitting", "facet splitting",  "inner splitting"};
 
-/// Tubes on which a law was checked, by law and kind of scene. Sums do not depend on who added first.
+/// Number of tubes on which a law was checked, by law and kind of scene. Sums do not depend on the order of
+/// additions.
 struct Ledger {
   static constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
 
@@ -44,7 +45,7 @@ struct Ledger {
   };
 
   std::array<std::array<Entry, generator_names.size()>, law_names.size()> entries{};
-  TopologyHash hash;  ///< of what `fixed` sees, all scenes
+  TopologyHash hash;  ///< of the result of `fixed`, over all scenes
   /// By kind of scene, summed over tubes: a ledger of open water would prove nothing.
   std::array<std::uint64_t, generator_names.size()> facets_seen{}, tubes_with_facets{};
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Evaluates the predicate sign det(n1, n2, n3) on planes of a scene in all arithmetics and tiers, and
+// checks the laws of a determinant.
+
 #include "prove/plane_signs.hpp"
 
 #include <array>
@@ -10,7 +13,7 @@
 namespace tubefoot::prove {
 namespace {
 
-/// A plane to be made in any arithmetic: through two points, or the depth plane of two facets.
+/// A plane that each arithmetic can construct: through two points, or the depth plane of two facets.
 struct PlaneOf {
   GridPoint a, b;
   const FacetCone *i = nullptr, *j = nullptr;
@@ -20,7 +23,7 @@ struct PlaneOf {
 struct Question {
   std::array<PlaneOf, 3> planes;
   std::array<GridPoint, 2> points;
-  const FacetCone* facet = nullptr;  ///< null where no facet faces the apex
+  const FacetCone* facet = nullptr;  ///< null if no facet faces the apex
 };
 
 template <class A>
@@ -32,14 +35,14 @@ void make(const A& arithmetic, const PlaneOf& of, typename A::Plane& plane) {
   arithmetic.depth(plane, i, j);
 }
 
-/// The last tier of an arithmetic, asked every time.
+/// The last tier of an arithmetic, which decides each time.
 template <class A>
 struct LastTier : A {
   int side(const auto& what, const typename A::Plane& plane) const { return A::exact_side(what, plane); }
   int nearer(const typename A::Facet& f, GridPoint p) const { return A::exact_nearer(f, p); }
 };
 
-/// Where in the answer which sign is.
+/// Index of each sign in the result.
 enum : std::size_t { pqr, qrp, rpq, qpr, prq, rqp, negated, p_turned, r_turned, on_p, on_q, points_from };
 
 template <class A>
@@ -81,7 +84,7 @@ bool lawful(const std::vector<int>& s, bool has_facet) {
   holds = holds && s[negated] == -s[pqr] && s[p_turned] == -s[pqr] && s[r_turned] == -s[pqr];
   holds = holds && s[on_p] == 0 && s[on_q] == 0;
   for (std::size_t k = points_from; k < points_from + 12; k += 2) holds = holds && s[k] == s[k + 1];
-  // A facet's own vertices are in its plane.
+  // The vertices of a facet lie in its plane.
   for (std::size_t k = s.size() - 3; has_facet && k < s.size(); ++k) holds = holds && s[k] == 0;
   return holds;
 }

@@ -9,12 +9,12 @@
 
 namespace tubefoot::prove {
 
-/// The one predicate on the planes of a scene: three arithmetics and all their tiers, one sign, and the
+/// The predicate on the planes of a scene. Three arithmetics and all their tiers must agree, and obey the
 /// laws of a determinant.
 class PlaneSigns {
  public:
-  /// Some random triples of the tube's walls, the facets' edge planes and their depth planes, and some random
-  /// points against planes and facets.
+  /// Checks some random triples of the walls of the tube, the edge planes of the facets and their depth
+  /// planes. Also checks some random points against planes and facets.
   bool obey_laws(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube, Random& random);
 
  private:

@@ -13,7 +13,8 @@
 
 #include "prove/laws.hpp"
 
-// The laws on as many tubes as one has patience for: `make prove`. docs/visibility.md, 'Laws'
+// Checks the laws on a chosen number of tubes: `make prove`. The laws are in docs/visibility.md, 'Laws'. It
+// prints one line per law and kind of scene.
 namespace {
 
 using namespace tubefoot::prove;
@@ -23,7 +24,8 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Scenes 0..count-1 by `threads` threads. Which thread gets which scene does not matter: ledgers add up.
+/// Checks scenes 0..count-1 with `threads` threads. The assignment of scenes to threads does not matter,
+/// because ledgers add up.
 Ledger prove(std::uint64_t seed, std::uint64_t count, int threads) {
   constexpr std::uint64_t batch = 64;
   std::atomic<std::uint64_t> next{0};
@@ -83,7 +85,7 @@ std::string table(const Ledger& ledger) {
   return text + "\n";
 }
 
-/// One line for every law and kind of scene that failed, with what reproduces it.
+/// One line for each law and kind of scene that failed, with the options that reproduce the failure.
 std::string failures(const Ledger& ledger, std::uint64_t seed) {
   std::string text;
   for (std::size_t l = 0; l < law_names.size(); ++l)

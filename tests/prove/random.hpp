@@ -8,12 +8,12 @@
 
 namespace tubefoot::prove {
 
-/// Steele, Lea and Flood's SplitMix64, by integers alone: the same numbers from every compiler, standard
-/// library and optimisation, which the distributions of <random> do not promise.
+/// SplitMix64 of Steele, Lea and Flood, with integers alone. It gives the same numbers with each compiler,
+/// standard library and optimisation. The distributions of <random> do not promise this.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
-  /// The stream number `index` of a seed: neighbours have nothing in common.
+  /// The stream number `index` of a seed: adjacent streams are independent.
   Random(std::uint64_t seed, std::uint64_t index) : state_(mix(mix(seed) + index)) {}
 
   std::uint64_t next() { return mix(state_ += 0x9e3779b97f4a7c15u); }

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Makes the random scenes of the proofs. All coordinates come from integers, so that a seed gives the same
+// scenes on each machine.
+
 #include "prove/small_scenes.hpp"
 
 #include <algorithm>
@@ -29,23 +32,23 @@ void add_facet(FacetMesh& mesh, GridPoint a, GridPoint b, GridPoint c) {
   add_facet(mesh, ia, ib, ic);
 }
 
-// No two draws stand in one call or product: the order of its operands is the compiler's choice. (In braces
-// it is from left to right.)
+// No call or product contains two draws, because the compiler chooses the order of its operands. (In braces
+// the order is from left to right.)
 
-/// s a + t b for s and t drawn from the ranges.
+/// Returns s a + t b for s and t drawn from the ranges.
 GridPoint combination(Random& random, std::int32_t s_from, std::int32_t s_to, GridPoint a,
                       std::int32_t t_from, std::int32_t t_to, GridPoint b) {
   const std::int32_t s = random.between(s_from, s_to), t = random.between(t_from, t_to);
   return sum(times(s, a), times(t, b));
 }
 
-/// A point of a box about `centre`.
+/// Returns a point of a box about `centre`.
 GridPoint near(Random& random, GridPoint centre, std::int32_t spread) {
   return sum(centre, {random.between(-spread, spread), random.between(-spread, spread),
                       random.between(-spread, spread)});
 }
 
-/// Facets of random points, some of them sharing vertices with earlier ones.
+/// Adds facets of random points, some of which share vertices with earlier facets.
 void add_random_triangles(Random& random, FacetMesh& mesh, int count, GridPoint centre, std::int32_t spread) {
   for (int k = 0; k < count; ++k) {
     std::array<VertexId, 3> v{};
@@ -72,8 +75,9 @@ bool is_pyramid(const TubeSet& set, const Tube& tube) {
   return true;
 }
 
-/// cells x cells tubes between the rays through first + (i step_x, 0, j step_z), each moved by up to
-/// `jitter`. What the jitter folds is drawn again, with less of it; `jitter` 0 keeps rays in common planes.
+/// Returns cells x cells tubes between the rays through first + (i step_x, 0, j step_z), each displaced by
+/// up to `jitter`. If the jitter folds a tube, it is drawn again with less jitter. With `jitter` 0 the rays
+/// lie in common planes.
 TubeSet lattice_tubes(Random& random, GridPoint first, std::int32_t step_x, std::int32_t step_z,
                       std::int32_t jitter = 0, std::int32_t cells = 2) {
   TubeSet set;
@@ -97,7 +101,7 @@ TubeSet lattice_tubes(Random& random, GridPoint first, std::int32_t step_x, std:
   }
 }
 
-/// Tubes about (0, distance, 0) that reach `half` to each side.
+/// Tubes about (0, distance, 0) that extend by `half` to each side.
 TubeSet centred_tubes(Random& random, std::int32_t distance, std::int32_t half, std::int32_t jitter = 0) {
   return lattice_tubes(random, {-half, distance, -half}, half, half, jitter);
 }
@@ -136,7 +140,8 @@ SmallScene on_walls(Random& random) {
   for (int k = random.between(3, 6); k > 0; --k) {
     const Tube& tube = scene.tubes.tubes[random.index(tubes_per_scene)];
     std::array<GridPoint, 3> p{};
-    const std::size_t wall = random.index(4);  // two of three vertices in this wall: an edge in it
+    // two of three vertices lie in this wall, so that it contains an edge
+    const std::size_t wall = random.index(4);
     for (GridPoint& point : p) {
       const bool in_wall = &point != &p[2];
       const std::size_t w = in_wall && random.one_in(2) ? wall : random.index(4);
@@ -197,7 +202,8 @@ SmallScene layers(Random& random) {
   const std::int32_t tx = tilted ? random.between(-2, 2) : 0, tz = tilted ? random.between(-2, 2) : 0;
   const int count = random.between(2, 4);
   for (int layer = 0; layer < count; ++layer) {
-    // A fan of four about a common point; a point moves within its layer, or (rarely) by one unit out of it.
+    // A fan of four facets about a common point. A point moves within its layer, or (rarely) by one unit
+    // out of it.
     const auto at = [&](std::int32_t x, std::int32_t z) {
       x += random.between(-size / 4, size / 4);
       z += random.between(-size / 4, size / 4);
@@ -255,7 +261,8 @@ SmallScene slivers(Random& random) {
   SmallScene scene;
   const std::int32_t length = 1 << random.between(8, 28), distance = length;
   for (int k = random.between(1, 3); k > 0; --k) {
-    // From a to c, and points along it, a unit off at most: a fan of triangles that share long edges.
+    // From a to c, and points along this line, at most a unit off it: a fan of triangles that share long
+    // edges.
     const GridPoint step{random.between(-length, length) / 8, random.between(-length, length) / 16,
                          random.between(-length, length) / 8};
     const GridPoint a = sum({0, distance, 0}, times(-4, step));
@@ -281,7 +288,7 @@ SmallScene t_junctions(Random& random) {
     if (cracked && random.one_in(6)) p.y += random.sign();
     return add_vertex(mesh, p);
   };
-  for (std::int32_t i = -1; i < 1; ++i) {  // columns whose rows begin at different heights
+  for (std::int32_t i = -1; i < 1; ++i) {  // columns whose rows start at different heights
     const std::int32_t shift = random.between(0, 3);
     const std::int32_t x0 = 4 * i, x1 = x0 + 4;
     VertexId left = at(x0, shift - 6), right = at(x1, shift - 6);
@@ -391,7 +398,7 @@ SmallScene needle_tubes(Random& random) {
   const GridPoint part{random.between(-far, far), far, random.between(-far, far)}, axis = times(parts, part);
   const std::int32_t step = random.between(1, 4);
   scene.tubes = lattice_tubes(random, sum(axis, {-step, 0, -step}), step, step);
-  // Facets with an edge through the axis, or a unit beside it.
+  // Facets with an edge through the axis, or a unit from it.
   for (int k = random.between(2, 6); k > 0; --k) {
     const std::int32_t place = random.between(1, parts / 2);
     const GridPoint p = near(random, times(place, part), random.between(0, 1));
@@ -422,7 +429,7 @@ constexpr std::array<SmallScene (*)(Random&), generator_names.size()> generators
     layers,           edge_on,         apex_touched, slivers,  t_junctions, range_ends,
     solids,           grazing_terrain, needle_tubes, pencils};
 
-/// Equal points, equal ids: as loading does.
+/// Gives equal points the same index, as loading does.
 void weld(FacetMesh& mesh) {
   for (auto& facet : mesh.facets)
     for (VertexId& v : facet)
@@ -430,11 +437,11 @@ void weld(FacetMesh& mesh) {
         if (mesh.vertices[w] == mesh.vertices[v]) v = w;
 }
 
-/// Turns the scene so that it faces any of six ways, and moves it, its apex included, as far as 32 bits go.
+/// Rotates the scene into one of six directions and moves it with its apex, as far as 32 bits permit.
 void place(Random& random, SmallScene& scene) {
   const int turn = random.between(0, 2), sx = random.sign(), sy = random.sign();
   const auto turned = [&](GridPoint p) -> GridPoint {
-    p = {sx * p.x, sy * p.y, sx * sy * p.z};  // a rotation, so that tubes keep their sense
+    p = {sx * p.x, sy * p.y, sx * sy * p.z};  // a rotation, so that tubes keep their orientation
     return turn == 0 ? p : turn == 1 ? GridPoint{p.y, p.z, p.x} : GridPoint{p.z, p.x, p.y};
   };
   for (GridPoint& p : scene.mesh.vertices) p = turned(p);
@@ -461,7 +468,7 @@ SmallScene make_large_scene(std::uint64_t seed, int n) {
   constexpr std::int32_t extent = 1 << 26;
   const std::int32_t cell = extent / n;
   add_seabed(random, scene.mesh, n, cell, -extent / 6, cell / 4);
-  for (int k = 0; k < 3; ++k) {  // spires that grow out of the seabed
+  for (int k = 0; k < 3; ++k) {  // spires that rise from the seabed
     const GridPoint foot{random.between(-extent / 4, extent / 4), random.between(extent / 4, extent / 2),
                          -extent / 5};
     const VertexId tip = add_vertex(scene.mesh, sum(foot, {0, 0, extent / 6})),

@@ -9,41 +9,42 @@
 #include "geometry/tubes/tube.hpp"
 #include "prove/random.hpp"
 
-// Seeded scenes of some few facets and four tubes each, by integers alone: small, so that millions of tubes
-// can be checked in rationals, and each as awkward as its kind allows.
+// Random scenes of a few facets and four tubes each, with given seeds, from integers alone. They are small,
+// so that millions of tubes can be checked in rationals, and as difficult as their kind permits.
 namespace tubefoot::prove {
 
 constexpr std::size_t tubes_per_scene = 4;
 
 struct SmallScene {
   FacetMesh mesh;
-  TubeSet tubes;  ///< four, two by two, sharing rays; a strictly convex pyramid each
+  TubeSet tubes;  ///< four, two by two, with shared rays; each is a strictly convex pyramid
 };
 
-/// What a scene is made to stumble over.
+/// Kinds of difficult scenes.
 constexpr std::array<std::string_view, 16> generator_names{
-    "soup",                   // facets that cut each other, at any scale
+    "soup",                   // facets that intersect each other, at any scale
     "tiny lattice",           // everything coincides with everything
-    "all round the apex",     // facets across the apex's horizon, very wide tubes
+    "all round the apex",     // facets across the horizon of the apex, very wide tubes
     "on walls",               // vertices on rays and walls, edges in walls
-    "coincident facets",      // the same facet twice and three times
+    "coincident facets",      // the same facet two and three times
     "coplanar facets",        // overlapping in one or two planes
-    "layers one unit apart",  // parallel sheets, tilted or not
-    "edge-on",                // facet planes that hold the apex, or miss it by a unit
+    "layers one unit apart",  // parallel surfaces, tilted or not
+    "edge-on",                // facet planes that contain the apex, or miss it by a unit
     "apex touched",           // the apex is a vertex, lies on an edge, lies in a facet
     "slivers",                // a unit thick and up to 2^28 long
     "T-junctions",            // vertices within edges, exactly and a unit off
     "range ends",             // coordinates of 2^25 to 2^30, the ends of the bit budget
-    "solids",                 // a box and an octahedron through each other
+    "solids",                 // a box and an octahedron that intersect
     "grazing terrain",        // a seabed seen from close above it
     "needle tubes",           // rays of length 2^30 that differ by single units
-    "pencils",                // many facets about one edge, many about one vertex
+    "pencils",                // many facets at one edge, many at one vertex
 };
 
 /// Scene number `index` of a seed: of kind index % generator_names.size().
 SmallScene make_scene(std::uint64_t seed, std::uint64_t index);
 
-/// A seabed of 2 n^2 facets under three spires, looked at through 25 tubes: for what only shows among many.
+/// A seabed of 2 n^2 facets under three spires, seen through 25 tubes, for errors that occur only among
+/// many facets.
 SmallScene make_large_scene(std::uint64_t seed, int n);
 
 }  // namespace tubefoot::prove

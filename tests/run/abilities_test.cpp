@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The table of what can be combined: docs/abilities.md shows it, and commands that look at the same scene say
-// the same of it.
+// Tests the table of feature combinations. docs/abilities.md shows this table, and all commands report the
+// same about the same scene.
 #include "run/abilities.hpp"
 
 #include <fmt/format.h>
@@ -40,8 +40,8 @@ TEST(Abilities, ArePagedAsTheyAre) {
   EXPECT_THAT(text.str(), HasSubstr(page_of_the_table())) << page_of_the_table();
 }
 
-// A reference of two receivers in stratified water runs, except over mirrors: the page of sensors says the
-// same.
+// A reference of two receivers in stratified water runs, except over mirrors. The page of sensors states
+// the same.
 TEST(Abilities, TheSensorsPageSaysWhichReferencesOfTwoReceiversThereAre) {
   const auto rejects = [](std::set<Feature> features) {
     return std::ranges::any_of(refusals(), [&](const Refusal& refusal) {
@@ -94,7 +94,7 @@ samples = 16
 range_max_m = 15
 )";
 
-// What run refuses, check has refused already, in the same words.
+// The command `check` rejects each scene that `run` rejects, with the same message.
 TEST_F(AbilitiesOf, CheckRefusesWhatRunWould) {
   for (const std::string& more :
        {std::string("[sea_surface]\nheight_m = 5\n"), std::string("[paths]\norder = 2\n")}) {
@@ -107,7 +107,7 @@ TEST_F(AbilitiesOf, CheckRefusesWhatRunWould) {
   }
 }
 
-// Rays and fast binnings over mirrors, and with the separate receiver, are weighed as others are.
+// The advice considers rays and fast binning also over mirrors and with a separate receiver.
 TEST_F(AbilitiesOf, AdviceWeighsEverySetting) {
   for (const char* more : {"[sea_surface]\nheight_m = 20\n", "receiver_arm_m = [0, 1, 0]\n"}) {
     const Outcome advice = tried(seabed + more, {"advise", "--tolerance", "10%"});

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A walk over the table of what can be combined: every pair of features either runs and keeps its law, or is
-// refused, with its reason. The laws hold whatever is combined: rays, which see for themselves, find the same
-// energy; other arithmetics and binnings that energy, too; a reference's bounds hold it; footprints add up to
-// it.
+// Walks over the table of feature combinations. Each pair of features either runs and keeps its law, or is
+// rejected with a reason. The laws hold for all combinations. Rays, other arithmetics and other binnings
+// find the same energy, the bounds of a reference contain this energy, and footprints add up to it.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
@@ -26,7 +25,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What a command or an option of it asks for.
+/// The feature that a command or one of its options requests.
 struct Requested {
   Feature feature;
   std::vector<std::string> words;
@@ -49,7 +48,7 @@ const std::vector<Requested> of_commands{
 struct AbilitiesWalk : testing::Test {
   AbilitiesWalk() { folder.write("bed.asc", seabed_of_steps()); }
 
-  /// Paths in the words get the test's folder. `output`: of a run.
+  /// Paths in the words are relative to the folder of the test. `output`: output of a run.
   Outcome tried(const std::set<Feature>& features, std::vector<std::string> words,
                 const std::filesystem::path& output) {
     for (std::string& word : words)
@@ -61,10 +60,10 @@ struct AbilitiesWalk : testing::Test {
   }
 
   void walk(std::set<Feature> features, const std::vector<std::string>& words) {
-    if (features.contains(Feature::scatterings)) features.insert(Feature::mirrors);  // paths as they are
+    if (features.contains(Feature::scatterings)) features.insert(Feature::mirrors);  // paths unchanged
     if (features.contains(Feature::relief_each_transmission)) features.insert(Feature::relief);
     if (features.contains(Feature::two_receivers) && features.contains(Feature::signals))
-      return;  // two kinds
+      return;  // two kinds of sensors
     SCOPED_TRACE(fmt::format("{}\n{}", fmt::join(words, " "), scene_with(features, size)));
     const auto output = folder / fmt::format("out{}", ++runs);
     const Outcome outcome = tried(features, words, output);
@@ -77,7 +76,7 @@ struct AbilitiesWalk : testing::Test {
     }
   }
 
-  /// What the scene alone returns, by the tube engine.
+  /// Returns the energies of the scene features alone, by the tube engine.
   std::vector<double> measured(const std::set<Feature>& features) {
     std::set<Feature> scene;
     for (const InScene& one : of_scenes)
@@ -89,7 +88,8 @@ struct AbilitiesWalk : testing::Test {
     return energies[scene] = NetcdfReader(output / "echoes.nc").values("/", "energy");
   }
 
-  /// What a receiver pair's footprints are reported with is what the transmitter's own place would receive.
+  /// The file reports the footprints of a receiver pair with the energy that a receiver at the transmitter
+  /// would receive.
   static double footprints_tolerance(const std::set<Feature>& features) {
     return features.contains(Feature::two_receivers) ? 0.02 : 1e-9;
   }
@@ -109,7 +109,7 @@ struct AbilitiesWalk : testing::Test {
           features.contains(Feature::coarsening)) {
         EXPECT_NEAR(sum, total, 0.02 * total);
       } else if (features.contains(Feature::double_arithmetic)) {
-        // Slivers that windows of mirrors cut along facets' edges may be lost to plain doubles.
+        // Plain doubles may lose slivers that the range gates of mirrors cut along facet edges.
         const double lost = (features.contains(Feature::mirrors) ? 2e-5 : 1e-9) * largest;
         for (std::size_t k = 0; k < sure.size(); ++k) EXPECT_NEAR(here[k], sure[k], lost);
       }
@@ -118,17 +118,19 @@ struct AbilitiesWalk : testing::Test {
       const std::vector<double> bound = file.values("/", "energy_bound");
       for (std::size_t k = 0; k < sure.size(); ++k) {
         EXPECT_NEAR(here[k], sure[k], bound[k] + 1e-6 * largest) << "bin " << k;
-        EXPECT_LE(bound[k], 3e-2 * largest) << "bin " << k;  // where it is wider than asked, that is reported
+        // if a bound is wider than requested, the run reports it
+        EXPECT_LE(bound[k], 3e-2 * largest) << "bin " << k;
       }
     } else if (words.front() == "footprints" && !features.contains(Feature::exact_corners) &&
-               !features.contains(Feature::mirrors)) {  // their footprints are of the way without mirrors
+               // their footprints are those of the path without mirrors
+               !features.contains(Feature::mirrors)) {
       double sum = 0;
       for (const auto& row : csv_rows(folder / "f.csv")) sum += std::stod(row.at("energy_j"));
       EXPECT_NEAR(sum, total, footprints_tolerance(features) * total);
     }
   }
 
-  /// Shares are of something wherever something is received, and of all of it.
+  /// Shares exist in each bin with energy, and add up to the whole.
   static void add_up(const NetcdfReader& file, const std::vector<double>& energy) {
     const std::vector<std::string> names = file.variables("/");
     std::vector<double> whole(energy.size());
@@ -147,7 +149,7 @@ struct AbilitiesWalk : testing::Test {
   void walk_with(const std::vector<Requested>& requested) {
     for (const InScene& one : of_scenes)
       for (const Requested& two : requested) {
-        // A seabed is refined that has relief: with what tells seabeds apart.
+        // Only a seabed with relief can be refined. The relief distinguishes seabeds.
         if (two.feature == Feature::refine && one.feature != Feature::relief_each_transmission &&
             one.feature != Feature::tiles)
           continue;
@@ -182,7 +184,7 @@ TEST_F(AbilitiesWalk, EveryPairOfWhatARunAsks) {
       words.insert(words.end(), of_runs[b].words.begin() + 1, of_runs[b].words.end());
       const std::set both{of_runs[a].feature, of_runs[b].feature};
       if (both == std::set{Feature::rays, Feature::fast_binning}) {
-        // Nothing that could be combined: rays have no footprints to bin.
+        // Rays have no footprints to bin, so that the combination does not exist.
         const Outcome outcome = tried(both, words, folder / "no_bins");
         EXPECT_EQ(outcome.exit_code, 2);
         EXPECT_THAT(outcome.err, HasSubstr("--binning is a setting of the tube engine"));
@@ -192,7 +194,7 @@ TEST_F(AbilitiesWalk, EveryPairOfWhatARunAsks) {
     }
 }
 
-// The phases of two receivers are integrals of their own.
+// The phases of two receivers have their own integrals.
 TEST_F(AbilitiesWalk, TwoReceiversWithWhatTheirProductsMeet) {
   using enum Feature;
   walk({two_receivers, separate_receiver, reference}, of_runs.front().words);
@@ -206,11 +208,12 @@ TEST_F(AbilitiesWalk, TwoReceiversWithWhatTheirProductsMeet) {
   walk({two_receivers, scatterings, refraction, separate_receiver}, {"run"});
 }
 
-// A ping of several transmissions, each of one beam.
+// A ping has several transmissions of one beam each.
 TEST_F(AbilitiesWalk, AHeadThatTurnsWithEachFeature) {
   size.scanning = true;
   for (const InScene& one : of_scenes) {
-    if (one.feature == Feature::two_receivers || one.feature == Feature::signals) continue;  // other kinds
+    // other kinds of sensors
+    if (one.feature == Feature::two_receivers || one.feature == Feature::signals) continue;
     walk({one.feature}, {"run"});
     for (const Requested& requested : of_runs) walk({one.feature, requested.feature}, requested.words);
     for (const Requested& requested : of_commands)
@@ -219,7 +222,7 @@ TEST_F(AbilitiesWalk, AHeadThatTurnsWithEachFeature) {
   }
 }
 
-// More than two at once: a real scene has four.
+// Combines more than two features: a real scene has four.
 TEST_F(AbilitiesWalk, DrawnScenesOfManyFeatures) {
   const unsigned seed = 20;
   std::mt19937 random(seed);

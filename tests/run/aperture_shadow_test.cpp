@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shadows in a synthetic aperture's picture lie where the exact footprints of its pings say. The surface's
-// speckle is the surface's: with a wall and without it, what is seen has the same picture, and what the wall
-// hides has nothing of it.
+// Compares shadows in a synthetic-aperture image with the exact footprints of the pings. The speckle is
+// scene-fixed: visible parts have the same image with and without a wall, and hidden parts have none.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +28,8 @@ using Complex = std::complex<double>;
 
 constexpr double seabed_up_m = -6, range_resolution_m = 1500.0 / (2 * 12e3);
 
-/// Looks to starboard from a rail northwards; the wall stands along the rail, 1 m high, and is silent.
+/// A sonar on a rail to the north looks to starboard. A wall of 1 m stands along the rail, and its material
+/// scatters almost nothing.
 std::string scene(bool with_wall, int seed) {
   const std::string wall =
       "[[objects]]\nname = \"wall\"\nshape = \"box\"\nmaterial = \"silent\"\nsize_m = [0.1, 2.4, 1.2]\n"
@@ -62,7 +62,7 @@ struct ApertureShadow : testing::Test {
     return matched_filtered(element_signals_of(simulate(*survey, request, stats).at(0)),
                             {ApertureWindow::Law::hann});
   }
-  /// What a ping sees of the scene that was read last.
+  /// Returns the visible polygons of a ping in the last scene that was read.
   VisiblePolygons seen_at(std::size_t ping) const {
     const Transmissions transmissions(*survey, request);
     const Transmission transmission = transmissions.of(survey->transmissions.at(0), ping, 0);
@@ -70,7 +70,7 @@ struct ApertureShadow : testing::Test {
   }
 };
 
-/// Whether a place of the seabed lies in a polygon, whichever way its corners go.
+/// Returns whether a point of the seabed lies in a polygon, for either orientation of its corners.
 bool holds(const VisiblePolygons& seen, glm::dvec2 place) {
   return std::any_of(seen.patches.begin(), seen.patches.end(), [&](const SeenPatch& patch) {
     const auto corners = seen.corners(patch);
@@ -104,8 +104,8 @@ TEST_F(ApertureShadow, IsWhereTheFootprintsSay) {
       walled[k] += std::norm(picture[1][k]);
     }
   }
-  // Of the pings in whose beam a pixel lies, the share that sees it. Directions of a white ground are
-  // strangers to each other, so they count as the beam's power.
+  // The share of the pings that see a pixel, among those whose beam contains it. For white scatterers the
+  // directions are independent, so that each counts with the power of the beam.
   std::vector<double> share(pixels), all(pixels);
   for (std::size_t ping = 0; ping < survey->sensors[0].times_s.size(); ++ping) {
     const VisiblePolygons seen = seen_at(ping);
@@ -121,7 +121,8 @@ TEST_F(ApertureShadow, IsWhereTheFootprintsSay) {
   }
   for (std::size_t k = 0; k < pixels; ++k) share[k] /= all[k];
 
-  // By how much of a pixel is seen, away from borders by more than a cell of resolution.
+  // Returns whether the visible share of a pixel and its neighbourhood lies between limits. The
+  // neighbourhood exceeds a resolution cell.
   const auto near_alike = [&](std::size_t k, double least, double most) {
     const auto column = static_cast<int>(k % plane.columns), row = static_cast<int>(k / plane.columns);
     for (int j = -3; j <= 3; ++j)
@@ -156,8 +157,8 @@ TEST_F(ApertureShadow, IsWhereTheFootprintsSay) {
   EXPECT_NEAR(std::abs(seen.both / seen.open - 1.0), 0, 0.02);
   EXPECT_NEAR(seen.walled / seen.open, 1, 0.02);
 
-  // The border along the range: half of the surface's speckle is left where the wall's upper edge puts it,
-  // and where the polygons of all pings end.
+  // The border along the range: half of the speckle remains at the shadow border of the upper edge of the
+  // wall. The polygons of all pings end there.
   constexpr double border_m = 6.05 * 6 / 5;
   double crossing_m = 0, footprint_m = 0, before = 0;
   for (std::size_t column = 15; column < plane.columns; ++column) {
@@ -179,12 +180,11 @@ TEST_F(ApertureShadow, IsWhereTheFootprintsSay) {
     before = part;
   }
   EXPECT_NEAR(footprint_m, border_m, plane.column_step_m.x);
-  // A quarter of a cell of resolution on the surface.
+  // A quarter of a resolution cell on the surface.
   const double slant_m = std::hypot(border_m, seabed_up_m);
   EXPECT_NEAR(crossing_m, border_m, 0.25 * range_resolution_m * slant_m / border_m);
 
-  // Beside the wall, where some pings see the surface and others do not, the picture has the share of those
-  // that do.
+  // At the ends of the wall, where only some pings see the surface, the image has the share of these pings.
   double worst = 0;
   int partly = 0;
   for (const auto& [least, most] : {std::pair{0.15, 0.4}, {0.3, 0.7}, {0.6, 0.85}}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The shipped benchmark suite: whole, true where a closed form is known, reproduced by today's program, and
-// held against others by its own script as by `tubefoot compare`.
+// Tests the shipped benchmark suite. It is complete, agrees with closed forms, and is reproducible by the
+// current program. Its own script gives the same comparisons as `tubefoot compare`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -37,7 +37,7 @@ std::vector<std::string> scenes() {
   return names;
 }
 
-/// A scene of the pack as the program computes it now.
+/// Runs a scene of the benchmark suite with the current program.
 fs::path run(const TestFolder& folder, const std::string& scene, std::vector<std::string> options) {
   std::vector<std::string> words{"run", (suite() / scene / "scene.toml").string(), "-o",
                                  (folder / "now").string(), "--quiet"};
@@ -105,7 +105,7 @@ TEST(BenchmarkSuite, FlatSeabedHoldsItsClosedForm) {
       ASSERT_LE(std::abs(echoes.energy[bin] - truth), echoes.energy_bound[bin])
           << "beam " << beam << ", sample " << k;
     }
-  EXPECT_NEAR(echoes.energy[16 * 256 + 100], 1.17521e-9, 1e-14);  // as README.md says
+  EXPECT_NEAR(echoes.energy[16 * 256 + 100], 1.17521e-9, 1e-14);  // as README.md states
 }
 
 TEST(BenchmarkSuite, ComesOutAgainWithinBothBounds) {
@@ -119,7 +119,8 @@ TEST(BenchmarkSuite, ComesOutAgainWithinBothBounds) {
         << "bin " << k;
 }
 
-/// Debian's Python, or another that has what compare.py imports; empty if there is none.
+/// Returns Debian's Python, or another with the modules that compare.py imports. Returns an empty string if
+/// there is none.
 std::string python_with_netcdf4() {
   for (const std::string python : {"/usr/bin/python3", "python3"})
     if (std::system((python + " -c 'import netCDF4, numpy' >/dev/null 2>&1").c_str()) == 0) return python;
@@ -133,7 +134,7 @@ struct SuiteScript : testing::Test {
   void SetUp() override {
     if (python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
   }
-  /// Its exit code; what it prints goes to output.txt.
+  /// Returns the exit code of the script. The output goes to output.txt.
   int compare(const fs::path& reference, const fs::path& candidate) const {
     const std::string script = (suite().parent_path() / "compare.py").string(),
                       output = (folder / "output.txt").string();
@@ -145,7 +146,7 @@ struct SuiteScript : testing::Test {
   std::string output() const { return bytes_of(folder / "output.txt"); }
 };
 
-/// The script's figures are the program's, to the rounding of sums.
+/// The figures of the script equal those of the program, except for the rounding of sums.
 void expect_same(const Json& script, const Json& program, const std::string& where) {
   if (program.is_object()) {
     for (const auto& [key, value] : program.items()) {
@@ -166,7 +167,7 @@ void expect_same(const Json& script, const Json& program, const std::string& whe
 }
 
 TEST_F(SuiteScript, MeasuresAsTubefootCompareDoes) {
-  // Few rays: bins that are missed, returns that come late.
+  // With few rays, bins are missed and returns come late.
   for (const char* rays : {"600", "40000"}) {
     const TestFolder run_folder;
     const fs::path reference = suite() / "sphere" / "echoes.nc",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A receiver with a lever arm of its own, through the whole program (docs/bistatic.md).
+// Tests a separate receiver with its own lever arm in whole runs (docs/bistatic.md). The comparisons are
+// the monostatic run, closed forms of ellipses, and rays in one gradient.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +16,8 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Looks straight down from 5 m over a seabed, in a sector so wide that its sides are not met in the window.
+/// A sonar looks straight down from 5 m over a seabed. The sector is so wide that its sides lie outside of
+/// the range gate.
 std::string scene(const std::string& sensor_keys, const std::string& more = {}) {
   return still_water() + lambert_material("bed", -10) + flat_terrain(200, 200) + more + fixed_at(0, 0, 5) +
          R"(
@@ -43,15 +45,15 @@ TEST(BistaticRun, AReceiverAtTheTransmitterReceivesTheSame) {
   const Echoes alone = echoes_of(scene(""));
   const Echoes same = echoes_of(scene("receiver_arm_m = [0, 0, 0]"));
   EXPECT_EQ(alone.energy, same.energy);
-  // A hair away: the two-apex kernel and integral, the same echo but for that.
+  // A tiny lever arm selects the bistatic kernel and integral, and gives almost the same echo.
   const Echoes near = echoes_of(scene("receiver_arm_m = [0, 0, 1e-6]"));
   for (std::size_t k = 0; k < alone.samples; ++k)
     EXPECT_NEAR(sum_of_sample(near, k), sum_of_sample(alone, k), 1e-4 * sum_of_sample(alone, k) + 1e-12) << k;
 }
 
-// Transmitter and receiver at one height h, a baseline apart: half of the shortest path is sqrt(h^2 +
-// (b/2)^2), and nothing returns from nearer; the ring of the seabed between half paths l and l + dl returns
-// mu h^2 / (r_T^3 r_R^3) per area, integrated here on a fine grid of the ellipses' own coordinates.
+// Transmitter and receiver are at the same height h, with baseline b. Half of the shortest path is sqrt(h^2
+// + (b/2)^2), and no nearer sound returns. The ring of the seabed between half paths l and l + dl returns
+// mu h^2 / (r_T^3 r_R^3) per area. The test integrates this on a fine grid in elliptic coordinates.
 TEST(BistaticRun, RangesAreHalfPathsAlongEllipses) {
   const double h = 5, b = 3, mu = 0.1;
   const Echoes echoes = echoes_of(scene("receiver_arm_m = [3, 0, 0]"));
@@ -62,8 +64,8 @@ TEST(BistaticRun, RangesAreHalfPathsAlongEllipses) {
       EXPECT_EQ(sum_of_sample(echoes, k), 0) << k;
       continue;
     }
-    // On the seabed an ellipsoid of half path l cuts x^2 / A^2 + y^2 / B^2 = 1 - (h / B')^2 with A = l, B' =
-    // sqrt(l^2 - (b/2)^2): x = A s cos(t), y = B' s sin(t), s = sqrt(1 - h^2 / B'^2).
+    // On the seabed an ellipsoid of half path l cuts x^2 / A^2 + y^2 / B^2 = 1 - (h / B')^2 with A = l, B'
+    // = sqrt(l^2 - (b/2)^2): x = A s cos(t), y = B' s sin(t), s = sqrt(1 - h^2 / B'^2).
     const auto point = [&](double l, double t) {
       const double minor = std::sqrt(l * l - b * b / 4),
                    s = std::sqrt(std::max(0.0, 1 - h * h / (minor * minor)));
@@ -73,7 +75,7 @@ TEST(BistaticRun, RangesAreHalfPathsAlongEllipses) {
     double expected = 0;
     for (int i = 0; i < steps; ++i)
       for (int j = 0; j < turns; ++j) {
-        // s grows like a root at the shortest path: even steps in its square.
+        // s grows like a square root at the shortest path, so that the steps are uniform in its square.
         const auto at = [&](double u) { return from + (to - from) * u * u; };
         const double l0 = at(double(i) / steps), l1 = at((i + 1.0) / steps), l = at((i + 0.5) / steps);
         const double t0 = 2 * std::numbers::pi * j / turns, t1 = 2 * std::numbers::pi * (j + 1) / turns;
@@ -90,7 +92,7 @@ TEST(BistaticRun, RangesAreHalfPathsAlongEllipses) {
   }
 }
 
-// A wall between the two: neither sees the other's side of the seabed.
+// A wall between the two hides from each the side of the other.
 TEST(BistaticRun, WhatOneOfTheTwoCannotSeeIsSilent) {
   const std::string wall = R"([[objects]]
 name = "wall"
@@ -104,8 +106,8 @@ position_m = [0, 0, 2.4]
   EXPECT_EQ(shut.total(), 0);
 }
 
-// Through water of one gradient, physics sheet 2.2: the rays to a point of the seabed in closed form. Points
-// of a fine grid of the seabed, each in the sample of its travel times.
+// In water of one gradient the rays to a point of the seabed have closed forms (physics sheet 2.2). The
+// test sums points of a fine grid, each in the range bin of its travel times.
 TEST(BistaticRun, RefractingWaterBendsBothWays) {
   const double h = 5, b = 3, mu = 0.1, g = -10, cs = 1500, cr = cs + g * h;
   const std::string even = scene("receiver_arm_m = [3, 0, 0]");
@@ -142,11 +144,11 @@ TEST(BistaticRun, RefractingWaterBendsBothWays) {
     difference += std::abs(sum_of_sample(straight, k) / expected[k] - 1);
     all += sum_of_sample(refracted, k) / expected[k] - 1;
   }
-  EXPECT_LT(std::abs(all) / 40, 0.005);  // the grid's cells do not favour a side
+  EXPECT_LT(std::abs(all) / 40, 0.005);  // the cells of the grid are not biased to a side
   EXPECT_GT(difference / 40, 0.03);
 }
 
-// By rays, by fast binnings and by plain doubles, in isovelocity water and in water that bends.
+// Compares rays, fast binning and plain doubles, in isovelocity and in stratified water.
 TEST(BistaticRun, TheCheaperSettingsHearTheSame) {
   std::string layered = scene("receiver_arm_m = [3, 0, 0]");
   layered.replace(layered.find("sound_speed_m_s = 1500"), 22,
@@ -167,7 +169,7 @@ TEST(BistaticRun, TheCheaperSettingsHearTheSame) {
     for (const char* binning : {"spread", "centroid"}) {
       const Echoes fast = echoes_of(text, {"--binning", binning});
       EXPECT_NE(fast.energy, exact.energy);
-      EXPECT_GT(fast.total(), 0.3 * exact.total()) << binning;  // of footprints as large as the window
+      EXPECT_GT(fast.total(), 0.3 * exact.total()) << binning;  // for footprints as large as the range gate
       EXPECT_LT(fast.total(), 3 * exact.total()) << binning;
     }
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The seed paper's experiment: a camera on a straight line at constant speed over a flat seabed.
-// Micro-texture is fixed to the world, so neighbouring frames have it in common and tell the way between
-// them; speckle is drawn anew, so they have not.
+// Repeats the experiment of the original paper: a camera on a straight line at constant speed over a flat
+// seabed. Micro-texture is fixed to the scene, so that adjacent frames share it and reveal the motion.
+// Speckle is new for each frame, so that adjacent frames do not share it.
 #include "track/camera_track.hpp"
 
 #include <gtest/gtest.h>

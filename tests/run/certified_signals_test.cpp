@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Signals of smooth surfaces with certified bounds: held against integrals over the surfaces, which know
-// neither edges nor what is computed of visibility.
+// Compares certified signals of smooth surfaces with integrals over the surfaces. The integrals use neither
+// edge forms nor the visibility computation of the program.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ struct Rectangle {
   double z, west, south, east, north;
   double reflection;
 
-  /// What of a plane below a point source does not light, or a receiver does not receive.
+  /// Returns the part of a lower plane that the rectangle hides from a point source or from a receiver.
   Rectangle shadow(glm::dvec3 of, double on_z) const {
     const double far = (of.z - on_z) / (of.z - z);
     return {on_z,
@@ -72,7 +72,7 @@ std::string scene(const std::string& sensor, const std::string& more = "") {
       more, sensor);
 }
 
-/// A pulse at a distance: what a time receives of paths, and its change by them.
+/// A pulse at a distance: the signal at one time as a function of path length, and its derivative.
 struct Reception {
   const ElementSignals& signals;
   double time_s;
@@ -95,7 +95,8 @@ struct Reception {
     return {value, -(slope * phase - Complex(0, 2 * pi) * (w.start_hz + rate * s) * value) / sound_speed -
                        fade * value};
   }
-  /// Both ends of the pulse, and of its flanks, are off all paths of a rectangle.
+  /// Returns whether the ends of the pulse and of its flanks lie outside of all path lengths of a
+  /// rectangle.
   bool is_even(double shortest, double longest) const {
     const double length = signals.waveform.duration_s, flank = signals.waveform.taper * length / 2;
     for (const double border : {0.0, flank, length - flank, length}) {
@@ -107,7 +108,7 @@ struct Reception {
   }
 };
 
-/// Kirchhoff's integral over a rectangle, by Gauss's rules: docs/smooth-surfaces.md (1).
+/// Kirchhoff's integral over a rectangle, by Gauss rules: docs/smooth-surfaces.md (1).
 class SurfaceIntegral {
  public:
   SurfaceIntegral(const Rectangle& over, glm::dvec3 from, glm::dvec3 to) {
@@ -176,8 +177,9 @@ struct CertifiedSignals : testing::Test {
   }
   static bool is_open(Complex bound) { return std::isinf(bound.real()) && std::isinf(bound.imag()); }
 
-  /// What the scene has, by the surfaces less what those above hide from the transmitter, and from another
-  /// place: of one sensor's receiver, or of each element.
+  /// Compares the signals with the surfaces minus the parts that higher surfaces hide. These are hidden
+  /// from the transmitter, and from another position: that of the receiver of the sensor, or of each
+  /// element.
   static void expect_held(const ElementSignals& signals, const std::vector<Rectangle>& surfaces,
                           const std::function<std::optional<glm::dvec3>(std::size_t)>& received_from) {
     ASSERT_EQ(signals.bound.size(), signals.pressure.size());
@@ -213,7 +215,7 @@ struct CertifiedSignals : testing::Test {
         Complex truth = 0;
         for (const auto& [factor, part] : parts) truth += factor * part.at(received, even);
         const Complex value = signals.channel(0, e)[k], bound = signals.bound[e * signals.samples() + k];
-        // The rules meet no border of the pulse, or one at which it bends.
+        // The quadrature intervals contain no border of the pulse, or contain one with a kink.
         const double rules = (even ? 1e-12 : 2e-6) * peak;
         ASSERT_LE(std::abs(value.real() - truth.real()), bound.real() + rules) << e << ' ' << k;
         ASSERT_LE(std::abs(value.imag() - truth.imag()), bound.imag() + rules) << e << ' ' << k;
@@ -228,21 +230,22 @@ struct CertifiedSignals : testing::Test {
 
 std::optional<glm::dvec3> from_nowhere(std::size_t) { return {}; }
 
-// Law Q12: a plate before a floor, both smooth, a Hann pulse of one frequency mixed beside it, absorption.
+// Law Q12: a plate before a floor, both smooth, a Hann pulse of one frequency with an offset mixing
+// frequency, and absorption.
 TEST_F(CertifiedSignals, HoldIntegralsOverWhatIsSeen) {
   expect_held(
       signals_of(scene("bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\nbaseband_khz = 21\n")),
       {bottom, plate}, from_nowhere);
 }
 
-// Law Q12, a chirp with short flanks; shadows of both ends.
+// Law Q12 for a chirp with short flanks and shadows of both ends.
 TEST_F(CertifiedSignals, OfAChirpThatEachElementSeesForItself) {
   const ElementSignals signals =
       signals_of(scene("bandwidth_khz = 8\npulse_length_us = 700\npulse_taper = 0.3\nown_sights = true\n"));
   expect_held(signals, {bottom, plate}, [&](std::size_t e) { return signals.array.receivers_m[e]; });
 }
 
-// Law Q12: a plate that another one hides in part, over the floor, to a separate receiver.
+// Law Q12: another plate partly hides a plate over the floor, for a separate receiver.
 TEST_F(CertifiedSignals, OfPlatesThatHideEachOtherFromASeparateReceiver) {
   const Rectangle lower{-2.5, -0.125, 0, 0.375, 0.375, 0.75};
   folder.write(
@@ -256,7 +259,7 @@ TEST_F(CertifiedSignals, OfPlatesThatHideEachOtherFromASeparateReceiver) {
       {bottom, plate, lower}, [&](std::size_t) { return place; });
 }
 
-// The ordinary run's are what they were, and lie about as near as they say.
+// The signals of the ordinary run are unchanged, and lie about as close as their stated error.
 TEST_F(CertifiedSignals, AreThoseOfAnOrdinaryRun) {
   const std::string text =
       scene("bandwidth_khz = 8\npulse_length_us = 700\npulse_taper = 0.8\nsignal_tolerance = 1e-5\n");
@@ -271,7 +274,8 @@ TEST_F(CertifiedSignals, AreThoseOfAnOrdinaryRun) {
   EXPECT_LT(off, 1e-3 * peak);
 }
 
-// A rough floor: nothing is reported of samples that may hold its speckle; before it all is as without.
+// A rough floor: samples that may contain its speckle have no bound. Earlier samples are the same as
+// without the floor.
 TEST_F(CertifiedSignals, AreOpenWhereRoughSurfacesAreReceived) {
   const std::string sensor = "bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n";
   std::string rough = scene(sensor);
@@ -291,7 +295,7 @@ TEST_F(CertifiedSignals, AreOpenWhereRoughSurfacesAreReceived) {
         ++open;
         continue;
       }
-      // A floor comes after a metre more each way, and that is what is left out.
+      // The echo of the floor comes after one more metre per leg, and only its samples are excluded.
       EXPECT_LE(std::abs(some.channel(0, e)[k] - both.channel(0, e)[k]), 2 * std::abs(bound) + 1e-9);
       if (std::abs(some.channel(0, e)[k]) > 0.01) ++sure;
     }
@@ -300,8 +304,8 @@ TEST_F(CertifiedSignals, AreOpenWhereRoughSurfacesAreReceived) {
   EXPECT_GT(sure, 20u);
 }
 
-// The second receiver lies in the plane of a wall, which neither it nor doubles can tell from beside it: the
-// wall's samples are open, and what else they hold is still told.
+// The second receiver lies in the plane of a wall. Neither the receiver nor doubles can decide its side.
+// The samples of the wall have no bound, and the others keep theirs.
 TEST_F(CertifiedSignals, AWallThatAReceiverLiesInTakesNothingElseAway) {
   const std::string sensor = "bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n";
   folder.write("wall.obj", "v 0.25 -0.4 -2.9\nv 0.25 0.4 -2.9\nv 0.25 0 -2.4\nf 1 2 3\n");
@@ -325,7 +329,7 @@ TEST_F(CertifiedSignals, AWallThatAReceiverLiesInTakesNothingElseAway) {
   EXPECT_GT(loudest_open, 0.2 * loudest);
 }
 
-// Nothing is loudest there, and no quadrature reaches nothing.
+// Without any echo there is no strongest sample, and no quadrature converges to zero.
 TEST_F(CertifiedSignals, OfSurfacesThatReflectNothingAreSilent) {
   std::string text = scene("bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n");
   for (const std::string reflection : {"-0.5\n", "0.75\n"})
@@ -352,7 +356,7 @@ TEST_F(CertifiedSignals, AreOpenWhereNothingIsProven) {
   expect_open(scene(sensor, "[sea_surface]\nheight_m = 2\n[paths]\norder = 2\n"));
 }
 
-// In the file, and back; not of what a filter makes of the samples.
+// The file contains the bounds and returns them. It has no bounds for filtered samples.
 TEST_F(CertifiedSignals, BoundsAreInTheFile) {
   const ElementSignals sure =
       signals_of(scene("bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs that let facets become fewer (--coarsen): what they tell, what they change, what they do not go with.
+// Tests runs with --coarsen, which merges facets: their reports, their effect on energies, and the features
+// that they exclude.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -116,7 +117,7 @@ TEST_F(CoarseningRun, IsTheSameForAnyThreadsAndInParts) {
   EXPECT_EQ(bytes_of(folder / "out1" / "echoes.nc"), bytes_of(output() / "echoes.nc"));
 }
 
-// By the nearest place of each sensor, one after the other.
+// By the nearest point of each sensor in turn.
 TEST_F(CoarseningRun, WhatIsReportedApartGrowsWithTheRange) {
   const std::string line =
                         "[trajectory]\nkind = \"line\"\nstart_m = [-2, -4, 5]\nend_m = [1, 3, 5]\n"
@@ -140,7 +141,7 @@ TEST_F(CoarseningRun, WhatIsReportedApartGrowsWithTheRange) {
           near = std::min(near, away), far = std::max(far, away);
         }
         const double beam_rad = glm::radians(figures.beam_deg);
-        // Facets are 0.14 m long at most, but for how they slope.
+        // Facets are at most 0.14 m long, except for their slope.
         if (near - 0.2 < figures.farthest_m)
           nearest = std::min(nearest, std::min(figures.sample_m, beam_rad * (near - 0.2)));
         if (far < figures.farthest_m)
@@ -160,7 +161,7 @@ TEST_F(CoarseningRun, WhatIsReportedApartGrowsWithTheRange) {
   EXPECT_LT(unreached, scene.mesh.facets.size() / 14);
 }
 
-// A ball in the seabed: where they cross, and near there, both keep their facets.
+// A sphere in the seabed: both keep their facets on and near their intersection.
 TEST_F(CoarseningRun, NothingComesThroughWhatItLayBehind) {
   std::string buried = ball;
   buried.replace(buried.find("5, 2]"), 5, "5, 0.3]");
@@ -174,7 +175,7 @@ TEST_F(CoarseningRun, NothingComesThroughWhatItLayBehind) {
   for (std::size_t f = 0; f < before.facets.size(); ++f) {
     glm::dvec3 middle(0);
     for (const VertexId v : before.facets[f]) middle += given->scene.grid.to_metres(before.vertices[v]) / 3.0;
-    // Facets of the seabed whose middles lie about where the ball comes out of it.
+    // Facets of the seabed whose middles lie near the intersection with the sphere.
     const double from_centre = glm::distance(middle, glm::dvec3(0.3, 5, 0.3));
     if (before.component[f] != 0 || std::abs(from_centre - 0.8) > 0.01) continue;
     ++crossing;

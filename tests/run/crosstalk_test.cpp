@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Interlaced firing of an acoustic camera: what a point-like target in beam 40 of 96 gives in the other
-// beams, against the product of the published patterns, and each cycle from where the camera is at its own
-// time.
+// Tests interlaced firing of an acoustic camera. A point-like target in beam 40 of 96 has levels in the
+// other beams that follow from the product of the published patterns. Each firing cycle has the pose of its
+// own time.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ constexpr double degree = std::numbers::pi / 180, aperture_m = 0.1015, wavelengt
 
 double azimuth_of(std::size_t beam) { return (-14.5 + 29.0 / 96 * (double(beam) + 0.5)) * degree; }
 
-/// A ball of half a millimetre on the axis of the target's beam, 4 m off; the seabed is out of reach.
+/// A sphere of half a millimetre on the axis of the target's beam, at 4 m. The seabed is out of range.
 std::string ball_scene(const std::string& patterns) {
   return fmt::format(R"([water]
 sound_speed_m_s = 1500
@@ -48,7 +48,7 @@ samples = 4
                      4 * std::sin(azimuth_of(target)), 4 * std::cos(azimuth_of(target)), patterns);
 }
 
-/// Power of a uniform line steered to a beam, in the direction of another.
+/// Power of a uniform line that is steered to a beam, in the direction of another.
 double line(std::size_t beam, std::size_t toward) {
   const double u = aperture_m / wavelength_m * (std::sin(azimuth_of(toward)) - std::sin(azimuth_of(beam)));
   const double x = std::numbers::pi * u;
@@ -70,10 +70,11 @@ TEST(CrossTalk, SideLobesHearWhatTheirCycleHasLit) {
     double lit = 0;
     for (std::size_t sent = beam % cycles; sent < beams; sent += cycles) lit += line(sent, target);
     const double expected = db(line(beam, target) * lit / lit_by_own_cycle);
-    if (expected < -60) continue;  // near a null the ball is no longer a point
+    if (expected < -60) continue;  // near a null the sphere is no longer a point
     EXPECT_NEAR(db(echoes.beam_total(0, beam) / own), expected, 0.5) << "beam " << beam;
   }
-  // Uniform lines of 0.3 degrees two-way, 0.302 degrees apart: the figures of the patterns alone.
+  // Uniform lines of 0.3 degrees two-way at intervals of 0.302 degrees: these are the figures of the
+  // patterns alone.
   for (const std::size_t ghost : {target - cycles, target + cycles}) {
     const double level = db(echoes.beam_total(0, ghost) / own);
     EXPECT_NEAR(level, -31.84, 0.5);

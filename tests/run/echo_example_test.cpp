@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The Python examples of docs/echo-file.md, run as they stand there.
+// Runs the Python examples of docs/echo-file.md unchanged.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,14 +14,15 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Debian's Python, or another that has what the examples import; empty if there is none.
+/// Returns Debian's Python, or another with the modules that the examples import. Returns an empty string
+/// if there is none.
 std::string python_with_netcdf4() {
   for (const std::string python : {"/usr/bin/python3", "python3"})
     if (std::system((python + " -c 'import netCDF4, numpy' >/dev/null 2>&1").c_str()) == 0) return python;
   return {};
 }
 
-/// The code blocks of the page in order.
+/// Returns the code blocks of the page in order.
 std::vector<std::string> examples() {
   const std::string page = bytes_of(std::filesystem::path(TUBEFOOT_SOURCE_DIR) / "docs" / "echo-file.md"),
                     begin = "```python\n", end = "```\n";
@@ -33,7 +34,7 @@ std::vector<std::string> examples() {
   return blocks;
 }
 
-/// A flat seabed under a camera that has, by default, the example's beams and samples.
+/// A flat seabed under a camera that by default has the beams and samples of the example.
 const std::string scene =
     replaced(smallest_scene, "kind = \"fixed\"\n", "kind = \"fixed\"\nposition_m = [0, 0, 2]\n") +
     "tilt_deg = 30\n";
@@ -47,7 +48,7 @@ struct EchoExamples : testing::Test {
     ASSERT_EQ(examples().size(), 2u);
     echoes_in(folder, scene);
   }
-  /// What a script prints when it is given a file.
+  /// Returns the output of an example for a file.
   std::string run(std::size_t example, const std::string& file) const {
     const auto script = folder.write("example.py", examples()[example]);
     const auto output = folder / "output.txt";
@@ -77,7 +78,7 @@ TEST_F(EchoExamples, TheSecondWritesAFileThatCompares) {
   const Echoes echoes = read_echoes(mine);
   EXPECT_DOUBLE_EQ(echoes.at(0, 70, 300), 1e-9);
   EXPECT_DOUBLE_EQ(echoes.at(0, 12, 344), 2e-9);
-  // It needs no more than what is asked of an engine: twenty lines, imports included.
+  // An engine needs at most twenty lines, including imports.
   const std::string code = examples()[1];
   EXPECT_LE(std::count(code.begin(), code.end(), '\n'), 20);
 }

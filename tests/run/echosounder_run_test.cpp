@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The whole program with an echosounder over a flat seabed, whose echo through Gaussian beams is a single
+// Tests whole runs of an echosounder over a flat seabed. The echo through Gaussian beams is a single
 // integral.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -32,7 +32,8 @@ samples = 300
                      width_deg, sensor);
 }
 
-/// Energy at ranges near to far, transmit and receive pattern exp(-4 ln 2 (angle / width)^2) each.
+/// Returns the energy at ranges near to far. Transmit and receive pattern are each exp(-4 ln 2 (angle /
+/// width)^2).
 double closed_form(double near, double far, double ways) {
   const auto ring = [&](double r) {
     const double angle = std::acos(height / r) / (width_deg * degree);
@@ -51,7 +52,7 @@ TEST(EchosounderRun, FlatSeabedThroughBothGaussians) {
   ASSERT_EQ(echoes.energy.size(), 300u);
   const double total = closed_form(11, 14, 2);
   for (std::size_t k = 0; k < 300; ++k) {
-    // Within the square sector's inner circle.
+    // Within the inner circle of the square sector.
     if (height / echoes.last_m(k) < std::cos(20 * degree)) break;
     ASSERT_NEAR(echoes.at(0, 0, k), closed_form(echoes.first_m(k), echoes.last_m(k), 2), 2e-6 * total) << k;
   }
@@ -62,7 +63,7 @@ TEST(EchosounderRun, AnExplicitPatternReplacesOneWay) {
   const Echoes echoes = echoes_of(
       scene("sector_deg = 40\ntransmit_pattern = \"gaussian\"\ntransmit_pattern_angle = \"off_axis\"\n"
             "transmit_beam_width_deg = 20\n"));
-  // Twice the width is a quarter of the exponent.
+  // Twice the width gives a quarter of the exponent.
   const double total = closed_form(11, 14, 1.25);
   for (std::size_t k = 0; k < 160; ++k)
     ASSERT_NEAR(echoes.at(0, 0, k), closed_form(echoes.first_m(k), echoes.last_m(k), 1.25), 2e-6 * total)
@@ -79,8 +80,8 @@ TEST(EchosounderRun, DetectsTheSeabedAndPlacesItOnTheAxis) {
     ASSERT_EQ(rows.size(), 1u);
     const auto value = [&](const char* name) { return std::stod(rows[0].at(name)); };
     EXPECT_NEAR(value("true_altitude_m"), height, 1e-5);
-    EXPECT_NEAR(value("range_m"), height, 0.01);  // the nearest seabed lies inside the beam either way
-    // Bow up: the axis leans forwards, along heading 30.
+    EXPECT_NEAR(value("range_m"), height, 0.01);  // the nearest seabed lies inside the beam in both cases
+    // With the bow up, the axis tilts forwards, along heading 30.
     const double lean = value("range_m") * std::sin(pitch * degree);
     EXPECT_NEAR(value("bottom_east_m"), 3 + lean * std::sin(30 * degree), 1e-6);
     EXPECT_NEAR(value("bottom_north_m"), -2 + lean * std::cos(30 * degree), 1e-6);

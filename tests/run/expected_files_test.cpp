@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files that a run will not write are reported before it, and windows are those that their formats hold.
+// Tests that `check` and `run` report in advance which files a run cannot write. Range gates are those that
+// the file formats permit.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -85,7 +86,7 @@ TEST_F(Expected, FilesThatNeedAPlaceOnEarthAreReportedByCheck) {
   EXPECT_THAT(does("check", camera_in(1500, "kind = \"sidescan\"")).err, HasSubstr("add [georeference]"));
 }
 
-// The scene of the drifting camera, one frame of it.
+// The scene of the drifting camera, with one frame.
 TEST_F(Expected, TheDriftingCameraWritesADidsonFile) {
   SceneDescription scene = read_scene_file(TUBEFOOT_SOURCE_DIR "/scenes/textures/track.toml");
   scene.sensors.at(0).pings = 1;
@@ -102,7 +103,7 @@ TEST_F(Expected, TheDriftingCameraWritesADidsonFile) {
   EXPECT_EQ(file.number(0, "WindowStart"), 7);  // 2.94 m
 }
 
-// Labels are most of what such a run writes: a channel for each object and each material.
+// Labels are most of the output of such a run: one channel per object and per material.
 TEST(ExpectedWriting, CountsLabelsPicturesAndSoundings) {
   const auto survey = open_survey(read_scene_text(
       lambert_material("bed", -27) + flat_terrain(20, 20) + fixed_at(0, -3, 1.2) +

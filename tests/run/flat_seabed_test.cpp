@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A flat Lambert seabed has a closed form (physics.md 7.5): the whole program has to give it, however the
-// seabed is cut into facets, and to the last bit whatever the arithmetic and the number of threads.
+// Compares whole runs with the closed form of a flat Lambert seabed (physics.md 7.5), for different facets
+// of the seabed. All arithmetics and thread counts give the same bits.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,8 +18,8 @@ namespace {
 constexpr double height_m = 10, fan_rad = 1.5 * std::numbers::pi / 180;
 const double mu = std::pow(10, -2.7);
 
-/// One beam of 1.5 degrees that hangs 10 m above the seabed and sees it from nearly straight below out to 40
-/// m. `seabed`: a [[terrain]] or [[objects]] entry of material "seabed".
+/// One beam of 1.5 degrees, 10 m above the seabed, sees the seabed from nearly straight below to 40 m.
+/// `seabed`: a [[terrain]] or [[objects]] entry of material "seabed".
 std::string flat_scene(double absorption_db_per_km, const std::string& seabed, double heading_deg = 37) {
   return still_water(absorption_db_per_km) + lambert_material("bed", -27) + seabed +
          fixed_at(0, 0, 10, fmt::format("heading_deg = {}\n", heading_deg)) + downward_fan(1, 1.5, 640);
@@ -39,8 +39,8 @@ double closed_form(double absorption_db_per_km, double near_m, double far_m) {
   return scale * (tail(near_m) - tail(far_m));
 }
 
-/// Largest relative error over the samples that the beam's ground extent fills; the fan ends 85 degrees below
-/// the horizontal, at 10.04 m of slant range.
+/// Largest relative error over the range bins that the beam fills on the seabed. The fan ends 85 degrees
+/// below the horizontal, at 10.04 m of slant range.
 double largest_error(const Echoes& echoes, double absorption_db_per_km) {
   double worst = 0;
   std::size_t compared = 0;
@@ -54,7 +54,7 @@ double largest_error(const Echoes& echoes, double absorption_db_per_km) {
   return worst;
 }
 
-// The figures that the physics sheet prints, so that closed_form() itself is held to something.
+// Compares closed_form() itself with the figures that the physics sheet prints.
 TEST(FlatSeabed, ClosedFormGivesThePublishedFigures) {
   EXPECT_NEAR(closed_form(0, 20, 20.05), 8.111093200e-11, 1e-20);
   EXPECT_NEAR(closed_form(61.5, 20, 20.05), 4.600156e-11, 1e-17);
@@ -79,7 +79,8 @@ TEST(FlatSeabed, WithAbsorptionEverySampleIsTheClosedForm) {
   }
 }
 
-// The most that a scene file may ask for: echoes fade below the least double, which is no mistake.
+// With the strongest absorption that a scene file permits, echoes fall below the least double, which is no
+// error.
 TEST(FlatSeabed, FadesToNothingInTheStrongestAbsorption) {
   const Echoes echoes = echoes_of(flat_scene(100000, two_facets));
   const std::size_t near = echoes.sample_at(10.06);
@@ -117,7 +118,8 @@ TEST(FlatSeabed, FromAMeshFileInAnyOrderIsTheSameSeabed) {
   }
 }
 
-// One of two neighbours is split at a point of their common edge: no half-edge mesh holds that.
+// One of two adjacent facets is split at a point of their common edge. A half-edge mesh cannot represent
+// this.
 TEST(FlatSeabed, WithTJunctionsIsTheSameSeabed) {
   const Echoes whole = echoes_of(flat_scene(61.5, two_facets));
   TestMesh mesh = relief(128, 16, [](double, double) { return 0.0; });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Elements of an array that lie where nothing can be received: told with their number, ping, and what to do.
+// Tests the report of array elements at positions that receive nothing. The report has the element number,
+// the ping, and a remedy.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -55,7 +56,7 @@ kind = "didson"
 )"))) {
     loaded_scene_.tree = std::make_unique<SceneTree>(loaded_scene_.scene.mesh);
   }
-  /// What is said of receivers; empty: they may be there.
+  /// Returns the message about the receivers. An empty string means that all positions are valid.
   std::string said(const std::vector<glm::dvec3>& receivers_m, glm::dvec3 transmitter_m = {0, 0, 9}) {
     SensorPlaces places(loaded_scene_);
     const SourcePlace place{"scene.toml", 7, 1};
@@ -69,7 +70,7 @@ kind = "didson"
   }
 
   TestFolder folder_;
-  // A box without two of its sides: still there are facets above and below what is in it.
+  // A box without two of its sides: there are still facets above and below its inside.
   std::filesystem::path roof_ = folder_.write("roof.obj", R"(v -1 -1 0
 v 1 -1 0
 v 1 1 0
@@ -88,7 +89,7 @@ f 1 4 3 2
 
 TEST_F(HiddenElements, InTheWaterMayBeAnywhere) {
   EXPECT_EQ(said({{0, 0, 5}, {0, 0, 0.01}, {5, 5, 2.01}, {6.01, 5, 1}, {5, 3.99, 1}, {-6, 2.01, 6}}), "");
-  EXPECT_EQ(said({{100, 0, -3}}), "");  // beside the seabed there is none above
+  EXPECT_EQ(said({{100, 0, -3}}), "");  // next to the seabed there is no facet above
 }
 
 TEST_F(HiddenElements, InABoxAreReportedWithTheirNumberAndPing) {
@@ -120,7 +121,7 @@ TEST_F(HiddenElements, BelowTheSeabedAreReportedHowFar) {
                     HasSubstr("raise its trajectory or lever arm")));
 }
 
-// Open at two sides: facets above and below, and a way out.
+// The box is open at two sides: there are facets above and below, and a way out.
 TEST_F(HiddenElements, InWhatIsOpenMayBe) { EXPECT_EQ(said({{6, -6, 3.5}, {6.3, -5.8, 3.7}}), ""); }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// README's figure for a flat Lambert seabed, for every kind of sensor: against integrals over ideal beams
-// that know no tubes, and against certified references.
+// Tests the accuracy that README states for a flat Lambert seabed, for each kind of sensor. The comparisons
+// are integrals over ideal beams without tubes, and certified references.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,11 +19,11 @@ namespace tubefoot {
 namespace {
 
 constexpr double pi = std::numbers::pi, degree = pi / 180, height_m = 10;
-/// README: besides the cones' tolerance.
+/// README: in addition to the tolerance of the cones.
 constexpr double readme = 3e-7;
 const double mu = std::pow(10, -2.7);
 
-/// A tolerance, and what a sensor's keys are to have it.
+/// A tolerance, and the sensor keys that set it.
 const std::pair<double, const char*> tolerances[] = {{4.5e-5, ""}, {3e-7, "cone_tolerance = 3e-7\n"}};
 
 std::string scene(const std::string& sensor) {
@@ -31,10 +31,10 @@ std::string scene(const std::string& sensor) {
          "[[sensors]]\nname = \"s\"\n" + sensor;
 }
 
-/// How far inside of an ideal beam a direction is (starboard, forward, up); negative outside.
+/// Returns how far a direction (starboard, forward, up) lies inside an ideal beam; negative outside.
 using Beam = std::function<double(glm::dvec3)>;
 
-/// Energy of a sample: the integral over rings of the seabed, of the part of each that is in the beam.
+/// Energy of a range bin: the integral over rings of the seabed, times the part of each ring in the beam.
 double expected(const Beam& beam, double from_m, double to_m, double first_turn, double last_turn) {
   const auto at = [&](double r, double turn) {
     const double rho = std::sqrt(r * r - height_m * height_m);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The whole program on a tilted plane, whose angles of arrival have a closed form.
+// Tests whole runs of interferometers. The comparisons are closed forms of a tilted plane, travel times in
+// one gradient, rays, and certified references.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -85,13 +86,13 @@ TEST(InterferometricRun, SoundingsLieOnTheTiltedPlane) {
     EXPECT_NEAR(value("phase_rad"), std::atan2(imaginary[cell], real[cell]), 1e-7);
     EXPECT_NEAR(value("coherence"),
                 std::hypot(real[cell], imaginary[cell]) / std::sqrt(energy[cell] * lower[cell]), 1e-7);
-    // The first samples of a side are cut by the fan's lower edge, or see the plane twice: this side and the
-    // other of its nearest point.
+    // The lower edge of the fan cuts the first range bins of a side. Other first bins contain the plane
+    // twice, on both sides of its nearest point.
     const double twice = pi - 2 * std::atan(side * slope) - angle_at(range - step, side);
     if (!(angle_at(range - step, side) < 87 * degree && twice > 89 * degree)) continue;
     ++compared;
-    // What a sample may be off by: half of the angles that it gathers, the plane wave's law, a beam of half a
-    // degree that sees the plane a little beside its middle.
+    // Error limit of a range bin: half of its range of angles, the plane-wave approximation, and the beam
+    // width. The beam of half a degree sees the plane slightly beside its middle.
     const double angle = angle_at(range, side);
     const double gathered = std::max(std::abs(angle_at(range - step / 2, side) - angle),
                                      std::abs(angle_at(range + step / 2, side) - angle));
@@ -104,7 +105,8 @@ TEST(InterferometricRun, SoundingsLieOnTheTiltedPlane) {
     EXPECT_EQ(value("north_m"), 0);
     const double off_plane = std::abs(value("up_m") + depth - slope * value("east_m")) / std::hypot(1, slope);
     EXPECT_LT(off_plane, range * bound) << range;
-    // A sample's own spread of phases decorrelates, and so does what only one of the receivers has in it.
+    // The spread of phases in a range bin reduces the coherence, and so does the energy that only one
+    // receiver has in this bin.
     const double half = pi * baseline / wavelength *
                         std::abs(std::sin(angle_at(range - step / 2, side) - tilt) -
                                  std::sin(angle_at(range + step / 2, side) - tilt));
@@ -133,7 +135,7 @@ TEST(InterferometricRun, PhaseNoiseFollowsTheSeedAndReceiverNoiseLowersCoherence
   const auto a = read(silent), b = read(noisy), c = read(again), d = read(other);
   EXPECT_EQ(b, c);
   EXPECT_NE(b, d);
-  // No line is lost, and the errors have the variance of the law at each line's coherence.
+  // No line is missing, and the errors have the variance of the law at the coherence of each line.
   ASSERT_EQ(a.size(), b.size());
   std::map<std::pair<std::string, std::string>, double> truth;
   for (const auto& row : a) truth[{row.at("side"), row.at("sample")}] = std::stod(row.at("phase_rad"));
@@ -154,9 +156,9 @@ TEST(InterferometricRun, PhaseNoiseFollowsTheSeedAndReceiverNoiseLowersCoherence
   EXPECT_GT(low, 100);
 }
 
-// All four channels have bounds in the file, which hold what an ordinary run finds.
+// All four channels have bounds in the file, which contain the values of an ordinary run.
 TEST(InterferometricRun, AReferenceHoldsEnergiesAndProducts) {
-  // The transmitter in the middle, apart, and under a surface that mirrors.
+  // The transmitter is in the middle, separate, and under a surface that is a mirror.
   for (const auto& [tables, keys] :
        {std::pair("", ""),
         {"", "receiver_arm_m = [1, 0.5, 0.25]\n"},
@@ -210,7 +212,7 @@ samples = 8
   }
 }
 
-// Half a baseline is longer than the sonar is high: one receiver would lie in the seabed, and receive
+// Half a baseline exceeds the height of the sonar. One receiver would lie in the seabed and receive
 // nothing.
 TEST(InterferometricRun, AReceiverInTheSeabedIsRefused) {
   const TestFolder folder;
@@ -273,7 +275,7 @@ TEST(InterferometricRun, RaysAgreeWithFootprints) {
   }
 }
 
-/// 8 m above a seabed, with a wall of a quay beside it.
+/// The sonar is 8 m above a seabed, next to a quay wall.
 std::string short_scene(const std::string& kind, const std::string& water, const std::string& more = "") {
   return water + R"([[materials]]
 name = "sand"
@@ -335,7 +337,7 @@ void expect_near(const Channels& a, const Channels& b, double tolerance) {
 const std::string surface =
     "[water]\nsound_speed_m_s = 1500\n[sea_surface]\nheight_m = 4\nloss_db = 1\n[paths]\norder = 3\n";
 
-// Both receivers in one place receive what a sidescan does, over mirrors and by two scatterings.
+// Two receivers at one position receive the same as a sidescan, over mirrors and with two scatterings.
 TEST(InterferometricRun, OverMirrorsAShortReceiverPairIsOneReceiver) {
   for (const std::string paths : {"only_order = 2\n", "only_order = 3\nscatterings = 2\npatch_m = 2\n"}) {
     const Channels one(short_scene("sidescan", surface + paths)),
@@ -345,7 +347,8 @@ TEST(InterferometricRun, OverMirrorsAShortReceiverPairIsOneReceiver) {
     expect_near(both.energy, one.energy, scale);
     expect_near(both.lower, one.energy, scale);
     expect_near(both.real, one.energy, scale);
-    for (const double imaginary : both.imaginary) EXPECT_NEAR(imaginary, 0, 4 * scale);  // the phase is 0.01
+    // the phase is 0.01
+    for (const double imaginary : both.imaginary) EXPECT_NEAR(imaginary, 0, 4 * scale);
   }
 }
 
@@ -378,7 +381,7 @@ std::string gradient(double per_s) {
 }
 
 TEST(InterferometricRun, ATransmitterBesideItsReceiverPairByNothingIsInItsMiddle) {
-  // Facets that bent rays see keep 0.1 dB.
+  // Facets with refracted rays keep 0.1 dB.
   for (const auto& [water, tolerance] : {std::pair(still_water(), 1e-4), std::pair(gradient(2), 0.02)}) {
     const std::string receiver_pair = "baseline_m = 0.02\nstaff_tilt_deg = 20\n";
     expect_near(
@@ -395,13 +398,13 @@ TEST(InterferometricRun, ATransmitterBesideItsReceiverPairInIsovelocityWaterThat
               1e-3);
 }
 
-/// In a vertical plane of water in which sound is faster by 5 m/s a metre of depth.
+/// A point in a vertical plane of water in which the sound speed increases by 5 m/s per metre of depth.
 struct Place {
   static constexpr double g = 5;
   double x, z;
   double speed() const { return 1500 + g * (5 - z); }
 };
-/// In closed form.
+/// Computes the travel time in closed form.
 double time_between(Place a, Place b) {
   const double d2 = (a.x - b.x) * (a.x - b.x) + (a.z - b.z) * (a.z - b.z);
   return std::acosh(1 + Place::g * Place::g * d2 / (2 * a.speed() * b.speed())) / Place::g;
@@ -417,8 +420,8 @@ std::string far_scene(double tilt_deg, const std::string& more) {
   return replaced(text, "position_m = [14, 0, -5]", "position_m = [-14, 0, -5]");
 }
 
-/// Phases in 260 cells, the first at `cells`, are those of travel times to both ends of a receiver pair;
-/// `speed`: that ranges are reported by.
+/// Expects that phases in 260 cells, from `cells` on, follow from the travel times to both ends of a
+/// receiver pair. `speed`: reference speed of the reported ranges.
 void expect_phases_of_times(const Channels& both, std::size_t cells, Place sent, Place middle, double speed,
                             double tilt_deg) {
   const double ax = receiver_pair_m / 2 * std::sin(tilt_deg * degree),
@@ -446,7 +449,7 @@ void expect_phases_of_times(const Channels& both, std::size_t cells, Place sent,
   EXPECT_GT(compared, 100u);
 }
 
-// The receiver pair hangs 4 m below its transmitter, where sound is faster.
+// The receiver pair hangs 4 m below its transmitter, where the sound speed is higher.
 TEST(InterferometricRun, PhasesOfAReceiverPairBelowItsTransmitterAreThoseOfTravelTimes) {
   const Channels both(far_scene(20, "receiver_arm_m = [0.5, 0, -4]\n"));
   ASSERT_EQ(both.energy.size(), 520u);
@@ -454,7 +457,7 @@ TEST(InterferometricRun, PhasesOfAReceiverPairBelowItsTransmitterAreThoseOfTrave
   expect_phases_of_times(both, 260, sent, {0.5, -4}, sent.speed(), 20);
 }
 
-// A sonar that leaves the depth that its ranges are reported by: at its second ping it is 2 m deeper.
+// The sonar leaves the depth of its reference speed: at its second ping it is 2 m deeper.
 TEST(InterferometricRun, PhasesAtAnotherDepthThanTheFirstAreThoseOfTravelTimes) {
   const Channels both(replaced(far_scene(60, "pings = 2\nping_interval_s = 1\n"), "kind = \"fixed\"\n",
                                "kind = \"line\"\nstart_m = [0, 0, 0]\nend_m = [0, 1, -2]\nspeed_m_s = "
@@ -465,7 +468,7 @@ TEST(InterferometricRun, PhasesAtAnotherDepthThanTheFirstAreThoseOfTravelTimes) 
   expect_phases_of_times(both, 780, second, second, first.speed(), 60);
 }
 
-/// 8 m above a flat seabed; bins of `bin_m` from 12 m on.
+/// The sonar is 8 m above a flat seabed, with bins of `bin_m` from 12 m on.
 std::string long_baseline_scene(double bin_m, double gradient_per_s, const std::string& water_keys,
                                 const std::string& more) {
   return gradient(gradient_per_s) + water_keys + lambert_material("mud", -20) +
@@ -476,7 +479,7 @@ std::string long_baseline_scene(double bin_m, double gradient_per_s, const std::
              std::lround(24 / bin_m), more);
 }
 
-// By default phases are as right as the baseline resolves them, however long range bins are.
+// By default, phases are as accurate as the baseline resolves, for any length of the range bins.
 TEST(InterferometricRun, PhasesOfALongBaselineInStratifiedWaterAreRightByDefault) {
   for (const char* more : {"", "receiver_arm_m = [0.5, 0, -1]\n"})
     for (const auto& [bin_m, gradient_per_s] : {std::pair(0.1, 0.3), {1.0, 0.05}}) {
@@ -500,7 +503,7 @@ TEST(InterferometricRun, PhasesOfALongBaselineInStratifiedWaterAreRightByDefault
     }
 }
 
-// Through refracting water the reference chooses its own ground, and rays of its own to each receiver.
+// In stratified water the reference chooses its own apparent map, and traces rays to each receiver.
 TEST(InterferometricRun, AReferenceInRefractingWaterHoldsEnergiesAndProducts) {
   for (const std::string keys : {"", "receiver_arm_m = [1, 0.5, 0.25]\n"}) {
     SCOPED_TRACE(keys);
@@ -555,7 +558,7 @@ samples = 8
       for (std::size_t k = 0; k < finely.size(); ++k) {
         const double size = std::max(upper[k], lower[k]);
         EXPECT_LE(std::abs(finely[k] - middle[k]), bound[k] + 3e-3 * size) << name << ' ' << k;
-        // 0.1 dB is what the ordinary run promises, and a quarter of a sample.
+        // The ordinary run promises 0.1 dB, and a quarter of a range bin.
         EXPECT_LE(std::abs(usual[k] - middle[k]), bound[k] + 0.03 * size) << name << ' ' << k;
         if (bound[k] > 3e-3 * size) {
           EXPECT_GT(std::abs(finely[k] + 2 * bound[k] + 6e-3 * size - middle[k]), bound[k]) << name << k;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Whose each energy is (docs/labels.md): shares that are the energies', whatever makes them, and means that
-// are closed forms.
+// Tests labels, which attribute each energy to objects and materials (docs/labels.md). Shares add up to the
+// energies for each engine, and means agree with closed forms.
 #include "run/labels.hpp"
 
 #include <fmt/format.h>
@@ -27,10 +27,10 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Of energies that are integrated with other factors, relative.
+/// relative error of energies that are integrated with other factors
 constexpr double quadrature = 1e-5;
 
-/// All of one sensor's run.
+/// All data of the run of one sensor.
 struct LabelledRun {
   std::shared_ptr<PingStore> store;
   LabelRecording labels;
@@ -40,7 +40,7 @@ struct LabelledRun {
 
   std::size_t object(const std::string& name) const { return number(labels.objects, name); }
   std::size_t material(const std::string& name) const { return number(labels.materials, name); }
-  /// Of the channels, whatever they share is taken of.
+  /// Returns a value of a label channel before its conversion to a share.
   double raw(std::size_t ping, std::size_t channel, std::size_t cell) const {
     return labels.values[(ping * labels.channels() + channel) * labels.cells + cell];
   }
@@ -78,7 +78,8 @@ struct LabelsOf : testing::Test {
     return told;
   }
 
-  /// Owners' energies, and those without scattering, are the energies; shares add up to 1.
+  /// Expects that the energies by object and the energies without scattering add up to the energies, and
+  /// shares to 1.
   static void expect_whole(const LabelledRun& told, double tolerance) {
     const LabelRecording& labels = told.labels;
     double largest = 0;
@@ -106,7 +107,7 @@ struct LabelsOf : testing::Test {
   }
 };
 
-/// A ball and a box on a seabed before a camera, in three materials.
+/// A sphere and a box on a seabed before a camera, in three materials.
 const std::string still_life =
     still_water() + lambert_material("sand", -27) + lambert_material("steel", -15) +
     lambert_material("rubber", -20) + flat_terrain(20, 20, "name = \"bed\"\nmaterial = \"sand\"\n") +
@@ -131,15 +132,15 @@ TEST_F(LabelsOf, AStillLifeNamesItsThings) {
       EXPECT_TRUE(std::isnan(ping.mean_height[cell]));
       continue;
     }
-    // Each thing has a material of its own.
+    // Each object has its own material.
     EXPECT_EQ(ping.object_share[ball * t.labels.cells + cell],
               ping.material_share[t.material("rubber") * t.labels.cells + cell]);
-    // Straight there and back: the range is the sample's.
+    // Both legs are straight, so that the range is that of the range bin.
     const double near = t.window.first_m + double(cell % t.samples) * t.window.step_m;
     EXPECT_GE(ping.mean_range[cell], near - 1e-6);
     EXPECT_LE(ping.mean_range[cell], near + t.window.step_m + 1e-6);
     EXPECT_GE(ping.mean_height[cell], -1e-6);
-    EXPECT_LE(ping.mean_height[cell], 0.9 + 1e-6);  // the ball's top
+    EXPECT_LE(ping.mean_height[cell], 0.9 + 1e-6);  // the top of the sphere
     if (ping.object_share[seabed * t.labels.cells + cell] > 1 - 1e-12) {
       EXPECT_NEAR(ping.mean_height[cell], 0, 2e-6);
     }
@@ -160,7 +161,7 @@ TEST_F(LabelsOf, NoResultDependsOnTheThreads) {
   EXPECT_EQ(with(1), with(3));
 }
 
-// Nothing of what nobody sees: a wall before the box, and the seabed below it.
+// Hidden parts have no share: a wall stands before the box and the seabed below it.
 TEST_F(LabelsOf, WhatIsHiddenHasNoShare) {
   const LabelledRun t = told(still_life +
                              "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [6, 0.2, 6]\n"
@@ -205,8 +206,8 @@ std::string of_sheet(const char* name, const char* material) {
       material);
 }
 
-// A beam of 4 degrees over the straight border below the sonar, one to port and three to starboard: on level
-// ground the azimuths are as the areas.
+// A beam of 4 degrees over the straight border below the sonar has one degree to port and three to
+// starboard. On a level seabed the azimuths are proportional to the areas.
 TEST_F(LabelsOf, ABeamOverTwoFacetsHasSharesAsTheirAzimuths) {
   folder.write("west.obj", sheet(-50, 0, 0));
   folder.write("east.obj", sheet(0, 50, 0));
@@ -228,7 +229,8 @@ TEST_F(LabelsOf, ABeamOverTwoFacetsHasSharesAsTheirAzimuths) {
   EXPECT_GT(compared, 80);
 }
 
-// On a slope the density is known in polar coordinates about the sonar's foot: distance rho, azimuth psi.
+// On a slope the density is known in polar coordinates about the foot point of the sonar: distance rho,
+// azimuth psi.
 TEST_F(LabelsOf, HeightsAndRangesOnASlopeAreThoseOfTheClosedForm) {
   constexpr double rise = 0.25, height = 10, half_rad = 2 * std::numbers::pi / 180;
   folder.write("slope.obj", sheet(-50, 50, rise));
@@ -264,7 +266,7 @@ TEST_F(LabelsOf, HeightsAndRangesOnASlopeAreThoseOfTheClosedForm) {
   EXPECT_GT(compared, 20);
 }
 
-// Whatever a scene has, and any two things together: the owners' energies are the energies.
+// For each feature of a scene and each pair of features, the energies by object add up to the energies.
 TEST_F(LabelsOf, EveryFeatureOfASceneKeepsTheWhole) {
   folder.write("bed.asc", seabed_of_steps());
   for (std::size_t a = 0; a < of_scenes.size(); ++a)
@@ -309,7 +311,7 @@ TEST_F(LabelsOf, TheFileHasItAndTheFolderPictures) {
   EXPECT_EQ(file.values("/", "object_share"), t.labels.of(0).object_share);
   EXPECT_EQ(file.values("/", "material_share"), t.labels.of(0).material_share);
   EXPECT_EQ(file.values("/", "energy"), t.energy);
-  // Without being asked a run writes what it wrote before.
+  // Without the option a run writes the same files as before.
   ASSERT_EQ(run_program({"run", scene.string(), "-o", plain.string()}).exit_code, 0);
   const std::vector<std::string> before = NetcdfReader(plain / "echoes.nc").variables("/");
   EXPECT_THAT(before, testing::Not(testing::Contains("object_share")));
@@ -339,10 +341,10 @@ TEST_F(LabelsOf, EverySensorHasItsOwn) {
     EXPECT_TRUE(names_below(out).contains(picture)) << picture;
 }
 
-// --- beam patterns: labels go by what is near their peak
+// --- beam patterns: labels use only directions near the peak
 
-/// 60 beams of 1 degree before a small ball straight ahead. A line of 10 wavelengths receives it in all of
-/// them.
+/// 60 beams of 1 degree before a small sphere straight ahead. A line of 10 wavelengths receives the sphere
+/// in all beams.
 constexpr int line_beams = 60;
 constexpr double wavelengths = 10;
 std::string ball_in_side_lobes(double tilt_deg = 0, std::string_view more = {}) {
@@ -360,7 +362,7 @@ std::string ball_in_side_lobes(double tilt_deg = 0, std::string_view more = {}) 
              "transmit_beam_width_deg = 20\n{}",
              line_beams, tilt_deg, wavelengths * 1500 / 300e3, more);
 }
-/// Of a beam in the ball's direction, dB below its peak.
+/// Level of a beam in the direction of the sphere, in dB below its peak.
 double down_db(int beam) {
   const double u = wavelengths * std::sin((beam + 0.5 - line_beams / 2.) * std::numbers::pi / 180);
   return -20 * std::log10(std::abs(std::sin(std::numbers::pi * u) / (std::numbers::pi * u)));
@@ -375,7 +377,7 @@ void expect_labels_within(const LabelledRun& t, double level_db) {
       const std::size_t cell = std::size_t(beam) * t.samples + k;
       if (!(t.received(0, cell) > 0)) continue;
       EXPECT_NEAR(ping.object_share[std::size_t(ball) * t.labels.cells + cell], 1, 1e-12);
-      constexpr double edge_db = 1.5;  // the ball is half a degree wide
+      constexpr double edge_db = 1.5;  // the sphere is half a degree wide
       if (std::abs(down_db(beam) - level_db) < edge_db) continue;
       const bool near_peak = down_db(beam) < level_db;
       EXPECT_EQ(ping.object_label[cell], near_peak ? ball : LabelRecording::no_label) << "beam " << beam;
@@ -423,7 +425,7 @@ TEST_F(LabelsOf, WhatIsSentCountsForLabelsToo) {
   EXPECT_EQ(labelled(tilted), 0);
 }
 
-// Mud that a beam looks at owns the label, though the ball in its side lobes returns more.
+// Mud in the main lobe has the label, although the sphere in the side lobes returns more.
 TEST_F(LabelsOf, TheMainLobeOwnsTheLabelThoughASideLobeReturnsMore) {
   const LabelledRun t = told(ball_in_side_lobes() +
                              "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [8, 0.5, 0.02]\n"
@@ -441,7 +443,7 @@ TEST_F(LabelsOf, TheMainLobeOwnsTheLabelThoughASideLobeReturnsMore) {
   EXPECT_GT(compared, 3);
 }
 
-// 1000 dB below the peak is everything: whatever a scene has, the same integrals take part.
+// A level of 1000 dB below the peak includes everything: for any scene, the same integrals take part.
 TEST_F(LabelsOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
   folder.write("bed.asc", seabed_of_steps());
   std::vector<std::set<Feature>> scenes{{Feature::mirrors, Feature::refraction},
@@ -484,8 +486,8 @@ TEST_F(LabelsOf, AllOfTheEnergyIsNearThePeakWhereTheLevelIsLow) {
   }
 }
 
-/// A camera 3 m above a flat seabed and 1 m below the surface. The seabed returns what one reflection
-/// carries.
+/// A camera 3 m above a flat seabed and 1 m below the surface. The range gate contains the seabed echo of
+/// one reflection.
 std::string seabed_via_the_surface(std::string_view paths) {
   return still_water() + lambert_material("rock", -20) +
          flat_terrain(60, 60, "name = \"bed\"\nmaterial = \"rock\"\n") + fixed_at(0, 0, 3) +
@@ -498,9 +500,9 @@ std::string seabed_via_the_surface(std::string_view paths) {
              "receive_pattern_angle = \"azimuth\"\nreceive_beam_width_deg = 10\n",
              paths);
 }
-/// What the beam receives over one reflection, on the transmit leg or on the way back, where the product of
-/// both gains is at least `least`: by the midpoint rule in polar coordinates about the sonar's foot. The
-/// camera looks north.
+/// Returns the energy of the beam over one reflection, on the transmit leg or on the receive leg. It counts
+/// directions in which the product of both gains is at least `least`. It uses the midpoint rule in polar
+/// coordinates about the foot point of the sonar. The camera looks north.
 double received_over_the_surface(double least) {
   constexpr double below_m = 3, image_m = 5, mu = 0.01, degree = std::numbers::pi / 180;
   constexpr int distances = 1000, azimuths = 600;
@@ -529,7 +531,7 @@ double received_over_the_surface(double least) {
   return sum;
 }
 
-// Each leg has its own direction at the sonar. The reference knows neither images nor visibility.
+// Each leg has its own direction at the sonar. The comparison uses neither images nor visibility.
 TEST_F(LabelsOf, OverAMirrorWhatIsNearThePeakIsThatOfBothLegs) {
   constexpr double level_db = 6;
   const LabelledRun t = told(seabed_via_the_surface("order = 2\nonly_order = 2\n"),
@@ -543,8 +545,8 @@ TEST_F(LabelsOf, OverAMirrorWhatIsNearThePeakIsThatOfBothLegs) {
   EXPECT_LT(near, 0.9 * t.raw(0, 0, 0));
 }
 
-// After two scatterings the receive pattern's own peak counts. Each beam is steered 20 degrees off the
-// transmit pattern, so that its two-way peak lies 24 dB below its receive peak.
+// After two scatterings the peak of the receive pattern alone counts. Each beam is steered 20 degrees off
+// the transmit pattern, so that its two-way peak lies 24 dB below its receive peak.
 TEST_F(LabelsOf, AfterTwoScatteringsTheLevelIsBelowThePeakOfTheReceivePattern) {
   const auto box_at = [](const char* name, double azimuth_deg) {
     const double azimuth = azimuth_deg * std::numbers::pi / 180;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several rays to the seabed, through the whole program: a thermocline turns rays back down to a flat seabed,
-// and all of them are received, against a fan of rays in closed form.
+// Tests several eigenrays to the seabed in whole runs. A thermocline turns rays downwards to a flat seabed.
+// The run receives all of them, in agreement with a fan of rays in closed form.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ struct ProfileFolder : TestFolder {
   ProfileFolder() { write("profile.csv", TurningWater::profile_csv); }
 };
 
-/// By sample: what rays launched between two angles bring, positive down.
+/// By range bin: energy of rays between two launch angles, positive downwards.
 std::vector<double> fan(double low_rad, double high_rad, std::size_t samples) {
   constexpr int rays = 400'000;
   std::vector<double> energy(samples, 0.0);
@@ -53,7 +53,8 @@ std::vector<double> fan(double low_rad, double high_rad, std::size_t samples) {
   return energy;
 }
 
-/// By sample: out along one and home along another of all rays to a place, place by place.
+/// By range bin: the transmit leg is one and the receive leg another of all rays to a point, point by
+/// point.
 std::vector<double> crossed(std::size_t samples) {
   constexpr int places = 400'000;
   std::vector<double> energy(samples, 0.0);
@@ -114,7 +115,8 @@ TEST(LaterArrivalsRun, AreCounted) {
   EXPECT_THAT(audit.out, HasSubstr("failures       0\n"));
 }
 
-// A surface that is only there leaves nothing out; footprints, which are of first rays, say so.
+// A surface that is not a mirror excludes no arrival. The file states that footprints are those of first
+// eigenrays.
 TEST(LaterArrivalsRun, AreNotMissedWhereNoPathGoesOverTheSurface) {
   const ProfileFolder folder;
   const auto file = folder.write("scene.toml", scene() + "[sea_surface]\nheight_m = 40\n");
@@ -130,7 +132,7 @@ TEST(LaterArrivalsRun, AreNotMissedWhereNoPathGoesOverTheSurface) {
   EXPECT_THAT(footprints.err, HasSubstr("footprints are of the first to arrive"));
 }
 
-// A separate receiver follows the first ray alone, and is reported.
+// A separate receiver uses only the first eigenray, and the run reports this.
 TEST(LaterArrivalsRun, SeparateReceiversSayWhatTheyLack) {
   const ProfileFolder folder;
   const auto file = folder.write("scene.toml", scene() + "receiver_arm_m = [0, 1, 0]\n");
@@ -140,7 +142,7 @@ TEST(LaterArrivalsRun, SeparateReceiversSayWhatTheyLack) {
   EXPECT_THAT(outcome.err, HasSubstr("only the first to arrive is followed"));
 }
 
-// Rays drawn at random meet the same sheets.
+// Random rays meet the same eigenray branches.
 TEST(LaterArrivalsRun, RaysHearWhatTubesHear) {
   const ProfileFolder folder;
   const double tubes = echoes_in(folder, scene()).total(),
@@ -155,7 +157,7 @@ TEST(LaterArrivalsRun, WithoutTurnsOnlyTheFallingRayIsFollowed) {
   EXPECT_NEAR(echoes.total() / std::reduce(straight.begin(), straight.end()), 1, 0.01);
 }
 
-// No reference encloses what comes over several rays: their bins have no bound.
+// No reference encloses the arrivals over several eigenrays: their bins have no bound.
 TEST(LaterArrivalsRun, ReferencesSayWhereTheyHaveNoBound) {
   const ProfileFolder folder;
   const Echoes echoes = echoes_in(folder, scene({}, 16), {"--reference", "--tolerance", "0.1"});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A material map seen by the whole program: the border of two materials cuts footprints like a facet's edge.
+// Tests material maps in whole runs: the border of two materials cuts footprints in the same way as a facet
+// edge.
 #include <fmt/format.h>
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
@@ -18,8 +19,8 @@ namespace {
 
 using testing::HasSubstr;
 
-/// The south-east half of a seabed of two facets, corners on the world grid; no edge of a facet lies along
-/// it.
+/// The south-east half of a seabed of two facets, with corners on the grid of the scene. No facet edge lies
+/// along its border.
 constexpr std::string_view half = R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":
 {"material":"second"},"geometry":{"type":"Polygon","coordinates":[[[-64,-48],[64,-64],[64,48],[-64,-48]]]}}]})";
 
@@ -49,8 +50,8 @@ TEST_F(MaterialMapRun, EqualMaterialsAreOneMaterial) {
   EXPECT_LT(largest_relative_difference(echoes(-27, -27), echoes(-27, -27, "")), 1e-12);
 }
 
-// The energy of both halves is linear in each one's mu: exchanging them adds up to both seabeds of one
-// material.
+// The energy of each half is linear in its mu. A run plus the run with exchanged values equals the sum of
+// two uniform seabeds.
 TEST_F(MaterialMapRun, HalvesAddUpToTheWhole) {
   const Echoes one = echoes(-30, -20), other = echoes(-20, -30), faint = echoes(-30, -30, ""),
                loud = echoes(-20, -20, "");
@@ -63,8 +64,8 @@ TEST_F(MaterialMapRun, HalvesAddUpToTheWhole) {
   EXPECT_GT(both, 10u) << "samples that hold both materials";
 }
 
-// Two rectangles that meet below the sonar: each beam is the closed form of its own side's mu
-// (physics.md 7.5).
+// Two rectangles meet below the sonar. Each beam has the closed form with the mu of its side (physics.md
+// 7.5).
 TEST_F(MaterialMapRun, EachSideIsItsClosedForm) {
   folder_.write("half.geojson", R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":
 {"material":"second"},"geometry":{"type":"Polygon","coordinates":[[[0,-99],[99,-99],[99,99],[0,99],[0,-99]]]}}]})");
@@ -84,7 +85,7 @@ TEST_F(MaterialMapRun, CheckAuditAndFootprintsKnowTheMaterials) {
   const std::string file = folder_.write("scene.toml", scene(-30, -20, half_map)).string();
   const Outcome check = run_program({"check", file});
   ASSERT_EQ(check.exit_code, 0) << check.err;
-  // The triangle is 7168 m2 of 16384.
+  // The triangle has 7168 m2 of 16384.
   EXPECT_THAT(check.out, testing::ContainsRegex("\nfirst +[0-9]+ +9216\n"));
   EXPECT_THAT(check.out, testing::ContainsRegex("\nsecond +[0-9]+ +7168\n"));
   EXPECT_THAT(check.out, HasSubstr("terrain: 2 facets are cut along the borders of its material map"));
@@ -104,7 +105,7 @@ TEST_F(MaterialMapRun, CheckAuditAndFootprintsKnowTheMaterials) {
   for (const auto& feature : data->GetLayer(0)) {
     const std::string material = feature->GetFieldAsString("material");
     ++count[material];
-    // The border runs from (-64, -48) to (64, 48): y = 0.75 x; the other side is south of y = -56 - x / 8.
+    // The border runs from (-64, -48) to (64, 48): y = 0.75 x. The other border is y = -56 - x / 8.
     const double x = feature->GetFieldAsDouble("centroid_east_m"),
                  y = feature->GetFieldAsDouble("centroid_north_m");
     EXPECT_EQ(material, y < 0.75 * x && y > -56 - x / 8 ? "second" : "first") << x << ' ' << y;

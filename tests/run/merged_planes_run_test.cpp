@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a run makes of planes of many facets: the energies of each facet by itself, to rounding and
-// quadrature.
+// Tests that a run that merges coplanar facets gives the energies of the single facets, to rounding and
+// quadrature errors.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@
 namespace tubefoot {
 namespace {
 
-/// A seabed of cells of 0.25 m, and a box upon it.
+/// A seabed of cells of 0.25 m, and a box on it.
 std::string fine_seabed(const std::string& sensor, const std::string& more = {},
                         const std::string& model = "lambert_db = -20\n") {
   return "[[materials]]\nname = \"sand\"\n" + model + more +
@@ -46,7 +46,7 @@ struct MergedPlanesRun : testing::Test {
     return all;
   }
 
-  /// Of a bin's energy, or of the mean bin's where it has less.
+  /// The tolerance is relative to the energy of a bin, or to the mean over bins if this is larger.
   void expect_alike(const std::string& scene, double relative) {
     SCOPED_TRACE(scene);
     std::size_t given = 0, merged = 0;
@@ -99,7 +99,7 @@ TEST_F(MergedPlanesRun, RaysHitTheSamePlaces) {
   const double all = std::accumulate(truth.begin(), truth.end(), 0.0);
   double apart = 0;
   for (std::size_t k = 0; k < truth.size(); ++k) apart += std::abs(truth[k] - energy[k]);
-  EXPECT_LT(apart, 0.01 * all);  // a ray at an edge of a bin may be of the next
+  EXPECT_LT(apart, 0.01 * all);  // a ray at a bin border may fall into the next bin
 }
 
 TEST_F(MergedPlanesRun, IsReportedInTheStatistics) {

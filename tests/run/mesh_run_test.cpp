@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Mesh files seen through the program: what `check` says of them, and what is opened of those that name
+// Tests mesh files in the program: the report of `check`, and the files that it opens when mesh files name
 // others.
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a multibeam's soundings lie, which of them are flagged, the depth grid of round numbers; and what
-// every kind of sonar shows beside its ideal picture.
+// Tests multibeam detection: positions of soundings, flags, and the depth grid of round numbers. It also
+// tests the pictures of each kind of sonar besides its ideal picture.
 #include <fmt/format.h>
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,8 @@ namespace {
 
 using namespace multibeam_for_tests;
 
-/// Rows of the depth grid, and how many of its cells within 14 m of the track have no depth.
+/// Returns the rows of the depth grid, and the number of its cells within 14 m of the track without a
+/// depth.
 std::pair<int, int> rows_and_holes(const std::filesystem::path& file) {
   GDALAllRegister();
   const std::unique_ptr<GDALDataset> data(GDALDataset::Open(file.c_str(), GDAL_OF_RASTER));
@@ -40,7 +41,7 @@ std::pair<int, int> rows_and_holes(const std::filesystem::path& file) {
   return {rows, holes};
 }
 
-// Pings a metre apart over cells of a metre: the line may start on the cells' borders, or roll and pitch.
+// Pings a metre apart over cells of a metre: the line may start on the cell borders, or roll and pitch.
 TEST(MultibeamRun, PingsAsFarApartAsCellsLeaveNoRowOfTheGridEmpty) {
   const TestFolder folder;
   std::string rolling = "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n";
@@ -77,8 +78,7 @@ samples = 1200
   }
 }
 
-// Every kind of sonar, with and without a receiver that does something: what it shows, beside the ideal
-// picture.
+// Lists the pictures of each kind of sonar besides the ideal picture, with and without receiver effects.
 TEST(ReceivedPictures, OfEveryKindAreThereWhereTheReceiverDoesSomething) {
   const TestFolder folder;
   const auto pictures = [&](const std::string& receiver) {
@@ -107,7 +107,8 @@ end_m = [0, 2, 8]
     std::filesystem::remove_all(folder / "out");
     return found;
   };
-  EXPECT_EQ(pictures(""), (std::set<std::string>{"swath-phase-received.png"}));  // it asks for phase noise
+  // the option requests phase noise
+  EXPECT_EQ(pictures(""), (std::set<std::string>{"swath-phase-received.png"}));
   EXPECT_EQ(pictures("speckle = \"rayleigh\"\nnoise_level_db = 90"),
             (std::set<std::string>{
                 "camera-0000-received.png", "camera-0001-received.png", "camera-0002-received.png",
@@ -117,7 +118,7 @@ end_m = [0, 2, 8]
                 "swath-received.png"}));
 }
 
-// Beams whose echo goes on beyond the range window.
+// Beams whose echo extends beyond the range gate.
 TEST(MultibeamRun, ABeamThatTheWindowCutsIsFlaggedInEveryFile) {
   const TestFolder folder;
   run(folder, "[georeference]\norigin_lat_lon_deg = [59, 10]\n" +
@@ -137,7 +138,7 @@ TEST(MultibeamRun, ABeamThatTheWindowCutsIsFlaggedInEveryFile) {
     EXPECT_EQ(row.at("status"), "good");
     EXPECT_NEAR(off, 0, step_m);
   }
-  EXPECT_EQ(cut, 2u);  // at 70.5 degrees, either side
+  EXPECT_EQ(cut, 2u);  // at 70.5 degrees, on either side
 
   const std::vector<double> flags =
       NetcdfReader(folder / "out/energy_centroid-sonar.nc").values("/Sonar/Beam_group1/Bathymetry", "status");
@@ -152,7 +153,7 @@ TEST(MultibeamRun, ABeamThatTheWindowCutsIsFlaggedInEveryFile) {
   for (const auto& point : *points->GetLayer(0))
     EXPECT_EQ(point->GetFieldAsString("status"), status.at(point->GetFieldAsInteger64("beam")));
 
-  // Beam flags of GSF are array 16: its subrecord's head is the number and the size.
+  // Beam flags of GSF are array 16: the head of the subrecord is the number and the size.
   const std::string gsf = bytes_of(folder / "out/energy_centroid.gsf");
   const std::size_t head = gsf.find(std::string("\x10\0\0\x65", 4));
   ASSERT_NE(head, gsf.npos);
@@ -160,8 +161,8 @@ TEST(MultibeamRun, ABeamThatTheWindowCutsIsFlaggedInEveryFile) {
     EXPECT_EQ(gsf[head + 4 + beam], !status.contains(beam) ? 1 : status[beam] == "good" ? 0 : 9) << beam;
 }
 
-// Two crossed lines of 0.21 m: what lights the seabed goes on beyond the outermost beams, and their mean echo
-// lies near the axis; no other way of detection is better (docs/sensors.md has the table).
+// Two crossed lines of 0.21 m: the insonified seabed extends beyond the outermost beams, and their mean
+// echo lies near the axis. No other detection method is better (see the table in docs/sensors.md).
 TEST(MultibeamRun, BeamsOfTwoCrossedLinesFindAFlatSeabed) {
   const TestFolder folder;
   std::string scene = std::regex_replace(flat_scene(""), std::regex("range_max_m = 91\nsamples = 1800"),

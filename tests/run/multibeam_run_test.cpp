@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The multibeam through the whole program: soundings agree with the seabed, and a target to port ahead is
-// where it is in every file.
+// Tests whole multibeam runs: soundings agree with the seabed, and a target to port ahead has its position
+// in each file.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -41,8 +41,8 @@ TEST(MultibeamRun, EveryBeamOfAFlatSeabedIsOnItToARangeSample) {
         EXPECT_NEAR(s.up, 0, step_m);
         continue;
       }
-      // The strongest and the first echo come from the near edge of an ideal beam, in the sample that holds
-      // it or, if that sample holds too little of the seabed, in the next.
+      // The strongest and the first echo come from the near edge of an ideal beam. They lie in the range
+      // bin of this edge, or in the next one if this bin contains too little of the seabed.
       const double near = height_m / std::cos(std::max(std::abs(angle) - 0.75, 0.0) * degree);
       EXPECT_GT(s.range, near - step_m);
       EXPECT_LT(s.range, near + 2 * step_m);
@@ -76,8 +76,8 @@ TEST(MultibeamRun, WithoutAPlaceOnEarthSaysWhatIsLeftOut) {
     EXPECT_FALSE(names.contains(name));
 }
 
-/// A box to port ahead, top at -24 m, on a seabed at -30 m; the sonar heads east, 10 m deep, its bow 20
-/// degrees up so that it looks ahead. Port is north, ahead is east.
+/// A box to port ahead, with its top at -24 m, on a seabed at -30 m. The sonar heads east, 10 m deep, with
+/// its bow 20 degrees up so that it looks ahead. Port is north, ahead is east.
 const char* const port_ahead = R"(
 [georeference]
 origin_lat_lon_deg = [59.0, 10.0]
@@ -112,7 +112,7 @@ bool on_target(double ahead, double to_port, double down) {
   return std::abs(ahead - 6.2) < 2.1 && std::abs(to_port - 12) < 2.1 && down > 13.9 && down < 20;
 }
 
-/// The arrays of the first ping of a GSF file: by identifier, as they are stored times their scale.
+/// The arrays of the first ping of a GSF file by identifier: stored values times their scale.
 std::map<unsigned, std::vector<double>> gsf_arrays(const std::filesystem::path& path) {
   samples::PacketReader file(samples::file_content(path), true);
   for (std::size_t at = 0; at < file.size(); at += 8 + file.u32(at)) {
@@ -168,14 +168,14 @@ TEST(MultibeamRun, ATargetToPortAheadIsToPortAheadInEveryFile) {
     EXPECT_TRUE(on_target(gsf.at(3).at(beam), -gsf.at(2).at(beam), gsf.at(1).at(beam) - 10));
     EXPECT_LT(gsf.at(5).at(beam), 0);
     EXPECT_TRUE(on_target(ahead.at(beam), -starboard.at(beam), down.at(beam)));
-    // A degree of latitude is 111.4 km long at 59 N, one of longitude 57.5 km.
+    // A degree of latitude is 111.4 km long at 59 N, and one of longitude 57.5 km.
     EXPECT_TRUE(on_target((longitude.at(beam) - 10) * 57.5e3, (latitude.at(beam) - 59) * 111.4e3, 15));
   }
   EXPECT_NEAR(gsf.at(1).at(80), 30, 0.1);  // the starboard-most beam
   EXPECT_GT(gsf.at(2).at(80), 30);
 }
 
-// A pair of pings as near in time as a scene may ask for: every format that tells times has two.
+// Two pings at the shortest interval that a scene permits: each format with times has two different times.
 TEST(MultibeamRun, PingsAtTheShortestIntervalHaveTimesOfTheirOwn) {
   const TestFolder folder;
   run(folder, std::string(port_ahead) + "pings = 2\nping_interval_s = 1e-6\n");
@@ -184,7 +184,7 @@ TEST(MultibeamRun, PingsAtTheShortestIntervalHaveTimesOfTheirOwn) {
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
-// Where soundings must lie is taken from what each beam sees of the seabed, not from the echo.
+// The test derives the correct sounding positions from the footprints of each beam, not from the echo.
 TEST(MultibeamRun, OnTheRealGridEverySoundingLiesWithinItsFootprintsDepths) {
   const std::filesystem::path data = TUBEFOOT_SOURCE_DIR "/scenes/data/jd211.bag";
   const TestFolder folder;

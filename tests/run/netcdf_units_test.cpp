@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Units and conventions that netCDF files claim, asked of the library that CF's conventions name (UDUNITS).
+// Tests the units and conventions that netCDF files claim, with UDUNITS, the library that the CF
+// conventions name.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netcdf.h>
@@ -44,7 +45,7 @@ pings = 2
 first_ping_s = 1.25
 )";
 
-/// A text attribute, as netCDF has it: characters, or one string.
+/// Returns a text attribute, which netCDF stores as characters or as one string.
 std::string text_of(int group, int variable, const char* name) {
   nc_type type = NC_NAT;
   std::size_t size = 0;
@@ -76,7 +77,7 @@ class Units {
   std::unique_ptr<ut_system, decltype(&ut_free_system)> system_;
 };
 
-/// Units of all variables of a group and those below it.
+/// Collects the units of all variables of a group and of its subgroups.
 void gather(int group, std::set<std::string>& units) {
   int variables = 0, groups = 0;
   nc_inq_nvars(group, &variables);
@@ -99,7 +100,7 @@ class NetcdfFiles : public testing::Test {
                                         "-o", (folder / "footprints.nc").string(), "--quiet"});
     ASSERT_EQ(traced.exit_code, 0) << traced.err;
   }
-  /// Those that UDUNITS does not know.
+  /// Returns the units that UDUNITS does not know.
   std::set<std::string> unknown_units(const std::filesystem::path& path, std::string* conventions = nullptr) {
     int file = -1;
     if (nc_open(path.c_str(), NC_NOWRITE, &file) != NC_NOERR) throw std::runtime_error("no " + path.string());
@@ -120,7 +121,7 @@ TEST_F(NetcdfFiles, ThatClaimCfHaveUnitsThatItsLibraryKnows) {
   EXPECT_THAT(unknown_units(folder / "footprints.nc", &conventions), IsEmpty());
   EXPECT_EQ(conventions, "CF-1.8");
   EXPECT_THAT(unknown_units(folder / "out/echoes.nc"), IsEmpty());
-  // SONAR-netCDF4 asks for decibels, which have none: with them a file is not CF's.
+  // SONAR-netCDF4 requires decibels, which UDUNITS does not know. A file with decibels does not claim CF.
   EXPECT_THAT(unknown_units(folder / "out/sonar-sonar.nc", &conventions), ElementsAre("dB", "dB/km", "dB/m"));
   EXPECT_THAT(conventions, HasSubstr("SONAR-netCDF4-2.0"));
   EXPECT_THAT(conventions, Not(HasSubstr("CF-")));

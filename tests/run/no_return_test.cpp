@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sensors that receive nothing: what is expected by looking against what a run computes, at random places, in
-// random directions, with random windows; and how objects stand to the seabed against where they were put.
+// Tests sensors that receive nothing. It compares the no-return check before a run with the results of
+// runs, at random positions and directions with random range gates. It also compares the placement check of
+// objects with their known positions.
 #include "run/no_return.hpp"
 
 #include <fmt/format.h>
@@ -29,7 +30,7 @@ bool all_zero(const Recording& recording) {
   return std::ranges::all_of(recording.energy, [](double e) { return e == 0; });
 }
 
-/// A box and a ball in the middle of a seabed of 20 x 20 m.
+/// A box and a sphere in the middle of a seabed of 20 x 20 m.
 const std::string seabed =
     still_water() + lambert_material("sand", -27) + flat_terrain(20, 20) + ball_and_box();
 
@@ -66,7 +67,7 @@ TEST(NoReturn, IsExpectedExactlyWhereARunReceivesNothing) {
   EXPECT_GT(received, 20U);
 }
 
-// One ping of thirty sees the seabed: no false alarm.
+// One ping of thirty sees the seabed, so that there is no false alarm.
 TEST(NoReturn, IsNotExpectedOfATrackThatReceivesSomethingOnce) {
   const auto track = [](double north_m) {
     return seabed +
@@ -85,7 +86,7 @@ TEST(NoReturn, IsNotExpectedOfATrackThatReceivesSomethingOnce) {
   EXPECT_THAT(beside.front().warning, HasSubstr("155 m beside the terrain"));
 }
 
-// What may be received over a mirror is not expected by looking at the seabed.
+// The check of direct visibility does not exclude echoes over a mirror.
 TEST(NoReturn, IsNotExpectedUnderAMirror) {
   const std::string up =
       seabed + "[sea_surface]\nheight_m = 10\n[paths]\norder = 2\n" + fixed_at(0, 0, 3) +
@@ -99,7 +100,7 @@ TEST(NoReturn, IsNotExpectedUnderAMirror) {
 }
 
 TEST(SeabedPlacement, IsWhereThingsWerePut) {
-  // Cubes of a metre over a seabed at -7 m: height of their middle over it, and what is said.
+  // Cubes of a metre over a seabed at -7 m: height of their middle above the seabed, and the report.
   const std::vector<std::pair<double, std::string>> cubes{
       {-2, "buried: its top is 1.5 m below the bed"},
       {-0.5 - 1e-3, "buried: its top is 0.001 m below the bed"},
@@ -119,8 +120,8 @@ TEST(SeabedPlacement, IsWhereThingsWerePut) {
   }
 }
 
-// A grid of 40 x 40 m at -5 m, whole and by tiles; with relief that is refined for each transmission; in
-// refracting water: the same is said.
+// A grid of 40 x 40 m at -5 m gives the same report in four forms. These are whole, by tiles, with relief
+// for each transmission, and in stratified water.
 TEST(NoReturn, IsExpectedOverEveryKindOfSurface) {
   const TestFolder folder;
   std::string grid = "ncols 41\nnrows 41\nxllcorner -20.5\nyllcorner -20.5\ncellsize 1\n";

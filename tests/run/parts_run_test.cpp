@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A run in parts that know nothing of each other, joined, is the run itself, to the byte.
+// Tests runs in independent shards. The joined shards equal the single run, to the byte, also after kills
+// and for any number of shards.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,7 +27,7 @@ struct Parts : testing::Test {
     folder.write("thing.obj", tetrahedron);
     write_scene(11);
   }
-  /// With three pings of a camera before them: no number of parts divides the pings of both.
+  /// With three pings of a camera before them: no number of shards divides the pings of both.
   void write_scene(std::size_t sidescan_pings, std::string_view more = "") const {
     folder.write("scene.toml", std::string(small_scene) + "samples = 64\npings = 3\n" +
                                    short_pings(sidescan_pings) + std::string(more));
@@ -62,7 +63,7 @@ struct Parts : testing::Test {
     EXPECT_FALSE(fs::exists(results));
     EXPECT_FALSE(fs::exists(folder / "results.partial"));
   }
-  /// But for what stats.json says of the process.
+  /// Compares all files except for the process data in stats.json.
   static void expect_same(const fs::path& a, const fs::path& b) {
     ASSERT_EQ(names_below(a), names_below(b));
     for (const std::string& name : names_below(a))
@@ -91,7 +92,7 @@ TEST_F(Parts, JoinToTheBytesOfOneRun) {
       SCOPED_TRACE(fmt::format("{} parts, {}", of, fmt::join(requested, " ")));
       all_parts(of, requested);
       EXPECT_FALSE(fs::exists(results));
-      const Outcome joined = join();  // it knows what the parts were asked for
+      const Outcome joined = join();  // `join` knows the options of the shards
       ASSERT_EQ(joined.exit_code, 0) << joined.signal << joined.err;
       expect_same(whole, results);
       EXPECT_EQ(nlohmann::json::parse(bytes_of(results / "stats.json")).at("parts"), of);
@@ -220,7 +221,7 @@ TEST_F(Parts, NeedSettingsThatDoNotDependOnTheMachine) {
   EXPECT_EQ(names(), (std::set<std::string>{"scene.toml", "thing.obj"}));
 }
 
-// Any byte of a part's file, whoever wrote it: the result is the same, or there is none.
+// After a change of any byte of a shard file, by anyone, the result is the same or there is none.
 TEST_F(Parts, WithAnyByteChangedJoinToTheSameOrAreRefused) {
   const Words small{"--sensor", "side",   "--pings", "0:1",        "--engine",
                     "ray",      "--rays", "20",      "--pictures", "none"};
@@ -229,7 +230,8 @@ TEST_F(Parts, WithAnyByteChangedJoinToTheSameOrAreRefused) {
   ASSERT_EQ(join({"--pictures", "none", "--keep-shards"}).exit_code, 0);
   const std::string whole = bytes_of(results / "echoes.nc");
   int refused = 0, joined = 0;
-  // Some; every one of a file is PartFiles' test. Most of them in the header and in the pings.
+  // This test changes some bytes. The test PartFiles changes all bytes of a file. Most changes are in the
+  // header and in the pings.
   for (std::size_t at = 0; at<good.size(); at += at> 40 && at < good.size() - 600 ? 97 : 5) {
     SCOPED_TRACE(at);
     fs::remove_all(results);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Paths over mirrors with relief that each transmission refines for itself, against relief in all of the
-// seabed.
+// Tests paths over mirrors with relief that each transmission refines for itself. The comparison is relief
+// on the whole seabed.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,8 +17,8 @@ constexpr std::string_view ripples =
     "[[materials.relief]]\nkind = \"ripples\"\ntile_m = 12.8\nresolution_m = 0.1\nseed = 7\n"
     "wavelength_m = 1.6\ndirection_deg = 20\nrms_height_m = 0.06\n";
 
-/// 2 m below the surface, over a rippled seabed 4 m below it, in view of a plate that is tilted: it mirrors
-/// what the sonar itself does not look at.
+/// The sonar is 2 m below the surface and 4 m above a rippled seabed, in view of a tilted plate. The plate
+/// reflects parts of the seabed that the sonar does not look at.
 std::string scene(std::string_view relief, std::string_view paths, std::string_view plate_relief = {},
                   std::string_view more = {}) {
   return still_water() + fmt::format("[sea_surface]\nloss_db = 1\n[paths]\n{}\n", paths) +
@@ -40,7 +40,7 @@ samples = 40
 )" + std::string(more);
 }
 
-/// A part of the largest bin allowed to rounding: slivers of windows.
+/// Compares with a tolerance relative to the largest bin, because rounding changes slivers of range gates.
 void expect_equal(const Echoes& a, const Echoes& b, double relative) {
   ASSERT_EQ(a.energy.size(), b.energy.size());
   const double most = *std::ranges::max_element(b.energy);
@@ -53,7 +53,7 @@ constexpr std::string_view online = "mode = \"online\"\ntolerance = 0", offline 
 
 TEST(PathsOverRelief, CellsEverywhereAreTheReliefOfTheWholeSeabed) {
   for (const int order : {2, 3}) {
-    // Only what goes over mirrors.
+    // Only paths over mirrors.
     const std::string paths = fmt::format("order = {0}\nonly_order = {0}", order);
     expect_equal(echoes_of(scene(online, paths)), echoes_of(scene(offline, paths)), 1e-9);
   }
@@ -64,7 +64,7 @@ TEST(PathsOverRelief, ASeparateReceiverHasImagesOfItsOwn) {
   expect_equal(echoes_of(scene(online, paths, {}, apart)), echoes_of(scene(offline, paths, {}, apart)), 1e-9);
 }
 
-// The plate's own relief makes many small mirrors of it, each with its image.
+// The relief of the plate turns it into many small mirrors, each with its image.
 TEST(PathsOverRelief, AMirrorWithReliefIsManyMirrors) {
   for (const std::string_view displace : {"\ndisplace = \"vertical\"", "\ndisplace = \"normal\""}) {
     const std::string paths = "order = 2\nonly_order = 2", coarse(displace);
@@ -74,7 +74,8 @@ TEST(PathsOverRelief, AMirrorWithReliefIsManyMirrors) {
     const Echoes refined = echoes(online);
     expect_equal(refined, echoes(offline), 1e-9);
     const Echoes even = echoes_of(scene(std::string(offline) + coarse, paths));
-    EXPECT_GT(std::abs(refined.total() / even.total() - 1), 1e-3);  // it is not the even plate's
+    // the echo differs from that of the plane plate
+    EXPECT_GT(std::abs(refined.total() / even.total() - 1), 1e-3);
   }
   const TestFolder folder;
   const auto file = folder.write("scene.toml", scene(online, "order = 2\nmost_images = 20", ripples));
@@ -83,7 +84,7 @@ TEST(PathsOverRelief, AMirrorWithReliefIsManyMirrors) {
   EXPECT_THAT(outcome.err, testing::HasSubstr("more than 20 images"));
 }
 
-// What is scattered twice comes by ways that no tube looks along.
+// Paths with two scatterings come from directions without tubes.
 TEST(PathsOverRelief, SeveralScatteringsMeetReliefAllRound) {
   const std::string paths = "order = 3\nscatterings = 3\npatch_m = 3\nonly_order = 3";
   const auto echoes = [&](std::string_view how) {
@@ -94,7 +95,7 @@ TEST(PathsOverRelief, SeveralScatteringsMeetReliefAllRound) {
   expect_equal(echoes("mode = \"online\"\ntolerance = 0"), whole, 1e-9);
 }
 
-// Coarser where that changes a sample by less than the tolerance.
+// Relief is coarser where this changes a range bin by less than the tolerance.
 TEST(PathsOverRelief, CoarserReliefKeepsTheTolerance) {
   const std::string paths = "order = 3\nonly_order = 2";
   const auto echoes = [&](std::string_view how) {
@@ -110,7 +111,7 @@ TEST(PathsOverRelief, CoarserReliefKeepsTheTolerance) {
   EXPECT_GT(std::sqrt(squares / weight), 0.01);
 }
 
-// A sand bank that stands out of the water ends there, as it does offline.
+// A sand bank that rises above the water ends at the surface, as in offline mode.
 TEST(PathsOverRelief, ReliefEndsAtTheSurface) {
   const std::string paths = "order = 2";
   const auto echoes = [&](std::string_view how) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Paths over mirrors through the whole program (docs/paths.md).
+// Tests whole runs with paths over mirrors and with second scattering (docs/paths.md), in isovelocity and
+// in stratified water.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,8 +20,8 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Looks straight up from 5 m below the surface, with the seabed 20 m below that, in a sector wider than the
-/// window's rings.
+/// The sonar looks straight up from 5 m below the surface, with the seabed 20 m below. The sector is wider
+/// than the rings of the range gate.
 std::string scene(const std::string& paths) {
   return still_water() + paths + lambert_material("bed", -10) +
          flat_terrain(100, 100, "centre_m = [0, 0, -20]\n") + fixed_at(0, 0, -5) + R"([[sensors]]
@@ -39,7 +40,7 @@ window_length_m = 5
 const std::string surface = "[sea_surface]\nloss_db = 1\n";
 
 TEST(PathsRun, AnUpwardLookSeesTheSeabedInTheSurface) {
-  // Straight up there is nothing; by the surface and back, order 3, the seabed is 25 m away.
+  // Straight up there is no facet. With both legs over the surface (order 3) the seabed is 25 m away.
   EXPECT_EQ(echoes_of(scene(surface)).total(), 0);
   EXPECT_EQ(echoes_of(scene(surface + "[paths]\norder = 2\n")).total(), 0);
   const Echoes echoes = echoes_of(scene(surface + "[paths]\norder = 3\n"));
@@ -65,7 +66,7 @@ TEST(PathsRun, TheCheaperSettingsHearTheSame) {
   }
   EXPECT_GT(by_rays, 0);
   EXPECT_LT(by_rays, 0.02 * exact.total());
-  // Order 1 is not received here: what a fast binning changes is the paths'.
+  // This run does not receive order 1, so that the effect of fast binning is that of the paths.
   EXPECT_NE(echoes_of(text, {"--binning", "centroid"}).energy, exact.energy);
 }
 
@@ -74,7 +75,7 @@ TEST(PathsRun, OneOrderAloneAndAllOrdersAddUp) {
   const auto with = [](std::string t, const std::string& from, const std::string& to) {
     return t.replace(t.find(from), from.size(), to);
   };
-  // Looks sideways, up and down.
+  // The sonar looks sideways, up and down.
   const std::string text = with(
       with(with(scene(both), "tilt_deg = -90", "tilt_deg = 0"), "vertical_deg = 100", "vertical_deg = 150"),
       "window_length_m = 5", "window_length_m = 20");
@@ -86,14 +87,16 @@ TEST(PathsRun, OneOrderAloneAndAllOrdersAddUp) {
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += one.energy[k];
   }
   for (std::size_t k = 0; k < sum.size(); ++k) EXPECT_NEAR(all.energy[k], sum[k], 1e-12 * sum[k]) << k;
-  // Order 1 is what it is without mirrors; the world grid is coarser, for room for the images.
+  // Order 1 equals the run without mirrors. The grid of the scene is coarser, because it must contain the
+  // images.
   const Echoes first = echoes_of(with(text, "order = 3", "order = 3\nonly_order = 1"));
   const Echoes plain = echoes_of(with(text, both, ""));
   for (std::size_t k = 0; k < sum.size(); ++k)
     EXPECT_NEAR(first.energy[k], plain.energy[k], 1e-6 * plain.energy[k] + 1e-16) << k;
 }
 
-// A quay that stands out of the water neither hides its mirror image nor is received above the surface.
+// The part of a quay above the water neither hides the mirror image of the quay nor returns sound above the
+// surface.
 TEST(PathsRun, WhatIsAboveTheSurfaceIsNotReceived) {
   const auto echoes = [](double top_m, double bottom_m) {
     std::string text = scene(surface + "[paths]\norder = 3\n");
@@ -109,8 +112,8 @@ TEST(PathsRun, WhatIsAboveTheSurfaceIsNotReceived) {
   };
   const Echoes level = echoes(0, -21), high = echoes(25, -21);
   EXPECT_GT(level.total(), 0);
-  // Where the surface cuts the higher quay its corners are rounded to the grid (1e-6 m): 1e-6 of a bin, and
-  // 1e-9 of all that is received for a bin whose sliver of a facet is as narrow as the rounding.
+  // The surface cuts the higher quay, and rounds its corners there to the grid (1e-6 m). This allows 1e-6
+  // of a bin. For a bin with a facet sliver as narrow as the rounding it allows 1e-9 of the total.
   for (std::size_t k = 0; k < level.energy.size(); ++k)
     EXPECT_NEAR(high.energy[k], level.energy[k], 1e-6 * level.energy[k] + 1e-9 * level.total()) << k;
   // A bridge, seen from straight below.
@@ -125,7 +128,7 @@ TEST(PathsRun, WhatIsAboveTheSurfaceIsNotReceived) {
     EXPECT_NEAR(gone.energy[k], none.energy[k], 1e-6 * none.energy[k]) << k;
 }
 
-/// A hollow of two seabeds of which each lights the other, by a law of its own.
+/// A hollow of two seabeds that insonify each other, each with its own scattering model.
 std::string hollow(int scatterings, int patch_m) {
   std::string text =
       scene(fmt::format("[paths]\norder = {0}\nscatterings = {0}\npatch_m = {1}\nonly_order = {0}\n"
@@ -149,7 +152,7 @@ TEST(PathsRun, ScatteringsToAnyDepthByAnyLaw) {
 
 const std::string finely = "refraction_gap_m = 0.0005\nrefraction_tolerance_db = 0.01\n";
 
-/// In water whose sound speed changes with depth, 1500 m/s at the sonar (5 m down).
+/// Puts the scene in water whose sound speed changes with depth, with 1500 m/s at the sonar (5 m deep).
 std::string refracted(std::string text, double g, const std::string& how = finely) {
   return text.replace(text.find(still_water()), still_water().size(),
                       fmt::format("[water]\nabsorption_db_per_km = 0\nprofile = \"gradient\"\n"
@@ -157,7 +160,8 @@ std::string refracted(std::string text, double g, const std::string& how = finel
                                   1500 - 5 * g, g, how));
 }
 
-// Patches are cut otherwise than in isovelocity water: as far apart as their size makes it.
+// Patches are cut differently than in isovelocity water, so that results differ by the error of the patch
+// size.
 TEST(PathsRun, ScatteringsInRefractingWater) {
   const double even = echoes_of(hollow(2, 8)).total(),
                almost = echoes_of(refracted(hollow(2, 8), 1e-6, "")).total(),
@@ -167,7 +171,7 @@ TEST(PathsRun, ScatteringsInRefractingWater) {
   EXPECT_NEAR(strongly, even, 0.2 * even);
 }
 
-// What two receivers receive of the hollow's second scatterings, and how much alike.
+// Tests energies and coherence of two receivers for second scatterings of the hollow.
 TEST(PathsRun, ScatteringsInRefractingWaterToTwoReceivers) {
   const TestFolder folder;
   std::string text = hollow(2, 8);
@@ -219,8 +223,8 @@ samples = 10
   EXPECT_GT(moved, 0.01 * total);
 }
 
-// Straight up, by the surface and back: rings of the seabed by rays that are arcs of circles (physics
-// sheet, 2.1).
+// Straight up, with both legs over the surface: rings of the seabed by rays that are arcs of circles
+// (physics sheet, 2.1).
 TEST(PathsRun, AnUpwardLookThroughRefractingWater) {
   for (const double g : {-2.0, 1.5}) {
     const Echoes echoes = echoes_of(refracted(scene(surface + "[paths]\norder = 3\n"), g));
@@ -236,7 +240,7 @@ TEST(PathsRun, AnUpwardLookThroughRefractingWater) {
       const auto of = [&](double speed) { return sine(launch, speed) * at_sonar / (std::cos(launch) * g); };
       return std::abs(of(at_sonar) - of(at_surface)) + std::abs(of(at_surface) - of(at_seabed));
     };
-    const auto energy = [&](double launch) {  // a radian of launch angle
+    const auto energy = [&](double launch) {  // per radian of launch angle
       const double d = 1e-4, slope = (range(launch - d) - range(launch + d)) / (2 * d);
       const double area = range(launch) * sine(launch, at_seabed) * slope / std::cos(launch);
       return 2 * std::numbers::pi * std::cos(launch) * 0.1 * sine(launch, at_seabed) *
@@ -260,8 +264,8 @@ TEST(PathsRun, AnUpwardLookThroughRefractingWater) {
   }
 }
 
-// A law, a texture, a separate receiver, a rough surface and a level plate at once, to order 4: in water that
-// hardly refracts as in isovelocity water.
+// Combines a scattering model, a texture, a separate receiver, a rough surface and a level plate, to order
+// 4. Water that hardly refracts gives the result of isovelocity water.
 TEST(PathsRun, EverythingAtOnceInAlmostIsovelocityWater) {
   const TestFolder folder;
   folder.write("plate.obj", "v -4 2 -17\nv 4 2 -17\nv 4 9 -17\nv -4 9 -17\nf 1 2 3\nf 1 3 4\n");
@@ -324,7 +328,7 @@ receiver_arm_m = [0, 1, 0]
     EXPECT_GT(orders.at(order).get<double>(), 0) << order;
     EXPECT_NEAR(its_orders.at(order).get<double>() / orders.at(order).get<double>(), 1, 1e-6) << order;
   }
-  // A law with corners is integrated to 1e-6 of a facet's part.
+  // A scattering model with corners is integrated to 1e-6 of the contribution of a facet.
   const double peak = *std::max_element(even.energy.begin(), even.energy.end());
   for (std::size_t k = 0; k < even.energy.size(); ++k)
     EXPECT_NEAR(almost.energy[k], even.energy[k], 1e-5 * even.energy[k] + 1e-9 * peak) << k;

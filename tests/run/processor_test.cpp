@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bytes of results do not depend on what the processor can: shipped scenes, cut short, with all of it and
-// with what the C library is reported to do without.
+// Tests that result bytes do not depend on the instruction sets of the processor. It runs shortened shipped
+// scenes with all instruction sets, and with some that the C library is told to ignore.
 #include <gtest/gtest.h>
 
 #include "fixtures/program.hpp"
@@ -29,7 +29,7 @@ struct Case {
 struct AnyProcessor : testing::Test {
   TestFolder folder;
 
-  /// Whether the C library itself, asked for sines, tells the two apart.
+  /// Returns whether the C library itself computes sines differently in the two cases.
   static bool decides_in_the_c_library() {
     Surroundings all, less = with_less();
     all.program = less.program = TUBEFOOT_LIBRARY_PATHS;

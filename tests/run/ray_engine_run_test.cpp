@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The sampling engine is a second opinion: it has to come to the exact engine's energies as its rays grow in
-// number.
+// Compares whole runs of the ray engine with the exact engine. The energies converge as the number of rays
+// grows.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -44,7 +44,8 @@ TEST(RayRun, TotalEnergyConvergesToTheTubeEngines) {
   const double exact = echoes_of(scene).total();
   const auto [few_mean, few_deviation] = spread(2000);
   const auto [many_mean, many_deviation] = spread(200000);
-  // The mean of five lies within six of its own standard errors; Embree's floats are far below that.
+  // The mean of five lies within six of its own standard errors. The errors of Embree's floats are far
+  // smaller.
   EXPECT_NEAR(few_mean, exact, 6 * few_deviation / std::sqrt(5));
   EXPECT_NEAR(many_mean, exact, 6 * many_deviation / std::sqrt(5) + 1e-6 * exact);
   EXPECT_LT(many_deviation,
@@ -106,7 +107,7 @@ TEST(RayRun, CommandLineGoesBeforeTheSceneFile) {
 }
 
 TEST(RayRun, EverySamplingTakesEveryCountPerBeam) {
-  // What existing simulators spend on a beam, from one ray to seventeen thousand.
+  // Numbers of rays per beam of existing simulators, from one to seventeen thousand.
   const TestFolder folder;
   const double exact = echoes_of(scene).total();
   for (const std::string sampling : {"stratified", "sobol", "adaptive", "regular", "random", "column"})
@@ -144,7 +145,7 @@ TEST(RayRun, CountsByPingAndByBeamExcludeEachOther) {
   refused({"--rays-per-beam", "0"}, "--rays-per-beam");
   refused({"--rays-per-beam", "2.5"}, "--rays-per-beam");
   refused({"--sampling", "halton"}, "halton");
-  // The command line's count replaces the scene's, whichever way that one is given.
+  // The count of the command line replaces that of the scene, in either notation of the scene.
   echoes_in(folder, scene + "[run]\nengine = \"ray\"\nrays_per_beam = 7\n", {"--rays", "2000"});
   auto stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
   EXPECT_EQ(stats["rays_per_ping"], 2000);

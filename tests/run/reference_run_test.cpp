@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reference runs as a user sees them: bounds in the file, closed forms within them, honest closing lines.
+// Tests reference runs for the user: bounds in the file, closed forms within the bounds, and correct
+// closing messages.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +33,8 @@ TEST(ReferenceRun, BoundsHoldTheClosedFormUpToTheRoundedRays) {
     const double truth = std::pow(10, -2.7) * 100 * 1.5 * std::numbers::pi / 180 *
                          (tail(echoes.first_m(k)) - tail(echoes.last_m(k)));
     EXPECT_GT(echoes.energy_bound[k], 0);
-    // Tube rays are rounded to 2^-30, which is no part of the bound: the closed form is not quite this scene.
+    // The rays of the tubes are rounded to 2^-30, which the bound does not include. The closed form thus
+    // differs slightly from this scene.
     EXPECT_LE(std::abs(echoes.energy[k] - truth), echoes.energy_bound[k] + 1e-6 * truth) << k;
   }
 }

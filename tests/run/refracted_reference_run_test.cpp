@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// References through refracting water, through the whole program: closed forms of one gradient, seabeds that
-// are not Lambert's, even and flat, and what has no bound.
+// Tests whole reference runs in stratified water. The cases are closed forms of one gradient, seabeds with
+// other scattering models, textures and relief, and bins without a bound.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::Not;
 using namespace test;
 
-// Whatever the scene's own gap: a reference chooses a finer one.
+// A reference chooses a smaller travel-path error than the scene states.
 TEST(RefractedReferenceRun, HoldsTheClosedFormWithinTheTolerance) {
   for (const double g : {-0.5, -0.2}) {
     SCOPED_TRACE(g);
@@ -34,9 +34,9 @@ TEST(RefractedReferenceRun, HoldsTheClosedFormWithinTheTolerance) {
       if (echoes.first_m(k) < 10.3) continue;
       const double truth = ring_energy(g, echoes.first_m(k), echoes.last_m(k), absorption);
       EXPECT_LE(echoes.energy_bound[k], tolerance * echoes.energy[k] * 1.001) << k;
-      // The tubes' rays are rounded to 2^-30, and so are a fan's walls.
+      // The rays of the tubes are rounded to 2^-30, and so are the walls of a fan.
       EXPECT_LE(std::abs(echoes.energy[k] - truth), echoes.energy_bound[k] + 1e-6 * truth) << k;
-      // 0.1 dB is what the ordinary run promises.
+      // The ordinary run promises 0.1 dB.
       EXPECT_LE(std::abs(echoes.energy[k] - ordinary.energy[k]), echoes.energy_bound[k] + 0.0233 * truth)
           << k;
     }
@@ -57,7 +57,7 @@ TEST(RefractedReferenceRun, SaysWhereItHasNoBound) {
   EXPECT_TRUE(std::isinf(echoes.energy_bound.back()));
 }
 
-// Of the beams that are asked for; the widest bound is the widest of the finite ones.
+// The count is over the requested beams. The widest bound is that of the finite bounds.
 TEST(RefractedReferenceRun, CountsBinsWithoutABoundOfTheChosenBeams) {
   std::string scene = replaced(scene_in(gradient(10)), "window_length_m = 32", "window_length_m = 62");
   scene = replaced(replaced(scene, "beams = 1", "beams = 3"), "horizontal_deg = 1.5", "horizontal_deg = 4.5");
@@ -73,7 +73,7 @@ TEST(RefractedReferenceRun, CountsBinsWithoutABoundOfTheChosenBeams) {
   EXPECT_THAT(run.outcome.out, Not(HasSubstr("inf")));
 }
 
-/// A triangle of 6 m, 13 m ahead of a sonar at 10 m, with its middle `above_m` higher than that.
+/// A triangle of 6 m, 13 m ahead of a sonar at 10 m, with its middle `above_m` higher than the sonar.
 struct TriangleAhead {
   TestFolder folder;
   std::string scene;
@@ -90,7 +90,8 @@ struct TriangleAhead {
   }
 };
 
-// Rays to such a triangle rise, fall and run level; its lower edge may lie at the sonar's own depth.
+// Rays to such a triangle rise, fall and run horizontally. Its lower edge may lie at the depth of the
+// sonar.
 TEST(RefractedReferenceRun, BoundsEveryBinOfATriangleAtTheSonarsDepth) {
   struct Case {
     double gradient_per_s, above_m;
@@ -110,7 +111,7 @@ TEST(RefractedReferenceRun, BoundsEveryBinOfATriangleAtTheSonarsDepth) {
     std::size_t received = 0;
     for (std::size_t k = 0; k < echoes.energy.size(); ++k) {
       EXPECT_TRUE(std::isfinite(echoes.energy_bound[k])) << k;
-      // Sound speeds differ by 2e-5 within 3 m at -0.01 /s: a bin of 0.3 m may win or lose a thousandth.
+      // Sound speeds differ by 2e-5 within 3 m at -0.01 /s: a bin of 0.3 m may gain or lose a thousandth.
       if (c.gradient_per_s == -0.01) {
         EXPECT_NEAR(echoes.energy[k], straight.energy[k], echoes.energy_bound[k] + 2e-3 * most) << k;
       }
@@ -129,7 +130,7 @@ constexpr std::string_view relief =
     "lambert_db = -27\n[[materials.relief]]\nkind = \"ripples\"\ntile_m = 5.12\nresolution_m = 0.04\nseed = "
     "7\nwavelength_m = 0.8\ndirection_deg = 20\nrms_height_m = 0.01\n";
 
-/// 14 m in samples of 25 cm of a seabed of 48 m.
+/// Range bins of 25 cm over 14 m, for a seabed of 48 m.
 std::string scene_of(std::string_view material, const std::string& water) {
   std::string scene = replaced(scene_in(water), "lambert_db = -27\n", material);
   scene = replaced(scene, "width_m = 256\nlength_m = 256", "width_m = 48\nlength_m = 48");
@@ -157,7 +158,7 @@ TEST(RefractedReferenceRun, HoldsTheClosedFormOfALawWithinTheTolerance) {
   }
 }
 
-// Held against ordinary runs that are asked for more than they are asked for by default.
+// Compares with ordinary runs whose settings are finer than the default.
 TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfTextureAndRelief) {
   for (const std::string_view seabed : {texture, relief}) {
     const std::string online =
@@ -171,7 +172,7 @@ TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfTextureAndRelief) {
                                                                          "refraction_gap_m = 0.0001\n")));
     double bounds = 0, energies = 0;
     for (std::size_t k = 0; k < echoes.samples; ++k) {
-      // Its gap beside a sample, twice, and its tolerance.
+      // Twice the travel-path error relative to a bin, and the tolerance of the run.
       const double off = 2 * 1e-4 / 0.25 + 5e-4;
       EXPECT_LE(std::abs(echoes.energy[k] - ordinary.energy[k]),
                 echoes.energy_bound[k] + off * ordinary.energy[k])
@@ -183,7 +184,7 @@ TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfTextureAndRelief) {
   }
 }
 
-// Receiver apart, of everything that a seabed may have; held against ordinary runs as fine as above.
+// A separate receiver with all features of a seabed. The comparison is ordinary runs as fine as above.
 TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfSeparateReceivers) {
   const std::string apart = "receiver_arm_m = [0, 1, 0.2]\n",
                     cells = "[relief]\nmode = \"online\"\ncell_m = 0.8\ntolerance = 0.5\n",
@@ -219,8 +220,8 @@ TEST(RefractedReferenceRun, HoldsFineOrdinaryRunsOfSeparateReceivers) {
   }
 }
 
-// Down to the seabed, up to the surface and down again, and straight home; as the ordinary run has it within
-// the 0.1 dB that it promises.
+// The paths go down to the seabed, up to the surface and down again, and straight back. The result agrees
+// with the ordinary run within the 0.1 dB that the ordinary run promises.
 TEST(RefractedReferenceRun, HoldsOrdinaryRunsOverMirrors) {
   std::string scene =
       "[sea_surface]\nheight_m = 20\nloss_db = 1\n[paths]\norder = 3\n" + scene_in(gradient(-0.5, 60));
@@ -242,7 +243,7 @@ TEST(RefractedReferenceRun, HoldsOrdinaryRunsOverMirrors) {
   }
 }
 
-// Cells wherever a transmission looks are those of a seabed that is refined once.
+// In the view of each transmission, the cells are those of a seabed that is refined once.
 TEST(RefractedReferenceRun, ReliefOfEachTransmissionIsThatOfAllTransmissions) {
   const std::string scene = scene_of(relief, gradient(-0.5));
   const std::vector<std::string> requested{"--reference", "--tolerance", "2e-2"};
@@ -263,8 +264,8 @@ TEST(RefractedReferenceRun, ReliefOfEachTransmissionIsThatOfAllTransmissions) {
   EXPECT_GT(largest, 0.1);  // it is not flat
 }
 
-// A first ground of a few facets, of which a few more gain nothing, is no limit: what a loose tolerance
-// keeps, a tighter one is no worse than.
+// A first apparent map of a few facets may gain nothing from a few more facets. This does not stop the
+// refinement: a tighter tolerance gives no wider bounds than a loose one.
 TEST(RefractedReferenceRun, TighterTolerancesHaveNoWiderBounds) {
   const TestFolder folder;
   constexpr std::array steps{0, 1, -8, 8, -1, -10, 6, -3, -2, 4, -5, -4, 2, 3, -6};  // cm

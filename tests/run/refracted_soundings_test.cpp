@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Soundings under a sound speed profile, through the whole program: a flat seabed 30 m deep, a sonar 10 m
-// deep, sound that is slower by 1 m/s per metre of depth. Along straight rays the outer soundings would be 2
-// m wrong.
+// Tests soundings under a sound-speed profile in whole runs. The seabed is flat and 30 m deep, and the
+// sonar 10 m deep. The sound speed decreases by 1 m/s per metre of depth. With straight rays the outer
+// soundings would have errors of 2 m.
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ const std::string gradient =
     "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = -1\nprofile_bottom_m = 40\n";
 constexpr double sonar_m = -10, seabed_m = -30;
 
-/// Far enough that the window cuts no beam.
+/// The range gate is long enough that it cuts no beam.
 std::string over_a_flat_seabed(const std::string& water, const std::string& sensor) {
   return "[georeference]\norigin_lat_lon_deg = [59.0, 10.0]\n" + water + lambert_material("bed", -27) +
          flat_terrain(300, 300, "centre_m = [0, 0, -30]\n") +
@@ -36,7 +36,7 @@ std::string over_a_flat_seabed(const std::string& water, const std::string& sens
 const std::string fan =
     "preset = \"reson-8101\"\nrange_min_m = 1\nrange_max_m = 131\nsamples = 2600\ngrid_cell_m = 1\n";
 
-/// Of a ray from the sonar to a place, under the gradient.
+/// Travel time of the ray from the sonar to a point, under the gradient.
 double travel_time_s(double east_m, double north_m, double up_m) {
   const double c = 1500 + sonar_m, there = 1500 + up_m;
   const double chord2 =
@@ -122,7 +122,8 @@ TEST(RefractedSoundings, SayInGsfWhatWasDoneAndByWhichProfile) {
   EXPECT_THAT(straight.parameters, Contains("RAY_TRACING=NO"));
   EXPECT_THAT(straight.profile, ElementsAre(std::pair(0.0, 1480.0)));
   std::filesystem::remove_all(folder / "out");
-  // A water surface 2 m above height 0, from which the file's depths count, and a profile that begins below.
+  // A water surface 2 m above height 0, from which the file counts its depths, and a profile that begins
+  // below.
   folder.write("profile.csv", "depth_m,sound_speed_m_s\n5,1500\n5.001,1500.001\n25,1490\n");
   run(folder,
       over_a_flat_seabed(
@@ -131,7 +132,7 @@ TEST(RefractedSoundings, SayInGsfWhatWasDoneAndByWhichProfile) {
               ElementsAre(std::pair(0.0, 1500.0), std::pair(3.0, 1500.0), std::pair(23.0, 1490.0)));
 }
 
-// A beam that leans by 40 degrees, as wide as its samples are long there.
+// A beam tilted by 40 degrees, whose width there equals the length of its range bins.
 TEST(RefractedSoundings, OfAnEchosounderLieOnTheRayOfItsAxis) {
   const TestFolder folder;
   std::string scene = over_a_flat_seabed(
@@ -156,7 +157,7 @@ TEST(RefractedSoundings, OfAnInterferometerLieOnTheSeabed) {
   for (const auto& row : csv_rows(folder / "out/sonar-soundings.csv")) {
     const auto number = [&](const char* name) { return std::stod(row.at(name)); };
     const double range_m = number("range_m");
-    if (range_m < 26 || range_m > 80) continue;  // the borders of the sector cut samples
+    if (range_m < 26 || range_m > 80) continue;  // the borders of the sector cut range bins
     SCOPED_TRACE(range_m);
     EXPECT_NEAR(number("up_m"), seabed_m, 0.25);
     EXPECT_NEAR(travel_time_s(number("east_m"), number("north_m"), number("up_m")), range_m / 1490, 2e-7);

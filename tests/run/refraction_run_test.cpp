@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Refraction through the whole program. A flat seabed under one gradient has a closed form (physics.md 2.2):
-// ring areas, ray-tube areas and angles; under several layers it is held against rays integrated apart.
+// Tests refraction in whole runs. A flat seabed under one gradient has a closed form (physics.md 2.2) with
+// ring areas, tube areas and angles. Several layers are compared with separately integrated rays.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ namespace {
 using testing::HasSubstr;
 using namespace test;
 
-/// Largest error of the samples beyond 10.3 m, in dB, and of their sum, relative.
+/// Largest error of the range bins beyond 10.3 m, in dB, and relative error of their sum.
 struct Errors {
   double worst_db = 0, sum = 0;
 };
@@ -57,11 +57,12 @@ TEST(RefractionRun, FlatSeabedUnderOneGradientIsTheClosedForm) {
   }
 }
 
-// Halving edges quarters gaps, and errors of energies with them.
+// Half the edge length gives a quarter of the travel-path error and of the energy error.
 TEST(RefractionRun, EnergiesConvergeAtSecondOrderInTheEdges) {
   const double g = -1;
   std::vector<double> error;
-  for (const double gap : {0.01, 0.0025, 0.000625})  // of larger facets totals are as good by their centres
+  // totals of larger facets are as accurate with centroid binning
+  for (const double gap : {0.01, 0.0025, 0.000625})
     error.push_back(
         errors_of(echoes_of(scene_in(gradient(
                       g, 0, fmt::format("refraction_tolerance_db = 10\nrefraction_gap_m = {}\n", gap)))),
@@ -71,8 +72,8 @@ TEST(RefractionRun, EnergiesConvergeAtSecondOrderInTheEdges) {
   EXPECT_LT(error[2], 2e-4);
 }
 
-// What a coarse ground makes of energies is not all one way: large facets are as good as small ones on the
-// whole, and so is the default.
+// The energy errors of a coarse apparent map have both signs. In total, large facets are as accurate as
+// small ones, and so is the default.
 TEST(RefractionRun, TotalsAreNotBiasedByTheTolerance) {
   for (const double g : {-0.5, 0.016, 0.4}) {
     const Errors usual = errors_of(echoes_of(scene_in(gradient(g))), g, 0);
@@ -93,7 +94,7 @@ double largest_travel_path_error_m(const TestFolder& folder, const std::string& 
 
 TEST(RefractionRun, TheGapThatIsRequestedIsKept) {
   const TestFolder folder;
-  for (const double gap : {1e-2, 1e-3, 1e-5}) {  // however long samples are
+  for (const double gap : {1e-2, 1e-3, 1e-5}) {  // for any length of the range bins
     const std::string requested =
         replaced(scene_in(gradient(-1, 0, fmt::format("refraction_gap_m = {}\n", gap))), "samples = 128",
                  "samples = 8");
@@ -107,11 +108,11 @@ TEST(RefractionRun, TheGapThatIsRequestedIsKept) {
 TEST(RefractionRun, RaysSeeTheSameSurface) {
   const double g = -0.5;
   const Echoes rays = echoes_of(scene_in(gradient(g)), {"--engine", "ray", "--rays", "200000"});
-  EXPECT_LT(errors_of(rays, g, 0).sum, 0.015);  // of the rays' own sampling
+  EXPECT_LT(errors_of(rays, g, 0).sum, 0.015);  // error of the random rays
 }
 
-// Where the seabed lies, up to a metre from where it is seen: a sample's energy over an even seabed's is the
-// mean of the texture over its ring.
+// The texture has the true positions of the seabed, up to a metre from the apparent ones. The energy of a
+// range bin relative to a uniform seabed is the mean of the texture over its ring.
 TEST(RefractionRun, MicroTextureIsThatOfTheTrueSeabed) {
   const double g = -2, cr = c_sonar + g * above_seabed_m;
   const std::string even =
@@ -143,7 +144,7 @@ TEST(RefractionRun, MicroTextureIsThatOfTheTrueSeabed) {
   EXPECT_GT(most - least, 0.5);
 }
 
-// The fan ends 85 degrees below the horizontal: when that ray touches the seabed is when it starts to return.
+// The fan ends 85 degrees below the horizontal. The seabed begins to return when this ray reaches it.
 TEST(RefractionRun, FirstEchoComesWithTheSteepestRay) {
   for (const double g : {-2.0, 2.0}) {
     const Echoes echoes = echoes_of(scene_in(gradient(g)));
@@ -163,7 +164,8 @@ TEST(RefractionRun, AlmostIsovelocityWaterIsTheStraightRun) {
   EXPECT_LT(largest_relative_difference(straight, refracted), 1e-6);
 }
 
-/// Rays by Runge-Kutta through layers, from the sonar to the seabed: range, time, arrival, by launch angle.
+/// Rays by Runge-Kutta through layers, from the sonar to the seabed: range, time and arrival angle, by
+/// launch angle.
 struct Landing {
   double range_m, time_s, arrival_rad;
 };
@@ -206,7 +208,7 @@ TEST(RefractionRun, SeveralLayersAgreeWithRaysIntegratedApart) {
   };
   const Echoes echoes = echoes_in(
       folder, scene_in("profile = \"table\"\nprofile_file = \"profile.csv\"\nabsorption_db_per_km = 0"));
-  // What lands between two launch angles: mu sin(arrival) over the area per steradian from the seabed back.
+  // Energy between two launch angles: mu sin(arrival) over the area per steradian of the receive leg.
   const double cs = speed(10), cr = speed(20);
   std::vector<Landing> rays;
   std::vector<double> launch;
@@ -223,11 +225,11 @@ TEST(RefractionRun, SeveralLayersAgreeWithRaysIntegratedApart) {
         m.range_m * std::sin(m.arrival_rad) * (a.range_m - b.range_m) / step / std::cos(middle);
     const double energy = mu * std::sin(m.arrival_rad) / (area * cs * cs / (cr * cr)) * fan_rad *
                           (std::sin(launch[k]) - std::sin(launch[k - 1]));
-    // Density of energy in slant range, at the middle ray's.
+    // Energy density in slant range, at the range of the middle ray.
     const double density = energy / (cs * (a.time_s - b.time_s));
     const std::size_t sample = echoes.sample_at(cs * m.time_s);
     const double width = echoes.last_m(sample) - echoes.first_m(sample);
-    // Nearly as the fifth power of range: from the ray to the sample's middle.
+    // It varies nearly with the fifth power of range: converts from the ray to the middle of the bin.
     const double from_middle = cs * m.time_s / (echoes.first_m(sample) + width / 2);
     const double found = echoes.at(0, 0, sample) / width / std::pow(from_middle, 5);
     EXPECT_NEAR(10 * std::log10(found / density), 0, 0.1) << launch[k] / degree;
@@ -237,7 +239,7 @@ TEST(RefractionRun, SeveralLayersAgreeWithRaysIntegratedApart) {
 }
 
 TEST(RefractionRun, ShadowsAreLeftOutAndTold) {
-  // Sound bends up from the seabed; the last ray to touch it is level there.
+  // Sound bends upwards from the seabed. The last ray that reaches the seabed is horizontal there.
   const double g = 10, cr = c_sonar + g * above_seabed_m;
   const Checkpoint run(replaced(scene_in(gradient(g)), "window_length_m = 32", "window_length_m = 62"));
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
@@ -298,7 +300,7 @@ TEST(RefractionRun, FootprintsLieOnTheTrueSeabed) {
     EXPECT_NEAR(row.at("centroid_up_m").get<double>(), 0, 1e-6);
     for (const auto& corner : feature.at("geometry").at("coordinates").at(0).at(0)) {
       EXPECT_NEAR(corner.at(2).get<double>(), 0, 1e-6);
-      // Rays keep their azimuth: that of the beam.
+      // Rays keep the azimuth of their beam.
       EXPECT_NEAR(std::atan2(corner.at(0).get<double>(), corner.at(1).get<double>()), 37 * degree,
                   fan_rad / 2 * 1.001);
     }
@@ -306,8 +308,8 @@ TEST(RefractionRun, FootprintsLieOnTheTrueSeabed) {
     farthest = std::max(farthest, std::hypot(row.at("centroid_east_m").get<double>(),
                                              row.at("centroid_north_m").get<double>()));
   }
-  // A wedge of the seabed from under the steepest ray to the reach of 40 m, or a little beyond: footprints
-  // are whole facets' parts.
+  // A wedge of the seabed from under the steepest ray to the range limit of 40 m, or a little beyond.
+  // Footprints are parts of whole facets.
   EXPECT_GT(farthest, 30);
   EXPECT_GT(area, fan_rad / 2 * 38 * 38 * 0.97);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Relief as the whole program makes it: online and offline, from a file, and where it is refused.
+// Tests relief in whole runs: online and offline refinement, refined meshes from a file, and combinations
+// that are rejected.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -96,7 +97,7 @@ TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
   const Result loaded = run_scene(folder, "loaded", offline_scene("\nfile = \"bed.ply\""));
   EXPECT_EQ(loaded.energy, offline.energy);
   EXPECT_EQ(run_scene(folder, "one", scene, {"--threads", "1"}).energy, online.energy);
-  // Nor is it what flat sand says.
+  // The result also differs from flat sand.
   EXPECT_NE(run_scene(folder, "flat", replaced(scene, "tolerance = 0", "mode = \"off\"")).energy,
             online.energy);
 
@@ -109,7 +110,7 @@ TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
   EXPECT_GE(told.at("change_by_finer_relief").at("largest"), told.at("change_by_finer_relief").at("rms"));
   EXPECT_THAT(online.out, HasSubstr("first-order estimates for the worst ping, not certified"));
 
-  // A seabed of another scene, a damaged one, and one that is not there.
+  // A refined seabed of another scene, a damaged one, and a missing one.
   const auto refused = [&](std::string_view text) {
     const Outcome outcome = run_program(
         {"run", folder.write("refused.toml", text).string(), "-o", (folder / "refused").string()});
@@ -124,7 +125,7 @@ TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
   EXPECT_THAT(refused(replaced(with_file, "bed.ply", "no.ply")), HasSubstr("tubefoot refine"));
 }
 
-// A refined seabed is another's where a map of its heights differs, wherever on two facets that is.
+// A refined seabed belongs to another scene if a map of its heights differs, anywhere on two facets.
 TEST(ReliefRun, ASeabedIsKnownByItsHeightsAllOverFewFacets) {
   const TestFolder folder;
   constexpr int cells = 60;
@@ -149,7 +150,7 @@ TEST(ReliefRun, ASeabedIsKnownByItsHeightsAllOverFewFacets) {
       EXPECT_TRUE(hashes.insert(hash(row, column)).second) << row << " " << column;
 }
 
-// Refined where bent rays look, with the receiver in the same place and apart.
+// Relief is refined in the view of refracted rays, with the receiver at the transmitter and separate.
 TEST(ReliefRun, RefractingWaterSeesTheTransmissionsSurface) {
   const TestFolder folder;
   const std::string water =
@@ -173,7 +174,7 @@ TEST(ReliefRun, RefractingWaterSeesTheTransmissionsSurface) {
   }
 }
 
-// What stands out of the water is neither seen nor mirrored, whichever way its relief is refined.
+// Parts above the water are neither visible nor reflected, for both modes of refinement.
 TEST(ReliefRun, RefractingWaterEndsReliefAtTheSurface) {
   const TestFolder folder;
   const auto with = [](const std::string& text) {
@@ -234,7 +235,7 @@ TEST(ReliefRun, TheRunsToleranceIsTheReliefsUnlessTheSceneSaysOne) {
   EXPECT_NEAR(taken("db", silent, {"--tolerance", "3dB"}), 1 - std::pow(10, -0.3), 1e-12);
   EXPECT_EQ(taken("relative", silent, {"--tolerance", "10%"}), 0.1);
   EXPECT_EQ(taken("spoken", spoken, {"--tolerance", "10%"}), 0.2);
-  // Of a reference it is the bound of the bins, and no wish for the surface.
+  // In a reference the tolerance is the bound of the bins, and does not apply to the relief.
   EXPECT_EQ(taken("reference", silent, {"--reference", "--tolerance", "0.1"}), 0.01);
 }
 
@@ -246,7 +247,7 @@ TEST(ReliefRun, ASeparateReceiverAndSensorsThatShareTransmissionsSeeTheTransmiss
   const TestFolder folder;
   const std::string head(scene.substr(0, scene.find("[relief]"))), tail(scene.substr(scene.find("[relief]")));
   const std::string camera = head.substr(head.find("[[sensors]]"));
-  // The second receives farther: the surface must reach as far as the farthest.
+  // The second sensor has a longer range: the surface must extend to the longest range.
   const std::string two =
       head +
       replaced(replaced(camera, "\"camera\"", "\"far\""), "window_length_m = 2", "window_length_m = 3") +
@@ -275,7 +276,7 @@ TEST(ReliefRun, ASeparateReceiverAndSensorsThatShareTransmissionsSeeTheTransmiss
 
 TEST(ReliefRun, TransmissionsThatSeeNoReliefAreThoseOfFlatSurface) {
   const TestFolder folder;
-  // Relief on an object only, beside the track; and a track that looks past everything.
+  // Relief on an object only, next to the track; and a track that looks past everything.
   const std::string object = replaced(scene, "[[terrain]]",
                                       R"([[materials]]
 name = "mud"
@@ -311,7 +312,7 @@ TEST(ReliefRun, RefusesWhatCannotBe) {
     EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
     return outcome.err;
   };
-  // Over the flat seabed by 1 mm, but under a crest of the relief somewhere.
+  // The sensor is 1 mm above the flat seabed, but under a crest of the relief somewhere.
   EXPECT_THAT(refused(replaced(replaced(scene, "[0.2, -5, 1.5]", "[0.2, -5, 0.001]"), "[0.2, 5, 1.5]",
                                "[0.2, 5, 0.001]")),
               HasSubstr("below the seabed"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shadows of relief at grazing angles, against a march over the height field that knows neither facets nor
-// tubes: a pixel of no energy is one whose ground is hidden, and hidden ground has none.
+// Compares shadows of relief at grazing angles with a march over the height field, which uses neither
+// facets nor tubes. A pixel has no energy if and only if its seabed is hidden.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -32,8 +32,8 @@ wavelength_m = 0.4
 depth = 0.9
 )";
 
-/// A camera 1 m above the seabed that looks level and north: beams are bounded by vertical planes, and from 3
-/// to 11 m of slant range the seabed, if it were flat, is met at 19 to 5 degrees.
+/// A camera 1 m above the seabed that looks horizontally north. Beams are bounded by vertical planes. From
+/// 3 to 11 m of slant range, rays would meet a flat seabed at 19 to 5 degrees.
 std::string scene_of(std::string_view textures, std::string_view more = "") {
   return fmt::format(R"(
 [water]
@@ -63,10 +63,10 @@ window_length_m = {}
 
 enum class Light { lit, dark, undecided };
 
-/// What the march says of a beam's samples. It evaluates heights at the nodes of rays side by side and knows
-/// them to `slack_m` between: what linear interpolation of the field leaves out, here and in the facets. Seen
-/// from the eye, ground at height h and distance r appears at t = (h - eye) / r; it is hidden if anything
-/// nearer appears higher.
+/// Computes the visibility of the range bins of a beam by a march. It evaluates heights at nodes of
+/// adjacent rays. Between nodes the heights are known to `slack_m`, the error of linear interpolation of
+/// the field, here and in the facets. Seen from the eye, ground at height h and distance r appears at t =
+/// (h - eye) / r. It is hidden if a nearer point appears higher.
 class HeightMarch {
  public:
   static constexpr int strips = 16;  // of a beam, between 17 rays
@@ -88,7 +88,8 @@ class HeightMarch {
   std::vector<Light> samples_of_beam() const {
     std::vector<Light> light(samples, Light::dark);
     for (std::size_t i = 0; i + 1 < rays_.size(); ++i) not_hidden(i, light);
-    // The outermost rays lie on the beam's border: what they see, the neighbour may.
+    // The outermost rays lie on the border of the beam: the adjacent beam may receive the points that they
+    // see.
     for (std::size_t i = 1; i + 1 < rays_.size(); ++i) seen(i, light);
     return light;
   }
@@ -99,8 +100,9 @@ class HeightMarch {
   double slant_m(std::size_t ray, std::size_t k) const { return std::hypot(distance_m_[k], height(ray, k)); }
   static double sample_of(double slant) { return (slant - first_m) / length_m * samples; }
 
-  /// Samples where the surface between rays i and i + 1 may be seen are not dark. Two nodes of one distance
-  /// that both appear higher hide all between their rays: one of each ray, at different distances, would not.
+  /// Marks range bins as not dark where the surface between rays i and i + 1 may be visible. Two nodes at
+  /// one distance that both appear higher hide everything between their rays. Nodes of the two rays at
+  /// different distances would not.
   void not_hidden(std::size_t i, std::vector<Light>& light) const {
     double ridge = -1e9;
     for (std::size_t k = 0; k + 1 < distance_m_.size(); ++k) {
@@ -119,7 +121,7 @@ class HeightMarch {
     }
   }
 
-  /// Samples that a node lies in for sure, with nothing nearer that could hide it, are lit.
+  /// Marks range bins as insonified if they surely contain a node that no nearer point could hide.
   void seen(std::size_t i, std::vector<Light>& light) const {
     double ridge = -1e9;
     for (std::size_t k = 0; k < distance_m_.size(); ++k) {
@@ -133,7 +135,7 @@ class HeightMarch {
   }
 
   std::vector<std::vector<double>> rays_;  ///< heights of the nodes
-  std::vector<double> distance_m_;         ///< of the nodes, level
+  std::vector<double> distance_m_;         ///< horizontal distances of the nodes
   double slack_m_ = 0;
 };
 
@@ -170,7 +172,8 @@ TEST(ReliefShadow, DarkPixelsAreThoseOfAMarchOverTheHeights) {
         lit += light[k] == Light::lit;
       }
     }
-    // The fraction of the area, to what the march leaves open: little enough to mean something.
+    // Fraction of the area, except for the range bins that the march leaves undecided. These are few enough
+    // for a significant check.
     EXPECT_GE(dark_fraction(echoes), dark / pixels);
     EXPECT_LE(dark_fraction(echoes), 1 - lit / pixels);
     EXPECT_LT(pixels - lit - dark, 0.08 * pixels);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sonars that robots carry, run: beams where a list says, vertical patterns both ways, a head that turns.
+// Tests runs of sonars of underwater robots: beams at listed angles, vertical patterns on both legs, and a
+// scanning head.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,7 +29,7 @@ std::vector<double> by_sample(const Echoes& echoes) {
   return sums;
 }
 
-// Borders of the list, midway between its axes: -30, -20, -12, 0, 12, 20, 30.
+// Borders of the listed beams, midway between their axes: -30, -20, -12, 0, 12, 20, 30.
 TEST(ListedBeams, ShareOutTheSameEnergy) {
   const std::string fan = "kind = \"imaging\"\nvertical_deg = 30\ntilt_deg = 15\ncone_tolerance = 1e-7\n";
   const Echoes even = echoes_of(scene(fan + "beams = 6\nhorizontal_deg = 60\n")),
@@ -56,7 +57,8 @@ TEST(ListedBeams, OfEqualAnglesAreAnEquiangularFan) {
             1e-9);
 }
 
-// On a flat seabed a sample is a band of elevations, and a Gaussian about the horizontal falls along it.
+// On a flat seabed a range bin is a band of elevations, over which a Gaussian about the horizontal
+// decreases.
 TEST(VerticalPatterns, WeighEachElevationByTheirProduct) {
   const std::string fan =
       "kind = \"imaging\"\nbeams = 3\nhorizontal_deg = 9\nyaw_deg = 120\nvertical_deg = 120\n";
@@ -84,7 +86,7 @@ TEST(VerticalPatterns, WeighEachElevationByTheirProduct) {
     }
 }
 
-// A receive pattern along the track leaves a multibeam's beams where they are.
+// A receive pattern along the track does not move the beams of a multibeam.
 TEST(VerticalPatterns, AlongTheTrackAMultibeamKeepsItsBeams) {
   const std::string fan = "kind = \"multibeam\"\nbeams = 7\nswath_deg = 90\nalong_track_deg = 4\n";
   const Echoes ideal = echoes_of(scene(fan)),
@@ -93,14 +95,14 @@ TEST(VerticalPatterns, AlongTheTrackAMultibeamKeepsItsBeams) {
   ASSERT_GT(ideal.total(), 0);
   for (std::size_t beam = 0; beam < 7; ++beam)
     for (std::size_t k = 0; k < ideal.samples; ++k) {
-      // At 2 degrees off the track the pattern has exp(-4 ln 2 (2 / 170)^2).
+      // At 2 degrees off the track the pattern is exp(-4 ln 2 (2 / 170)^2).
       EXPECT_LE(wide.at(0, beam, k), ideal.at(0, beam, k) * (1 + 1e-9));
       EXPECT_GE(wide.at(0, beam, k), ideal.at(0, beam, k) * (1 - 4e-4));
     }
 }
 
-// As patterns are integrated: to pattern_tolerance (src/engine/scattering/echo_model.hpp, 1e-6) of what their
-// peak would return, for each piece of a sample.
+// The integration error of patterns is pattern_tolerance (src/engine/scattering/echo_model.hpp, 1e-6) times
+// the energy of the peak gain, for each piece of a range bin.
 TEST(VerticalPatterns, AreWithinTheirToleranceOfTheReference) {
   const std::string along = "receive_pattern = \"gaussian\"\nreceive_beam_width_deg = 2\n";
   const std::string both =
@@ -136,7 +138,8 @@ TEST(ScanningHead, AtRestReceivesWhatAFanOfItsStepsReceives) {
   ASSERT_EQ(scan.beams, 12u);
   EXPECT_GT(scan.total(), 0);
   EXPECT_LT(largest_relative_difference(scan, fan), 1e-9);
-  // Wider than its steps it receives its neighbours' sectors as well: three times as wide, all three.
+  // A beam that is wider than its steps also receives the adjacent sectors: at three times the width, all
+  // three.
   const Echoes wide = echoes_of(scene(replaced(head, "beam_horizontal_deg = 5", "beam_horizontal_deg = 15")));
   for (std::size_t k = 0; k < scan.samples; ++k) {
     const double three = scan.at(0, 5, k) + scan.at(0, 6, k) + scan.at(0, 7, k);

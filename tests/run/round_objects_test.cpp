@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A Lambert sphere has a closed form. Without a word about facets it comes out as finely as the sensor sees.
+// Compares a Lambert sphere in whole runs with its closed form. Without facet settings the sphere is as
+// fine as the resolution of the sensor.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -47,7 +48,7 @@ samples = {}
                      object, samples);
 }
 
-/// Of the sphere's part between two slant ranges: the sonar sees it up to where rays graze it.
+/// Energy of the sphere between two slant ranges. The sonar sees the sphere up to the limb.
 double closed_form(double from_m, double to_m) {
   const double d = away_m, a = radius_m, grazing = std::sqrt(d * d - a * a);
   from_m = std::clamp(from_m, d - a, grazing);

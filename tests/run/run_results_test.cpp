@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a run leaves: attributes, statistics and pictures, and the same bytes every time.
+// Tests the results of a run: attributes of echo files, statistics and pictures, and the same bytes in each
+// run of the same scene.
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

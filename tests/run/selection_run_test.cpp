@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A part of a run: the same energies, to the last bit, as the same pings and beams of the whole run have.
+// Tests runs of selected pings and beams. Their energies equal those of the same pings and beams of the
+// whole run, to the last bit.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,8 +24,8 @@ using testing::HasSubstr;
 using testing::Not;
 using Words = std::vector<std::string>;
 
-/// Two cameras that share their transmissions, one that does not, and a sidescan, over a rough seabed with a
-/// ball.
+/// Two cameras that share their transmissions, another camera, and a sidescan, over a rough seabed with a
+/// sphere.
 std::string scene_with(const std::string& water, const std::string& material, const std::string& of_camera,
                        const std::string& more = "") {
   const auto camera = [&](const char* name, const char* window) {
@@ -55,12 +56,12 @@ struct SelectionRun : testing::Test {
     all.insert(all.end(), words.begin(), words.end());
     return run_program(all);
   }
-  /// The same without pictures, which take longer than the echoes.
+  /// Runs without pictures, which take longer than the echoes.
   Outcome run_echoes(const fs::path& output, Words words) const {
     words.insert(words.end(), {"--pictures", "none"});
     return run(output, words);
   }
-  /// Holds a run of pings `first` to `first + pings - 1` and of `beams` of a sensor against the whole run's.
+  /// Compares a run of pings `first` to `first + pings - 1` and of `beams` of a sensor with the whole run.
   void expect_part(const Words& options, const std::string& sensor, std::size_t first, std::size_t pings,
                    const std::vector<std::size_t>& beams, const Words& selection,
                    const std::vector<std::string>& variables = {"energy"}) const {
@@ -175,7 +176,7 @@ TEST_F(SelectionRun, SaysWhichPingsAndBeamsItHas) {
   EXPECT_EQ(stats.at("selection"),
             (nlohmann::json{{"sensor", "far"}, {"pings", "2:4"}, {"beams", "19,3:5,0"}}));
   EXPECT_EQ(stats.at("pings"), 3);
-  // Five of twenty tubes are seen, and those that lie in one run of tubes with them.
+  // Five of twenty tubes are traced, and the other tubes of the same tube runs.
   EXPECT_THAT(names_below(folder / "part"),
               ElementsAre(".tubefoot-files", "echoes.nc", "scene.png", "stats.json"));
   EXPECT_THAT(stats.at("warnings")[0].get<std::string>(), HasSubstr("only some of its beams"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a sensor may be, and how narrow its beams: what would be seen wrongly, or not at all, is refused by
-// `check` and by `run`, with place and remedy.
+// Tests sensor positions and minimum beam widths. `check` and `run` reject sensors with wrong or no
+// visibility, and report the position and a remedy.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -74,7 +74,7 @@ TEST(SensorPlace, OnAnObjectIsRefused) {
 }
 
 TEST(SensorPlace, OnTheWayIsReportedWithItsPing) {
-  // From above the seabed down to it: the fourth ping is there.
+  // The track goes from above the seabed down to it. The fourth ping is on the seabed.
   expect_refused(
       "[[materials]]\nname = \"sand\"\n[[terrain]]\nkind = \"flat\"\nwidth_m = 20\nlength_m = 40\n"
       "[trajectory]\nkind = \"line\"\nstart_m = [1, -3, 3]\nend_m = [1, 5, -5]\nspeed_m_s = "
@@ -85,7 +85,7 @@ TEST(SensorPlace, OnTheWayIsReportedWithItsPing) {
 
 TEST(SensorPlace, InThePlaneOfAFacetButNotOnItIsAPlaceLikeAnother) {
   const TestFolder folder;
-  // Beside the seabed, level with it.
+  // Next to the seabed, at the same height.
   const Outcome outcome = run_program({"check", folder.write("scene.toml", scene("[15, 3, 0]")).string()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
@@ -101,8 +101,8 @@ TEST(NarrowBeams, BelowWhatDirectionsTellApartAreRefused) {
 }
 
 TEST(NarrowBeams, AreWorthWhatTheWarningSays) {
-  // The energy of a seabed in a sector is proportional to its width: a hundredth of it at most is off at the
-  // limit.
+  // The energy of a seabed in a sector is proportional to its width: the error is at most a hundredth at
+  // the limit.
   const TestFolder folder;
   const auto total = [&](const std::string& name, double width_deg, bool told) {
     const std::string text = scene("[0, 0, 3]", fmt::format("beams = 1\nhorizontal_deg = {}\n", width_deg));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shadows and first returns lie where height and geometry put them (physics.md 7.2): to the sample, and
-// shadows are exactly dark.
+// Tests that shadows and first returns lie where height and geometry put them (physics.md 7.2), to the
+// range bin. Shadows have exactly zero energy.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double beam_rad = 0.3 * std::numbers::pi / 180;
 
-/// One narrow beam, 5 m above the seabed, that looks north; samples of 1 cm whose borders lie at odd half
+/// One narrow beam, 5 m above the seabed, that looks north. Range bins of 1 cm have borders at odd half
 /// centimetres.
 std::string camera_scene(const std::string& rest) {
   return R"(
@@ -40,7 +40,7 @@ window_length_m = 12
 }
 
 const std::string seabed = "[[terrain]]\nkind = \"flat\"\nwidth_m = 50\nlength_m = 100\n";
-/// One metre high, 1 cm thick, its far side 10 m north.
+/// One metre high, 1 cm thick, with its far side 10 m north.
 const std::string wall =
     "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [20, 0.01, 1]\nposition_m = [0, 9.995, 0.5]\n";
 const std::string sphere =
@@ -62,7 +62,7 @@ void expect_dark(const Echoes& echoes, std::size_t first, std::size_t last) {
 TEST(Shadow, OfAThinWallEndsWhereHeightAndRangeSay) {
   const Echoes echoes = echoes_of(camera_scene(seabed + wall));
   const std::size_t end = echoes.sample_at(wall_shadow_end_m);
-  // The wall's foot is the last of it: 9.99 m north on the seabed.
+  // The last visible point is the foot of the wall: 9.99 m north on the seabed.
   expect_dark(echoes, echoes.sample_at(std::hypot(9.99, 5)) + 1, end - 1);
   const double lit = bare_seabed(wall_shadow_end_m, echoes.last_m(end));
   EXPECT_NEAR(echoes.at(0, 0, end) / lit, 1, 0.01);
@@ -84,8 +84,8 @@ TEST(Shadow, SphereReturnsFirstFromItsNearestPoint) {
   const std::size_t first = echoes.sample_at(sphere_first_m);
   expect_dark(echoes, 0, first - 1);
   EXPECT_GT(echoes.at(0, 0, first), 0);
-  // Nothing is seen beyond the points where rays graze it; facets of that chord error are 6.3 cm long, so the
-  // outermost that is seen ends at most half of that further.
+  // Points beyond the limb are hidden. Facets with this chord error are 6.3 cm long, so that the outermost
+  // visible facet ends at most half of that further.
   expect_dark(echoes, echoes.sample_at(std::sqrt(115.0) + 0.032) + 1, echoes.samples - 1);
 }
 
@@ -97,7 +97,7 @@ TEST(Shadow, OfASphereOnTheSeabedEndsAtItsTangent) {
   EXPECT_NEAR(echoes.at(0, 0, lit) / bare_seabed(echoes.first_m(lit), echoes.last_m(lit)), 1, 1e-5);
 }
 
-// A sidescan's shadow lies beyond its object, away from the track, on both sides.
+// A sidescan shadow lies beyond its object, away from the track, on both sides.
 TEST(Shadow, LiesBehindTheObjectOnBothSidesOfASidescan) {
   for (const int side : {0, 1}) {
     SCOPED_TRACE(side);

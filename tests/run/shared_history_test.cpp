@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sensors that fire the same tubes from the same places read one history: the tubes are computed once.
+// Tests that sensors with the same tubes at the same positions share one history, so that the tubes are
+// computed once.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -79,8 +80,8 @@ TEST(SharedHistory, OtherTubesOrPosesAreTracedAnew) {
   }
 }
 
-// The cycles of one frame: where the camera has not moved in between, the second looks through the first
-// one's tubes at what that saw.
+// The cycles of one frame: if the camera has not moved in between, the second cycle uses the visible
+// polygons of the first.
 TEST(SharedHistory, CyclesThatFireFromOnePlaceAreWhatEachIsAlone) {
   const TestFolder folder;
   const auto frame = [&](double first_s, double interval_s) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One bright target, 12 m to port of the track and ahead of its middle: it has to lie there in every file
-// that a sidescan's run leaves.
+// Tests a bright target, 12 m to port of the track and ahead of its middle. Each file of a sidescan run
+// shows the target at this position.
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <gdal_priv.h>
@@ -20,8 +20,8 @@ namespace {
 constexpr int pings = 60, samples = 400;
 constexpr double range_m = 20, spacing_m = 0.2;
 
-/// 5 m above a dark seabed, 12 m long to the north, past a sphere that lies `tx_m` to starboard, 8 m from the
-/// start.
+/// 5 m above a dark seabed, 12 m long to the north, past a sphere that lies `tx_m` to starboard, 8 m from
+/// the start.
 std::string scene_with_target(double tx_m, bool georeferenced = true) {
   return fmt::format(R"({}[water]
 sound_speed_m_s = 1500
@@ -69,7 +69,7 @@ struct Brightest {
   int width = 0, height = 0;
 };
 
-/// Looks at the pixels that are at least `off_middle` columns from the middle one.
+/// Examines the pixels that are at least `off_middle` columns from the middle column.
 Brightest brightest_of(const std::filesystem::path& file, int off_middle = 0) {
   auto input = OIIO::ImageInput::open(file.string());
   if (!input) throw std::runtime_error("no picture " + file.string());
@@ -92,7 +92,7 @@ Brightest brightest_of(const std::filesystem::path& file, int off_middle = 0) {
   return found;
 }
 
-/// Number of the loudest sample in an XTF file, its channel and its ping.
+/// Number of the strongest sample in an XTF file, its channel and its ping.
 struct XtfEcho {
   unsigned ping = 0, channel = 0, sample = 0, pings = 0;
 };
@@ -115,7 +115,7 @@ XtfEcho loudest_of_xtf(const std::string& bytes) {
       for (unsigned k = 0; k < count; ++k)
         if (const unsigned value = number(at + 64 + 2 * k, 2); value > most) {
           most = value;
-          // Port's samples are stored from far to near.
+          // The samples of the port channel are stored from far to near.
           found = {number(begin + 28, 4), number(at, 2), channel == 0 ? count - 1 - k : k, found.pings};
         }
       at += 64 + 2 * count;
@@ -124,7 +124,7 @@ XtfEcho loudest_of_xtf(const std::string& bytes) {
   return found;
 }
 
-/// Runs the scene into `folder` and returns what the program said.
+/// Runs the scene into `folder` and returns the messages of the program.
 std::string run(const TestFolder& folder, const std::string& scene) {
   folder.write("scene.toml", scene);
   const Outcome outcome =
@@ -142,7 +142,7 @@ TEST_P(SidescanRun, TargetAheadIsOnItsSideInEveryFile) {
   run(folder, scene_with_target(tx_m));
   const std::filesystem::path results = folder / "results";
   const double slant_m =
-      std::hypot(12, 4.7) - 0.3;  // of the sphere's front, within its radius of the brightest
+      std::hypot(12, 4.7) - 0.3;  // of the front of the sphere, within its radius of the brightest point
   const double step_m = (range_m - 1) / samples;
   const double target_ping = 8 / spacing_m;
 
@@ -176,11 +176,11 @@ TEST_P(SidescanRun, TargetAheadIsOnItsSideInEveryFile) {
   ASSERT_EQ(map->GetGeoTransform(transform), CE_None);
   const double column = 0.5 + double(loudest % map->GetRasterXSize()),
                row = 0.5 + double(loudest / map->GetRasterXSize());
-  // On a flat map the sphere's front, 4.7 m below the sonar, lies nearer than its foot.
+  // On a flat map the front of the sphere, 4.7 m below the sonar, lies nearer than its foot.
   EXPECT_NEAR(transform[0] + column * transform[1], port ? -11.5 : 11.5, 0.6);
   EXPECT_NEAR(transform[3] + row * transform[5], 8, 0.6);
 
-  // The map lies between the axis and the legend; nothing else is as red as its loudest cell.
+  // The map lies between the axis and the legend. No other pixel is as red as its strongest cell.
   const Brightest at = brightest_of(results / "fish-mosaic.png");
   constexpr int axis = 112, legend = 148;
   const double middle = (axis + at.width - legend) / 2.0;

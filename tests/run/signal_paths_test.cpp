@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Signals of a transmission over mirrors: the scene's own mirrors, the orders that it asks for, and its
-// energies.
+// Tests signals of a transmission over mirrors: the mirrors of the scene, the requested orders, and the
+// energies of the scene.
 #include "run/signal_paths.hpp"
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Looks all but all round from 5 m below a rough surface, over a small seabed.
+/// The sonar has a nearly omnidirectional view from 5 m below a rough surface, over a small seabed.
 std::string under_the_surface(const std::string& paths, const std::string& water = still_water()) {
   return water + "[sea_surface]\nloss_db = 1.5\nrms_roughness_m = 0.03\n[paths]\n" + paths +
          lambert_material("bed", -10) + flat_terrain(16, 16, "centre_m = [0, 0, -20]\n") +
@@ -70,7 +70,7 @@ TEST(SignalPaths, HaveTheEnergiesOfARun) {
                           signal_covariances(path.patches, own, samples, path.model, 1e-5);
                       for (std::size_t n = 0; n < samples.size(); ++n)
                         energy[path.order] += r.at(n, n).real() / receiver.times.rate_hz;
-                      // The surface turns phases over, once for each time.
+                      // The surface reverses the phase at each reflection.
                       EXPECT_EQ(path.phase, path.order == 2 ? -1.0 : 1.0);
                     },
                     [&](const CoherentArrival& arrival) {
@@ -79,7 +79,7 @@ TEST(SignalPaths, HaveTheEnergiesOfARun) {
   for (const std::size_t order : {1, 2, 3}) {
     double expected =
         echoes_of(under_the_surface(fmt::format("order = 3\nonly_order = {}\n", order))).total();
-    if (order == 1) {  // what is scattered is the transmission's own
+    if (order == 1) {  // the scattered part is that of the transmission itself
       expected = 0;
       EXPECT_EQ(energy[1], 0) << "nothing arrives through the camera's sides";
     }
@@ -106,7 +106,7 @@ TEST(SignalPaths, AreOfTheOrdersThatAreRequested) {
   EXPECT_EQ(orders("order = 2\n", 0), (Found{"2", "2"}));
   EXPECT_EQ(orders("order = 3\n", 0), (Found{"2", "2", "3"}));
   EXPECT_EQ(orders("order = 3\nonly_order = 3\n", 0), (Found{"3"}));
-  // Upwards: the surface itself, and the seabed by it.
+  // Upwards: the surface itself, and the seabed over it.
   EXPECT_EQ(orders("order = 3\n", -90), (Found{"1!", "3"}));
 }
 

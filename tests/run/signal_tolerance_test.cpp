@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Signals of smooth surfaces keep `signal_tolerance` for pulses with flanks of any length, and without:
-// against the certified signals of the same scene, and against the image of a plane in closed form.
+// Tests that signals of smooth surfaces keep `signal_tolerance` for pulses with flanks of any length, and
+// without flanks. The comparisons are certified signals of the same scene and the image of a plane in
+// closed form.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +23,7 @@ namespace {
 using std::numbers::pi;
 using Complex = std::complex<double>;
 
-/// How an array sends: in the scene's keys.
+/// Transmit pulse of an array, in the keys of the scene.
 struct Waveform {
   double frequency_khz, bandwidth_khz, pulse_length_us, taper, sampling_khz;
 
@@ -47,7 +48,7 @@ struct SignalTolerance : testing::Test {
     return element_signals_of(recordings.at(0));
   }
 
-  /// A plate over a floor that leans, and a ball of facets.
+  /// A plate over a tilted floor, and a sphere of facets.
   std::string scene(const Waveform& waveform, double tolerance, const std::string& surface = "") {
     folder.write("plate.obj",
                  "v -0.25 -0.125 -2\nv 0.125 -0.125 -2\nv 0.125 0.25 -2\nv -0.25 0.25 -2\nf 1 2 3 4\n"
@@ -70,7 +71,7 @@ struct SignalTolerance : testing::Test {
     for (const Complex& value : signals.pressure) peak = std::max(peak, std::abs(value));
     return peak;
   }
-  /// The largest difference that bounds do not explain, of the peak.
+  /// The largest difference that the bounds do not explain, relative to the peak.
   static double difference(const ElementSignals& plain, const ElementSignals& sure) {
     EXPECT_EQ(plain.pressure.size(), sure.pressure.size());
     double off = 0;
@@ -85,7 +86,7 @@ struct SignalTolerance : testing::Test {
   }
 };
 
-// Of one frequency and of sweeps, few and many periods long, with flanks of all lengths.
+// Pulses of one frequency and sweeps, few and many periods long, with flanks of all lengths.
 TEST_F(SignalTolerance, IsKeptForFlanksOfAnyLength) {
   const Waveform waveforms[] = {{20, 0, 200, 0.1, 50}, {20, 0, 200, 0.5, 30},  {20, 0, 600, 0.02, 20},
                                 {20, 8, 700, 0.1, 30}, {60, 30, 400, 0.1, 45}, {20, 0, 500, 1e-6, 20}};
@@ -97,7 +98,7 @@ TEST_F(SignalTolerance, IsKeptForFlanksOfAnyLength) {
   }
 }
 
-// A rectangle jumps, and samples that meet the jump have wide bounds.
+// A rectangular pulse is discontinuous, and samples at the discontinuity have wide bounds.
 TEST_F(SignalTolerance, IsKeptWithoutFlanks) {
   for (const Waveform& waveform : {Waveform{20, 0, 200, 0, 30}, Waveform{50, 10, 500, 0, 40}}) {
     SCOPED_TRACE(waveform.keys(0));
@@ -107,8 +108,8 @@ TEST_F(SignalTolerance, IsKeptWithoutFlanks) {
   }
 }
 
-// A floor so wide that its edges come after its image: R / 2h g(t - 2h / c), with e^{-q^2 s^2 / 2} of it left
-// by a rough one of a pulse that is long.
+// The floor is so wide that its edge echoes come after its image: R / 2h g(t - 2h / c). For a rough floor
+// and a long pulse, the factor e^{-q^2 s^2 / 2} remains.
 TEST_F(SignalTolerance, HoldsForTheImageOfAPlane) {
   for (const double taper : {0.02, 0.1, 0.5, 1.0})
     for (const double roughness_m : {0.0, 0.004}) {
@@ -129,7 +130,7 @@ TEST_F(SignalTolerance, HoldsForTheImageOfAPlane) {
       for (std::size_t n = 0; n < signals.samples(); ++n) {
         const double since = signals.sampling.time_s(n) - image / 1500;
         peak = std::max(peak, std::abs(signals.pressure[n]));
-        // Near its ends a rough floor's pulse is a mean over its heights.
+        // Near its ends the pulse of a rough floor is a mean over its heights.
         const double flank = taper * length / 2, spread = roughness_m > 0 ? 6 * 2 * roughness_m / 1500 : 0;
         if (spread > 0 && (since < flank + spread || since > length - flank - spread)) continue;
         const Complex truth = -0.5 / image * std::pow(10, -0.04 * image / 20) * left *
@@ -138,7 +139,7 @@ TEST_F(SignalTolerance, HoldsForTheImageOfAPlane) {
         off = std::max(off, std::abs(signals.pressure[n] - truth));
       }
       EXPECT_GT(peak, 0);
-      // A rough piece of the floor has one angle for all of it.
+      // A rough piece of the floor has one angle for the whole piece.
       EXPECT_LT(off, (roughness_m > 0 ? 0.02 : 1e-4) * peak) << taper << ' ' << roughness_m;
     }
 }

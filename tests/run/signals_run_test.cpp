@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the elements of an array record of a scene, held against sums over the surface's scatterers that know
-// no polygons, and against the energies of the same run.
+// Tests the recordings of array elements. The comparisons are sums over the scatterers of the surface
+// without polygons, and the energies of the same run.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ using Complex = std::complex<double>;
 
 constexpr double sound_speed = 1500;
 
-/// Rigged so that all of a small seabed is seen, 6 m below and ahead.
+/// The array is mounted so that it sees all of a small seabed, 6 m below and ahead.
 std::string scene(const std::string& sensor, const std::string& more = "", double extent_m = 1.5) {
   return fmt::format(
       "[water]\nsound_speed_m_s = 1500\nabsorption_db_per_km = 0\n"
@@ -77,7 +77,7 @@ double largest_difference(const ElementSignals& a, const ElementSignals& b) {
   return most;
 }
 
-/// As of_points(), for ends that move: the delay of every sample by the vehicle's own motion.
+/// As of_points(), for ends that move: each sample has the delay of the motion of the vehicle.
 ElementSignals of_points_on_the_way(const ElementSignals& like, const SurfaceField& field,
                                     glm::dvec3 middle_m, double half_m) {
   ElementSignals sum = like;
@@ -106,8 +106,8 @@ ElementSignals of_points_on_the_way(const ElementSignals& like, const SurfaceFie
   return sum;
 }
 
-/// All scatterers of a level square of Lambert's law that nothing hides, as points: transmit and receive
-/// along straight lines, a(x) = sqrt(mu sin sin) / (r s) in amplitude.
+/// Sums over all scatterers of an unobstructed level square with Lambert's law, as points. Both legs are
+/// straight, with the amplitude a(x) = sqrt(mu sin sin) / (r s).
 ElementSignals of_points(const ElementSignals& like, const SurfaceField& field, glm::dvec3 middle_m,
                          double half_m) {
   ElementSignals sum = like;
@@ -139,8 +139,8 @@ ElementSignals of_points(const ElementSignals& like, const SurfaceField& field, 
   return sum;
 }
 
-// From the scene file to what the elements record, with motion from ping to ping, elements off the middle, a
-// mounting and a frequency that is mixed with beside the band's middle.
+// From the scene file to the recordings of the elements. The scene has motion from ping to ping, elements
+// off the middle, a mounting, and a mixing frequency off the middle of the band.
 TEST_F(SignalsRun, AreThoseOfTheSurfacesScatterers) {
   const ElementSignals signals = signals_of(scene(
       "baseband_khz = 30.5\nsampling_frequency_khz = 20\nsignal_tolerance = 1e-6\nlever_arm_m = [0.1, 0.2, "
@@ -156,7 +156,7 @@ TEST_F(SignalsRun, AreThoseOfTheSurfacesScatterers) {
               0.5, 1e-9);
 }
 
-// The mean of |signal|^2 over many grounds is the energy, with what a box hides taken away.
+// The mean of |signal|^2 over many scatterer fields is the energy, without the parts that a box hides.
 TEST_F(SignalsRun, HaveTheEnergiesOfTheSameVisibility) {
   const std::string box =
       "[[objects]]\nname = \"box\"\nshape = \"box\"\nsize_m = [0.5, 0.2, 0.6]\nposition_m = [0.2, 5.8, "
@@ -177,7 +177,7 @@ TEST_F(SignalsRun, HaveTheEnergiesOfTheSameVisibility) {
     all += mean[k];
     expected += energy[k];
   }
-  // A few dozen cells of resolution, each exponential, over 60 grounds.
+  // A few dozen resolution cells with exponential intensities, over 60 scatterer fields.
   EXPECT_NEAR(all / expected, 1, 0.1);
 }
 
@@ -190,7 +190,7 @@ TEST_F(SignalsRun, AreTheSurfacesForEveryoneAndEveryThread) {
       "vertical_deg = 52\nreceivers = 3\n[scatterers]\nspacing_m = 0.006\n";
   const ElementSignals first = signals_of(two), second = element_signals_of(recordings.at(1)),
                        again = signals_of(two + "[run]\nthreads = 1\n");
-  // Another sector, the same ground: to the tolerance of either.
+  // Another sector has the same scatterers, to the tolerance of both.
   EXPECT_LE(largest_difference(first, second), 2e-3 * largest(first));
   EXPECT_EQ(first.pressure, again.pressure);
   EXPECT_GT(largest_difference(first, signals_of(two + "[run]\nseed = 2\n")), 0.3 * largest(first));
@@ -205,8 +205,8 @@ TEST_F(SignalsRun, OfASeparateReceiverAreThoseOfTheSurfacesScatterers) {
   EXPECT_LE(largest_difference(signals, points), 1e-5 * largest(points));
 }
 
-// What each of far elements sees for itself is what a receiver sees that is apart, and another than what the
-// transmitter sees: a wall stands between them.
+// For distant elements with their own views, the signals equal those of separate receivers. They differ
+// from the transmitter's view, because a wall stands between.
 TEST_F(SignalsRun, OfOwnViewsAreThoseOfSeparateReceivers) {
   const std::string wall =
       "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [0.1, 1, 1.2]\nposition_m = [0.3, 5.8, "
@@ -216,7 +216,7 @@ TEST_F(SignalsRun, OfOwnViewsAreThoseOfSeparateReceivers) {
   const ElementSignals own =
                            only("own_sights = true\nreceivers_m = [[-1, 0.2, 0.1], [1.5, 0, 0.2]]\n" + fine),
                        shared = only("receivers_m = [[-1, 0.2, 0.1], [1.5, 0, 0.2]]\n" + fine);
-  // The arms are on the vehicle's axes, 45 degrees off the sensor's.
+  // The arms are in the axes of the vehicle, 45 degrees from those of the sensor.
   const glm::dvec3 places[] = {own.array.receivers_m[0], own.array.receivers_m[1]};
   for (std::size_t e = 0; e < 2; ++e) {
     const ElementSignals apart =
@@ -228,8 +228,8 @@ TEST_F(SignalsRun, OfOwnViewsAreThoseOfSeparateReceivers) {
   EXPECT_GT(largest_difference(own, shared), 0.05 * largest(own));
 }
 
-// At 12 m/s a ping's Doppler turns its pulse by a quarter of a cycle, and a hop from ping to ping is 6 m
-// long.
+// At 12 m/s the Doppler shift turns the pulse of a ping by a quarter of a cycle. The vehicle moves 6 m from
+// ping to ping.
 TEST_F(SignalsRun, OfAVehicleOnTheWayAreThoseOfTheSurfacesScatterers) {
   const std::string track =
       "[trajectory]\nkind = \"line\"\nstart_m = [0.1, -3, 0]\nend_m = [0.2, 9, 0.2]\nspeed_m_s = 12\n";
@@ -244,8 +244,8 @@ TEST_F(SignalsRun, OfAVehicleOnTheWayAreThoseOfTheSurfacesScatterers) {
   EXPECT_GT(largest_difference(moving, hopping), 0.1 * largest(points));
 }
 
-// Clocks count seconds since 1970, which doubles round to a quarter of a microsecond: within a ping nobody
-// hops.
+// Clocks count seconds since 1970, which doubles round to a quarter of a microsecond. Positions within a
+// ping do not jump.
 TEST_F(SignalsRun, OfAVehicleOnTheWayLateOnItsClock) {
   constexpr double epoch_s = 1.7e9;
   const auto at = [&](double start_s) {
@@ -260,11 +260,11 @@ TEST_F(SignalsRun, OfAVehicleOnTheWayLateOnItsClock) {
   };
   const ElementSignals early = at(0), late = at(epoch_s);
   EXPECT_GT(largest(early), 0);
-  // A quarter of a microsecond of the ping's start is a micrometre of the way.
+  // A quarter of a microsecond at the start of the ping is a micrometre of motion.
   EXPECT_LE(largest_difference(early, late), 1e-3 * largest(early));
 }
 
-// The reach of what a receiver far away receives is that of its own way.
+// The range limit of a distant receiver is that of its own path.
 TEST_F(SignalsRun, OfOwnViewsReachAsFarAsThoseOfSeparateReceivers) {
   const std::string far = replaced(scene("receiver_arm_m = [0, -4, 0]\nreceivers_m = [[0, 0, 0]]\n", at_rest),
                                    "range_max_m = 11", "range_max_m = 10.6");
@@ -281,8 +281,8 @@ TEST_F(SignalsRun, OfOneThatIsTurnedToLook) {
   EXPECT_LE(largest_difference(signals, points), 1e-5 * largest(points));
 }
 
-// A smooth plane is an image of the transmitter, in what comes before its edges and the sector's do: R / 2h,
-// with its sign; a rough one would be speckle.
+// The echo of a smooth plane is an image of the transmitter: R / 2h, with its sign. It precedes the echoes
+// of its edges and of the sector. A rough plane would give speckle.
 TEST_F(SignalsRun, OfASmoothPlaneAreItsImage) {
   const double height_m = 3, reflection = -0.5;
   const ElementSignals signals = signals_of(
@@ -295,7 +295,7 @@ TEST_F(SignalsRun, OfASmoothPlaneAreItsImage) {
       "pulse_length_us = 500\npulse_taper = 1\nrange_min_m = 2.5\nrange_max_m = 3.6\nhorizontal_deg = 110\n"
       "vertical_deg = 110\nreceivers_m = [[0, 0, 0], [0.1, 0.05, 0.02]]\nsampling_frequency_khz = 40\n");
   for (std::size_t e = 0; e < 2; ++e) {
-    // On the vehicle's axes.
+    // In the axes of the vehicle.
     const glm::dvec3 receiver = signals.array.receivers_m[e];
     const double way_m = std::hypot(receiver.x, receiver.y, 2 * height_m + receiver.z),
                  tau = way_m / sound_speed;
@@ -315,7 +315,8 @@ TEST_F(SignalsRun, OfASmoothPlaneAreItsImage) {
   }
 }
 
-// What cannot be made of few pings is left out and told, before the run and after it; the rest is there.
+// Products that are impossible with few pings are omitted. The program reports this before the run and
+// after it, and writes the others.
 TEST_F(SignalsRun, ProductsThatCannotBeMadeAreLeftOut) {
   const auto file = folder.write(
       "scene.toml",
@@ -332,12 +333,12 @@ TEST_F(SignalsRun, ProductsThatCannotBeMadeAreLeftOut) {
   EXPECT_TRUE(std::filesystem::exists(out / "sonar-signals.nc"));
   EXPECT_TRUE(std::filesystem::exists(out / "sonar-fan.png"));
   EXPECT_FALSE(std::filesystem::exists(out / "sonar-sidescan.png"));
-  // A cell averages four pings, or what there is.
+  // A cell averages four pings, or as many as exist.
   EXPECT_TRUE(std::filesystem::exists(out / "sonar-interferogram.png"));
 }
 
-// Products are of arrays as they are mounted: four elements along the keel make a sidescan's beam, and no
-// fan.
+// Products depend on the mounting of the array: four elements along the keel make the beam of a sidescan,
+// and no fan.
 TEST_F(SignalsRun, ProductsAreOfArraysAsTheyAreMounted) {
   const auto file = folder.write(
       "scene.toml", scene("yaw_deg = 90\nreceivers = 4\nproducts = [\"sidescan\", \"fan\"]\n", at_rest));
@@ -382,7 +383,7 @@ TEST_F(SignalRefusals, SayWhatIsWrongAndWhatToDo) {
   EXPECT_THAT(said(replaced(scene("", at_rest + "[run]\ngrid_exponent = 4\n"), "frequency_khz = 30\n",
                             "frequency_khz = 300\n")),
               HasSubstr("wavelength"));
-  // What no run can make is reported by the key's place, not left out.
+  // Products that no run can make are an error at the position of the key, not omitted.
   EXPECT_THAT(said(scene("products = [\"fan\"]\nbeams = 1\n", at_rest)),
               HasSubstr("'beams' must be 2 to 4096"));
   EXPECT_THAT(said(scene("products = [\"interferogram\"]\nupper = [1]\nlower = [1]\n", at_rest)),
@@ -392,7 +393,7 @@ TEST_F(SignalRefusals, SayWhatIsWrongAndWhatToDo) {
     EXPECT_THAT(said(scene("pings = 2\nproducts = [\"aperture\"]\n" + std::string(pixels), at_rest)),
                 HasSubstr("pixels, must be 2 x 2 or more, and 4194304 at most"))
         << pixels;
-  // Pulses and samplings of absurd sizes, in words of the array's own keys.
+  // Absurd pulse lengths and sampling rates are reported with the keys of the array.
   for (const char* length : {"1e-9", "1e-300"})
     EXPECT_THAT(said(replaced(scene("", at_rest), "pulse_length_us = 500\n",
                               fmt::format("pulse_length_us = {}\n", length))),
@@ -400,8 +401,8 @@ TEST_F(SignalRefusals, SayWhatIsWrongAndWhatToDo) {
   EXPECT_THAT(said(replaced(scene("sampling_frequency_khz = 10000\n", at_rest), "range_max_m = 11",
                             "range_max_m = 100000")),
               HasSubstr("samples at 10000 kHz, 65536 are the most"));
-  // Grounds of more scatterers than there is time for, and beyond the lattice's reach: at once, with the
-  // place.
+  // Scatterer fields that are too dense for the available time, or beyond the range of the lattice, are
+  // rejected at once, with the position.
   const std::string dense = "[scatterers]\nspacing_m = 0.0001\n";
   EXPECT_THAT(
       said(replaced(scene("receivers = 1\n", at_rest + dense, 60), "range_max_m = 11", "range_max_m = 60")),

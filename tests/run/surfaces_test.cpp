@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a beam has no surface any more: by the outline of a flat seabed, whatever hides it.
+// Tests where a beam has no surface. The comparison is the outline of a flat seabed, independent of hidden
+// parts.
 #include "run/surfaces.hpp"
 
 #include <OpenImageIO/imageio.h>
@@ -20,8 +21,8 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180, height_m = 2, half_width_m = 4, ahead_m = 9;
 
-/// A camera 2 m above the middle of a seabed that ends 4 m to either side and 9 m ahead; level, so that its
-/// beams' walls are upright.
+/// A camera 2 m above the middle of a seabed that ends 4 m to either side and 9 m ahead. The camera is
+/// level, so that the walls of its beams are vertical.
 std::string seabed_seen(const std::string& more = {}, const std::string& keys = {}) {
   return lambert_material("sand", -27) +
          flat_terrain(2 * half_width_m, 2 * ahead_m, "material = \"sand\"\n") + more +
@@ -127,8 +128,8 @@ TEST(Surfaces, OfARunAreInItsPictures) {
                                              "width_m = 80\nlength_m = 80"));
   EXPECT_GT(pixels_like(small, palette.beyond), 20'000u);
   EXPECT_EQ(pixels_like(large, palette.beyond), 0u);
-  // A shadow is as dark as ever, and nothing of it is taken for open water; the wall itself reaches beyond
-  // the seabed in the outer beams.
+  // A shadow is as dark as otherwise, and no part of it is taken for open water. In the outer beams the
+  // wall itself extends beyond the seabed.
   const auto open_water = static_cast<double>(pixels_like(small, palette.beyond));
   EXPECT_NEAR(static_cast<double>(pixels_like(hidden, palette.beyond)), open_water, 0.05 * open_water);
   EXPECT_GT(pixels_like(hidden, palette.no_echo), pixels_like(small, palette.no_echo) + 20'000);

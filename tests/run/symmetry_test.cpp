@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What must not change an echo, or must change it in a known way: sides, mirror images, places on the Earth.
+// Tests transformations that must not change an echo, or change it in a known way: sides, mirror images,
+// and positions on the Earth.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <ogr_spatialref.h>
@@ -29,7 +30,7 @@ double bumps(double east, double north) {
          0.1 * std::sin(1.9 * east - 1.3 * north);
 }
 
-/// A sidescan 6 m above a seabed, heading as told, with a box 12 m away in a compass direction.
+/// A sidescan 6 m above a seabed with the given heading, and a box 12 m away in a compass direction.
 std::string box_scene(double heading_deg, double box_bearing_deg, bool with_box) {
   const double bearing = box_bearing_deg * 3.14159265358979 / 180;
   std::string scene = lambert_material("sand", -27) + flat_terrain(90, 90) +
@@ -171,8 +172,8 @@ std::string projection_of(int epsg) {
   return text;
 }
 
-// Coordinates of seven digits before the point cost no precision: the same grid in its own frame, in UTM zone
-// 2N and elsewhere in that zone echoes alike to the last bit.
+// Coordinates of seven digits before the decimal point cost no precision. The same grid in its own frame,
+// in UTM zone 2N and elsewhere in that zone gives the same echoes to the last bit.
 TEST(Georeference, UtmCoordinatesCostNothing) {
   const TestFolder local;
   local.write("bed.asc", ascii_grid(-40, -40));

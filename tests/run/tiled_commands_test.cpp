@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every command says of terrain that is read by tiles what it says of the whole: the same facets by the same
-// numbers, to the last bit.
+// Tests that each command reports the same for terrain by tiles as for the whole terrain. The facets and
+// their numbers are the same, to the last bit.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ std::vector<CommandCase> cases() {
   const std::string line(diagonal);
   const std::string few = replaced(replaced(std::string(sidescan), "pings = 9", "pings = 3"),
                                    "ping_interval_s = 8", "ping_interval_s = 18.6");
-  // The third ping has the island abeam; paths over the surface need few of the tiles.
+  // The third ping has the island abeam. Paths over the surface need few of the tiles.
   const std::string abeam = replaced(few, "range_max_m = 22", "range_max_m = 16");
   const std::string relief = with_ripples(scene("", line + few + "[relief]\ncell_m = 0.25\n"));
   return {
@@ -61,7 +61,7 @@ std::vector<CommandCase> cases() {
                                 line + few)}};
 }
 
-/// How the terrain is read.
+/// The ways to read the terrain.
 struct TileUse {
   const char *name, *load;
   int cache_mb;
@@ -81,7 +81,8 @@ class TiledCommands : public testing::TestWithParam<CommandCase> {
   SceneDescription described(const TileUse& use) const {
     return read_scene_text(text(use), folder / "scene.toml");
   }
-  /// What a command says, and writes into the folder or file that is its last word.
+  /// Returns the messages of a command, and the files that it writes into the folder or file of its last
+  /// word.
   std::map<std::string, std::string> answers(const TileUse& use, std::vector<std::string> words) const {
     const fs::path output = folder / words.back();
     words.insert(words.begin() + 1, folder.write("scene.toml", text(use)).string());
@@ -140,7 +141,8 @@ TEST_P(TiledCommands, APageShowsWhatItShowsOfTheWhole) {
   EXPECT_TRUE(page(in_parts) == expected);
 }
 
-// The facets of a history as an engine of one's own sees them, and their corners: no number of theirs.
+// Returns the facets of a history as a user engine sees them, and their corners, without engine-specific
+// numbers.
 TEST_P(TiledCommands, AnEngineOfOnesOwnMeetsTheFacetsOfTheWhole) {
   const auto energies = [&](const TileUse& use) {
     const SceneDescription description = described(use);
@@ -154,7 +156,7 @@ TEST_P(TiledCommands, AnEngineOfOnesOwnMeetsTheFacetsOfTheWhole) {
                       const FacetMesh& mesh = transmission.surface_mesh().mesh();
                       const GridPoint corner = mesh.vertices[mesh.facets[footprint.facet][0]];
                       energy[k++ % energy.size()] += footprint.area_m2 * std::abs(1.0 * corner.x + corner.z);
-                      // By what it is called, too.
+                      // By the identifier of the facet, too.
                       energy[k++ % energy.size()] += transmission.surface_mesh().base_facet(footprint.facet);
                     }
                   }});
@@ -181,8 +183,8 @@ TEST_P(TiledCommands, TrialsHaveTheErrorsOfTheWhole) {
 INSTANTIATE_TEST_SUITE_P(Scenes, TiledCommands, testing::ValuesIn(cases()),
                          [](const auto& of) { return std::string(of.param.name); });
 
-// With a cache for nothing each row of tiles is a block, and each is seen by a few of the pings only; the
-// ball is abeam of ping 4.
+// With an empty cache each row of tiles is a block, and only a few pings see each block. The sphere is
+// abeam of ping 4.
 TEST(TiledBlocks, HoldEachFacetOnceWithThePingsThatMaySeeIt) {
   const TestFolder folder;
   write_mosaic(folder, false);

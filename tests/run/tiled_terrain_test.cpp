@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Terrain that is read by tiles gives what it gives when it is loaded whole, to the last bit.
+// Tests that terrain by tiles gives the same results as terrain that is loaded as a whole, to the last bit.
+// It also tests the memory of the tile cache and broken tiles.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -118,7 +119,7 @@ std::vector<TiledCase> scenes() {
       {"ReceiverApart", scene("", line + few + "receiver_arm_m = [0.3, 0, 0]\n"), true},
       {"PathsOverTheSurface", scene("[sea_surface]\nheight_m = 0\n[paths]\norder = 2\n",
                                     line + replaced(few, "range_max_m = 22", "range_max_m = 9"))},
-      {"RefractingWaterUnderASurface",  // that alone is looked at: no sector holds the seabed
+      {"RefractingWaterUnderASurface",  // only this part is viewed: no sector contains the seabed
        scene(refracting + "[sea_surface]\nheight_m = 0\n[paths]\norder = 3\n",
              line + "[[sensors]]\nname = \"up\"\nkind = \"imaging\"\nbeams = 4\nhorizontal_deg = 20\n"
                     "vertical_deg = 40\ntilt_deg = -50\nrange_min_m = 14\nrange_max_m = 26\nsamples = 20\n"
@@ -183,7 +184,7 @@ TEST(TiledTerrainFiles, ACloudOptimisedGeoTiffIsReadByTiles) {
             simulated(with_load(folder, "bed.tif", "whole")).energy);
 }
 
-// What a fish sees is in few tiles: with a cache for no more, no more is held at a time.
+// A towfish sees few tiles: a cache of this size never contains more.
 TEST(TiledTerrainFiles, NoMoreIsHeldThanTheCacheAndWhatIsInUse) {
   const TestFolder folder;
   write_mosaic(folder, false);
@@ -214,7 +215,7 @@ TEST(TiledTerrainFiles, CheckSaysWhatIsThereWithoutLoadingIt) {
                                     2 * (columns - 1) * (rows - 1))));
 }
 
-// Cells that make more facets than may be held are refused before they are tried, by tiles as for the whole.
+// Cells that give too many facets are rejected before the facets are made, by tiles as for the whole.
 TEST(TiledTerrainFiles, TooFineASeabedIsRefusedBeforeItIsMade) {
   const TestFolder folder;
   write_mosaic(folder, false);
@@ -230,7 +231,7 @@ TEST(TiledTerrainFiles, TooFineASeabedIsRefusedBeforeItIsMade) {
   }
 }
 
-// A seabed that was refined once, for the whole or by tiles, is read back by tiles, a region at a time.
+// A refined seabed, made as a whole or by tiles, can be read by tiles, one region at a time.
 TEST(TiledTerrainFiles, ARefinedSeabedIsReadByTiles) {
   const TestFolder folder;
   write_mosaic(folder, true);
@@ -259,7 +260,7 @@ TEST(TiledTerrainFiles, ARefinedSeabedIsReadByTiles) {
     EXPECT_EQ(energies("tiles", "file = \"bed.ply\"\n", 512), expected);
     EXPECT_EQ(energies("tiles", "file = \"bed.ply\"\n", 0), expected);
   }
-  // Of another seabed: one height differs.
+  // One height of this raster differs, so that it belongs to another seabed.
   GDALAllRegister();
   {
     const GDALDatasetUniquePtr data(GDALDataset::Open((folder / "part0.tif").c_str(), GDAL_OF_UPDATE));
@@ -274,7 +275,8 @@ TEST(TiledTerrainFiles, ARefinedSeabedIsReadByTiles) {
   EXPECT_THAT(other.err, HasSubstr("of another scene"));
 }
 
-// A source that is cut off while a run goes on: the pings before it are kept, and go on once it is back.
+// A source is truncated during a run: the earlier pings are kept, and the run can resume after the source
+// is restored.
 TEST(TiledTerrainFiles, ABrokenTileStopsTheRunAndKeepsWhatWasFinished) {
   const TestFolder folder;
   write_mosaic(folder, false);

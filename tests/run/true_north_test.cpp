@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What other programs make of a run's files: they lay soundings out from the sonar's position along its
-// heading, add its depth, and must arrive where the soundings are. On maps whose north is far from true
-// north.
+// Tests the files of a run as other programs read them. These programs add sounding offsets along the
+// heading to the sonar position, add the sonar depth, and must reach the soundings. The maps have a north
+// far from true north.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,14 +25,16 @@ namespace {
 using samples::PacketReader;
 constexpr double degree = std::numbers::pi / 180, sound_speed_m_s = 1500;
 
-/// A map, a place on it, and what a direction on it is from true north, by the map's own law.
+/// A map, a position on it, and the angle of a direction from true north, by the law of the map.
 struct Map {
   const char *name, *crs;  ///< no CRS: tangent to the Earth
   double easting, northing;
   double (*true_heading_deg)(double map_heading_deg, double down_deg, double longitude_deg,
                              double latitude_deg);
-  bool true_to_scale;                  ///< to 3 parts in 10^4 there, and level
-  double away_east_m = 0, rise_m = 0;  ///< of the scene from the frame's origin; above a height of the frame
+  /// scale is correct to 3 parts in 10^4 there, and the plane is level
+  bool true_to_scale;
+  /// of the scene from the origin of the frame; above a height of the frame
+  double away_east_m = 0, rise_m = 0;
 };
 
 double on_utm(double heading_deg, double, double longitude_deg, double latitude_deg) {
@@ -47,8 +49,8 @@ double on_conic(double heading_deg, double, double longitude_deg, double) {
   return heading_deg + (longitude_deg + 95) * std::sin(70 * degree);
 }
 
-/// Its formulas are a sphere's: a metre to the north is drawn longer than one to the east, as the radii of
-/// curvature have it, and no direction but the four is kept.
+/// The formulas of the map are those of a sphere. North and east have different scales, by the radii of
+/// curvature. Only the four cardinal directions are exact.
 double on_web_mercator(double heading_deg, double, double, double latitude_deg) {
   const double f = 1 / 298.257223563, e2 = f * (2 - f), s = std::sin(latitude_deg * degree);
   const double north_over_east = (1 - e2) / (1 - e2 * s * s);
@@ -56,11 +58,11 @@ double on_web_mercator(double heading_deg, double, double, double latitude_deg) 
          degree;
 }
 
-/// North turns and level leans with the distance from where the plane touches.
+/// North turns and the plane tilts with the distance from its tangent point.
 double on_tangent(double heading_deg, double down_deg, double longitude_deg, double latitude_deg) {
   const GeographicLib::LocalCartesian plane(70, 18, 4);
   double x = 0, y = 0, z = 0;
-  std::vector<double> axes(9);  // of the place, in the frame, as columns
+  std::vector<double> axes(9);  // at the position, in the frame, as columns
   plane.Forward(latitude_deg, longitude_deg, 0, x, y, z, axes);
   const double level = std::cos(down_deg * degree), up = -std::sin(down_deg * degree),
                east = level * std::sin(heading_deg * degree), north = level * std::cos(heading_deg * degree);
@@ -79,8 +81,8 @@ std::vector<Map> maps() {
           {"a tangent plane, 4 km away", "", 0, 0, on_tangent, false, 4000, 4000.0 * 4000 / (2 * 6396970)}};
 }
 
-/// A seabed 30 m below height 0; two multibeams, a sidescan, a DIDSON and an ARIS sink from 5.5 to 8.5 m
-/// while they go 20 m.
+/// A seabed 30 m below height 0. Two multibeams, a sidescan, a DIDSON and an ARIS sink from 5.5 to 8.5 m
+/// over 20 m.
 constexpr double map_heading_deg = 36.86989764584402;
 std::string scene_on(const Map& map) {
   return fmt::format(R"(
@@ -147,7 +149,7 @@ tilt_deg = 20
                      sound_speed_m_s, map.away_east_m, map.away_east_m - 6, map.away_east_m + 6);
 }
 
-/// Where a line of the soundings table says that a sounding is.
+/// Position of a sounding in a line of the soundings table.
 struct Place {
   double longitude_deg = 0, latitude_deg = 0, height_m = 0;
 };
@@ -170,7 +172,7 @@ double metres_between(const Place& a, double longitude_deg, double latitude_deg)
   return distance_m;
 }
 
-/// How a reader goes: along the heading and to starboard of it, on the ellipsoid; then down.
+/// Method of a reader: along the heading and to starboard on the ellipsoid, then down.
 Place from_heading(const Place& sonar, double heading_deg, double ahead_m, double starboard_m,
                    double depth_m) {
   Place place;
@@ -289,8 +291,8 @@ void OnTheMaps::check_gsf() {
   }
 }
 
-// MB-System's way: across the track is what range and angle say, the depth is that and the channel's OffsetZ,
-// less heave. Angles and times know nothing of a map's scale.
+// Method of MB-System: the offset across the track comes from range and angle. The depth adds OffsetZ of
+// the channel, less heave. Angles and times do not depend on the scale of the map.
 void OnTheMaps::check_xtf() {
   for (const char* sensor : {"reson", "fan"}) {
     const Soundings truth = soundings(sensor);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The well head of scenes/wellhead/wellhead.obj: what its script writes, and what cross-talk makes of it.
+// Tests the well head of scenes/wellhead/wellhead.obj: the output of its script, and the effect of
+// cross-talk.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ TEST(WellHead, IsWhatItsScriptWrites) {
   EXPECT_LT(fs::file_size(scenes / "wellhead.obj"), 100000u);
 }
 
-/// Every mesh that the scenes name comes in whole: no facet of it is dropped, and all of it is of steel.
+/// Each mesh that the scenes name is read completely: no facet is dropped, and all facets are of steel.
 TEST(WellHead, IsReadWholeByTheScenesThatNameIt) {
   for (const char* scene : {"mesh.toml", "crosstalk.toml", "plain.toml"}) {
     const Outcome outcome = run_program({"check", (scenes / scene).string()});
@@ -35,7 +36,8 @@ TEST(WellHead, IsReadWholeByTheScenesThatNameIt) {
   }
 }
 
-/// Cells in the water before the seabed (5.3 to 5.9 m) with an echo above -45 dB of the loudest of all.
+/// Number of cells in the water before the seabed (5.3 to 5.9 m) with an echo above -45 dB of the strongest
+/// echo.
 std::size_t bright_water(const char* scene) {
   const TestFolder folder;
   const Outcome outcome =

@@ -80,7 +80,8 @@ TEST(IdleRelief, IsWarnedOfOnTheSidesOfABox) {
   EXPECT_THAT(warnings_of(d), IsEmpty());
 }
 
-// The normals of both sides cancel: "normal" falls back to the vertical, which lies in the sheet.
+// The normals of both sides cancel: "normal" falls back to the vertical, which lies in the plane of the
+// facets.
 TEST(IdleRelief, IsWarnedOfOnASheetOfTwoSides) {
   auto both = sheet(before, east, up);
   both->triangles.push_back({0, 2, 1});

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the limits of the program: they agree with docs/limits.md, long lines are rejected, and available
+// memory respects the limits of the process.
+
 #include "files/limits.hpp"
 
 #include <fmt/format.h>
@@ -103,7 +106,7 @@ TEST(MemoryAtHand, IsWhatTheMachineHasOrLess) {
   }
 }
 
-// In a process of its own, which it does not outlive.
+// Runs in a separate process, which ends with the test.
 TEST(MemoryAtHand, IsNoMoreThanTheLimitLeaves) {
 #ifdef TUBEFOOT_SANITIZED
   GTEST_SKIP() << "sanitizers set aside terabytes of addresses";
@@ -115,7 +118,7 @@ TEST(MemoryAtHand, IsNoMoreThanTheLimitLeaves) {
     const rlimit limit{std::size_t{1} << 40, std::size_t{1} << 40};
     setrlimit(RLIMIT_AS, &limit);
     if (memory_at_hand() > before * 1.01) _exit(1);
-    const rlimit taken{1 << 20, 1 << 20};  // long exceeded
+    const rlimit taken{1 << 20, 1 << 20};  // already exceeded
     setrlimit(RLIMIT_AS, &taken);
     _exit(memory_at_hand() == 0 ? 0 : 2);
   }

@@ -45,7 +45,7 @@ TEST(PingTimes, OfATrackThatIsNotDividedAreAnIntervalApart) {
 TEST(PingTimes, OfASurveyBeginAnewOnEachLineAndAreAllThatFit) {
   EXPECT_THAT(times(sonar({}, 0.2)).times_s(), near({0, 0.2, 0.4, 0.6, 0.8, 1, 10, 20, 20.2, 20.4}));
   EXPECT_THAT(times(sonar({}, 0.2)).line_starts(), ElementsAre(0, 6, 7));
-  // A line that is too short for a ping has none, and is no line of the recording.
+  // A line that is too short for a ping has none, and is not a line of the recording.
   EXPECT_THAT(times(sonar({}, 0.3, 0.1)).times_s(), near({0.1, 0.4, 0.7, 1, 20.1, 20.4}));
   EXPECT_THAT(times(sonar({}, 0.3, 0.1)).line_starts(), ElementsAre(0, 4));
   EXPECT_EQ(times(sonar({}, 0.3, 0.1)).first_s(), 0.1);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the loading of scenes: reports and warnings, areas on the grid, placement of objects,
+// georeferences, and rejected scenes.
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -97,7 +100,7 @@ TEST(LoadScene, ReportsWhatItLoaded) {
 
 // --- areas on the grid ---
 
-/// What a scene of this object alone, over the pond, warns of.
+/// The warnings of a scene with only this object over the pond.
 std::vector<std::string> warnings_with(ObjectDescription tiny) {
   SceneDescription d = pond();
   tiny.position_m = {0.3, 0.3, -5.1};
@@ -105,7 +108,7 @@ std::vector<std::string> warnings_with(ObjectDescription tiny) {
   return load_scene(d).report.warnings;
 }
 
-// 10 micrometres are 10.5 units of the grid, which snapping makes 10 or 11.
+// 10 micrometres are 10.5 units of the grid, which rounding makes 10 or 11.
 TEST(SnappedAreas, AreWarnedOfWhereAnObjectOfAnyKindChangesByAThousandth) {
   const TestFolder folder;
   const auto changes =
@@ -168,7 +171,7 @@ MeshFile mesh_file(const std::filesystem::path& file) {
 TEST(Placement, TurnsYUpThenScalesThenTurnsThenMoves) {
   const TestFolder folder;
   SceneDescription d = pond();
-  // One triangle: its points lie along the file's x, y (up) and z (towards the viewer, that is south).
+  // One triangle: its points lie along x, y (up) and z (towards the viewer, which is south) of the file.
   d.objects.push_back(
       object("mark", mesh_file(folder.write("mark.obj", "v 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n"))));
   ObjectDescription& mark = d.objects[0];
@@ -199,7 +202,7 @@ TEST(Placement, RollLowersStarboardAndPitchRaisesTheBow) {
 TEST(Placement, StandsOnTheTerrainBelowItsPosition) {
   SceneDescription d = pond();
   const TestFolder folder;
-  // A slope that rises by 1 m in 2 to the east, from -10 m at x = 0.
+  // A slope that rises by 1 m per 2 m to the east, from -10 m at x = 0.
   const auto slope =
       folder.write("slope.asc",
                    "ncols 3\nnrows 3\nxllcorner -30\nyllcorner -30\ncellsize 20\nNODATA_value -9999\n"
@@ -329,7 +332,7 @@ TEST(LoadScene, TranslationByGridVectorsMovesTheSceneAndNothingElse) {
   d.objects.push_back(object("ball", SpherePrimitive{1.3}));
   d.objects[0].position_m = {0.25, 0.75, -9};
   const Scene here = load_scene(d);
-  const double shift = 4096;  // at the unit of 2^-20 m a whole number of units, small enough for exact sums
+  const double shift = 4096;  // an integer number of units at 2^-20 m, small enough for exact sums
   std::get<FlatTerrain>(d.terrains[0].kind).centre_m[0] += shift;
   std::get<FixedTrajectory>(d.trajectories[0].kind).position_m[0] += shift;
   d.objects[0].position_m[0] += shift;
@@ -369,7 +372,7 @@ TEST(LoadScene, PingsOutsideTheTrajectoryAreRefused) {
   d.trajectories[0].name = "pass";
   d.trajectories[0].kind = LineTrajectory{{0, 0, 0}, {0, 20, 0}, 1, 0, 0};
   d.sensors[0].pings = 201;
-  d.sensors[0].ping_interval_s = 0.1;  // the last ping is at 200 * 0.1 s, to the last bit or not
+  d.sensors[0].ping_interval_s = 0.1;  // the last ping is at 200 * 0.1 s, with or without rounding
   EXPECT_NO_THROW(load_scene(d));
   d.sensors[0].pings = 202;
   EXPECT_THAT(
@@ -409,8 +412,8 @@ TEST(LoadScene, TheWholeRealGridKeepsItsFacetsAndItsPlace) {
   EXPECT_GT(report.hole_cells, 1'000'000u);
   EXPECT_EQ(scene.report.mesh.degenerate_facets, 0u);
   EXPECT_EQ(scene.report.mesh.duplicate_facets, 0u);
-  // Cell centres lie 1 m + 2 m k from the file's origin 620152.872885373, to the rounding of doubles at 7e6
-  // m.
+  // Cell centres lie 1 m + 2 m k from the origin 620152.872885373 of the file, to the rounding of doubles
+  // at 7e6 m.
   const double offset = report.lo_m.x + 621500 - 620152.872885372955352 - 1;
   EXPECT_NEAR(offset / 2, std::round(offset / 2), 1e-9);
   EXPECT_LE(scene.report.mesh.largest_snap_m, std::sqrt(0.75) * scene.grid.unit_m());

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests survey tracks: parallel lines about the middle of an area, turns, headings, depths and altitudes,
+// and positions on a map.
+
 #include "scene/tracks.hpp"
 
 #include <gmock/gmock.h>
@@ -60,7 +63,7 @@ TEST(SurveyTrack, GoesUpAndDownLinesAboutTheMiddleOfItsArea) {
 
 TEST(SurveyTrack, LinesTooShortToTakeTimeAreRefused) {
   SurveyTrajectory survey = mown();
-  survey.length_m = 1e-15;  // at 70 s a line ends at the time at which it began
+  survey.length_m = 1e-15;  // at 70 s a line ends at its start time
   EXPECT_THAT([&] { track(survey); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:7"), HasSubstr("must increase"))));
 }

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests attitudes and trajectories: order and signs of rotations, linear interpolation of positions,
+// constant turn rates, and valid times.
+
 #include "scene/trajectory.hpp"
 
 #include <gmock/gmock.h>
@@ -41,7 +44,7 @@ TEST(Attitude, PitchRaisesTheBowAndRollLowersStarboard) {
 }
 
 TEST(Attitude, RollActsFirstThenPitchThenHeading) {
-  // Bow up by 30 degrees, heading east: forward rises over east whatever the roll.
+  // Bow up by 30 degrees, heading east: forward points above east for any roll.
   const glm::dquat q = attitude_from_angles(kRight, glm::radians(30.0), glm::radians(70.0));
   expect_near(q * kForward, {std::cos(glm::radians(30.0)), 0, 0.5});
 }
@@ -73,7 +76,7 @@ TEST(Trajectory, HoldsWithinItsTimesOnly) {
   EXPECT_THROW(t.at(9.999), std::out_of_range);
   EXPECT_THROW(t.at(20.001), std::out_of_range);
   EXPECT_THROW(t.at(std::nan("")), std::out_of_range);
-  EXPECT_NO_THROW(t.at(20.000000000000004));  // what 200 * 0.1 may come to
+  EXPECT_NO_THROW(t.at(20.000000000000004));  // 200 * 0.1 may give this
   const Trajectory fixed({{0, {{1, 2, 3}, {1, 0, 0, 0}}}});
   expect_near(fixed.at(-1e9).position_m, {1, 2, 3});
 }

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests waypoint files: columns, comments, headings along the track, times from a speed, survey lines,
+// coordinates, and errors.
+
 #include "scene/waypoint_file.hpp"
 
 #include <fmt/format.h>
@@ -90,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
                            ":3:1: ", "increase"}),
     [](const auto& bad) { return bad.param.name; });
 
-// A column that is ignored loses motion: what resembles a known name is an error.
+// An ignored column loses motion, so that a column with a similar name is an error.
 struct Resembling {
   const char *column, *meant;
 };
@@ -158,14 +161,15 @@ TEST(Waypoints, WithoutHeadingsLookAlongTheTrack) {
                                          "time_s,east_m,north_m,up_m,roll_deg\n"
                                          "0,0,0,-3,0\n1,0,5,-3,0\n2,5,5,-3,20\n3,5,5,-4,0\n"));
   expect_near(t.at(0).attitude * kForward, {0, 1, 0});
-  expect_near(t.at(1).attitude * kForward, {std::sqrt(0.5), std::sqrt(0.5), 0});  // half way round the corner
+  // half of the turn at the corner
+  expect_near(t.at(1).attitude * kForward, {std::sqrt(0.5), std::sqrt(0.5), 0});
   expect_near(t.at(2).attitude * kForward, {1, 0, 0});
   expect_near(t.at(2).attitude * glm::dvec3(1, 0, 0),
               {0, -std::cos(glm::radians(20.0)), -std::sin(glm::radians(20.0))});
-  expect_near(t.at(3).attitude * kForward, {1, 0, 0});  // it only went down
+  expect_near(t.at(3).attitude * kForward, {1, 0, 0});  // it only descended
 }
 
-// However long it stays: a heading is found in one pass.
+// For a stop of any length, the reader finds the heading in one pass.
 TEST(Waypoints, ACarrierThatStaysLooksWhereItCameAlong) {
   const TestFolder folder;
   constexpr int rows = 200000;
@@ -221,7 +225,7 @@ TEST(Waypoints, AreDividedWhereTheirLineChanges) {
   ASSERT_EQ(timed.lines().size(), 2u);
   EXPECT_EQ(timed.lines()[0].end_s, 10);
   EXPECT_EQ(timed.lines()[1].begin_s, 100);
-  expect_near(timed.at(10).attitude * kForward, {0, 1, 0});  // the turn does not bend the line's end
+  expect_near(timed.at(10).attitude * kForward, {0, 1, 0});  // the turn does not bend the end of the line
   expect_near(timed.at(100).attitude * kForward, {0, -1, 0});
 
   const auto file =
@@ -232,7 +236,7 @@ TEST(Waypoints, AreDividedWhereTheirLineChanges) {
   EXPECT_EQ(going.lines()[1].begin_s, 40);
   EXPECT_EQ(going.lines()[1].end_s, 50);
   expect_near(going.at(10.5).position_m,
-              {0, 21, 0});  // straight on, as the last ping's later transmissions need
+              {0, 21, 0});  // straight on, as the later transmissions of the last ping need
 }
 
 TEST(Waypoints, LieWhereTheirCoordinatesSay) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The command `strength`: its words, its files, its warnings.
+// Tests the command `strength`: its options, its files with and without bounds, its warnings, and rejected
+// input.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netcdf.h>
@@ -78,7 +79,7 @@ TEST(StrengthWarnings, OpenCrowdedAndCoarse) {
   EXPECT_THAT(warnings_of(box, 1e3, 1500), ElementsAre(HasSubstr("have more than two facets")));
   EXPECT_THAT(warnings_of(box_facets({{100, 10, 10}}, {}), 10e6, 1500),
               ElementsAre(HasSubstr("phases are off")));
-  // Formats that repeat corners for each facet are no different.
+  // The result is the same for formats that repeat corners for each facet.
   ComponentMesh random_triangles;
   for (const auto& t : box_facets({{1, 1, 1}}, {}).triangles) {
     const auto n = static_cast<std::uint32_t>(random_triangles.points_m.size());
@@ -125,7 +126,7 @@ TEST(StrengthFiles, HoldTheTable) {
   EXPECT_GT(std::filesystem::file_size(folder / "map.png"), 1000U);
 }
 
-// Bounds stand beside the numbers, in both files, and doubles lie within them.
+// Both files contain the bounds next to the numbers, and results in doubles lie within them.
 TEST(StrengthFiles, HoldBounds) {
   const TestFolder folder;
   StrengthRequest certified = request;
@@ -147,7 +148,7 @@ TEST(StrengthFiles, HoldBounds) {
     ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &e, &a, &f, &db, &re, &im,
                           &area, &bound, &bound_db),
               9);
-    // All digits: nothing of the bound is lost by writing.
+    // All digits: writing loses nothing of the bound.
     EXPECT_EQ(std::complex(re, im), table.length_m[k]);
     EXPECT_EQ(bound, table.bound_m[k]);
     EXPECT_NEAR(bound_db, -20 * std::log10(1 - bound / std::hypot(re, im)), 1e-9);
@@ -174,7 +175,7 @@ TEST(StrengthFiles, HoldBounds) {
   EXPECT_TRUE(read(folder / "doubles.nc", "length_bound").empty());
 }
 
-// A bound counts against the length, and against the floor where that is higher.
+// A bound is relative to the length, or to the floor if the floor is higher.
 TEST(StrengthBounds, AreHeldAgainstTheTolerance) {
   StrengthTable table{request, "box.obj", {}, {}};
   table.request.azimuths_deg = {0, 90};
@@ -201,7 +202,7 @@ TEST(StrengthBounds, AreHeldAgainstTheTolerance) {
                                                "times what was asked, at elevation 5, azimuth 90, 1000 Hz"));
   table.bound_m[3] = std::numeric_limits<double>::infinity();
   EXPECT_THAT(in_words(bounds_held(table), table), HasSubstr("the widest is inf times"));
-  // Where nothing is and nothing was left open, nothing was asked.
+  // A direction without echo and without open samples does not count.
   table.length_m.assign(4, 0);
   table.bound_m.assign(4, 0);
   EXPECT_EQ(bounds_held(table).over, 0U);
@@ -232,7 +233,7 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
   EXPECT_EQ(run("--frequencies 100kHz -o " + mesh.string()).exit_code, 2);
   EXPECT_EQ(run("-o " + (folder / "x.csv").string()).exit_code, 2);
   EXPECT_EQ(run("--frequencies 1:1e5:1 --azimuths 0:359:0.1 -o " + (folder / "x.csv").string()).exit_code, 2);
-  // Beyond all numbers, and directions that are none.
+  // Numbers out of range, and invalid directions.
   for (const char* wrong :
        {"--frequencies 1e300", "--frequencies 1e-300", "--frequencies 1kHz --sound-speed 1e-300",
         "--frequencies 1kHz --azimuths 1e18", "--frequencies 1kHz --azimuths -400:0:10"}) {
@@ -240,7 +241,7 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
     EXPECT_EQ(outcome.exit_code, 2) << wrong;
     EXPECT_THAT(outcome.err, testing::AnyOf(HasSubstr("wavelength"), HasSubstr("-360 to 360"))) << wrong;
   }
-  // Nothing to see is reported.
+  // A mesh without visible facets is reported.
   const std::filesystem::path line = folder.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
   EXPECT_THAT(
       run_program({"strength", line.string(), "--frequencies", "10kHz", "-o", (folder / "line.csv").string()})
@@ -250,7 +251,7 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
       run("--frequencies 100kHz --elevations 0 --azimuths 0 -o " + (folder / "edge.csv").string()).err,
       HasSubstr("anything of it seen"));
   EXPECT_THAT(good.err, testing::Not(HasSubstr("anything of it seen")));
-  // Certified, the tolerance kept and not.
+  // Certified results that keep the tolerance and that do not.
   const std::string plate = "--frequencies 100kHz --elevations 90 --azimuths 0 --reference ";
   const auto kept = run(plate + "-o " + (folder / "kept.csv").string());
   EXPECT_EQ(kept.exit_code, 0) << kept.err;

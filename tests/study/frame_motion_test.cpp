@@ -14,7 +14,7 @@ namespace {
 
 constexpr double unseen = std::numeric_limits<double>::quiet_NaN();
 
-/// A smooth random scene that can be looked at from anywhere.
+/// A smooth random scene that is defined at all positions.
 class Scenery {
  public:
   explicit Scenery(unsigned seed) : random_(seed) {
@@ -29,7 +29,7 @@ class Scenery {
     for (const auto& [kx, ky, phase] : waves_) sum += std::sin(kx * x + ky * y + phase);
     return sum;
   }
-  /// Seen with the window's corner at (x, y); a triangle of it is hidden.
+  /// The view with the corner of the window at (x, y). A triangle of the view is hidden.
   PixelMap view(double x, double y, double noise = 0) {
     PixelMap map{80, 60, {}};
     std::normal_distribution<double> gauss(0, 1);
@@ -51,7 +51,7 @@ TEST(FrameMotion, FindsWholeAndBrokenShifts) {
     Scenery scenery(seed);
     const PixelMap first = scenery.view(0, 0);
     for (const auto& [x, y] : {std::pair{0.0, 0.0}, {3.0, -2.0}, {-7.0, 5.0}, {2.4, 1.7}, {-0.5, -3.3}}) {
-      // What the window leaves behind moves the other way.
+      // The contents move opposite to the window.
       const FrameShift shift = find_shift(first, scenery.view(x, y), 10);
       EXPECT_NEAR(shift.columns, -x, 0.15) << "seed " << seed;
       EXPECT_NEAR(shift.rows, -y, 0.15) << "seed " << seed;

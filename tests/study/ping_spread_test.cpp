@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Confidence limits of the errors of pings, against samples of which all is known.
+// Compares confidence limits of the errors of pings with samples of known distribution.
 #include "study/ping_spread.hpp"
 
 #include <gtest/gtest.h>
@@ -19,8 +19,8 @@ TEST(ErrorLimit, AlikePingsGetTheLeastMarginAndNoErrorGetsNone) {
   EXPECT_EQ(error_limit(exact, 100, ErrorMeasure::l1), 0);
 }
 
-// Two pings of equal energy with errors of 1 and 3: mean 2, standard error 1, Student's t of one
-// degree 6.3138.
+// Two pings of equal energy with errors of 1 and 3: mean 2, standard error 1, Student's t of one degree
+// 6.3138.
 TEST(ErrorLimit, IsStudentsLimitAndOnePingOfManyTellsNothing) {
   const std::vector<PingError> two{{0.01, 1, 0, 1}, {0.03, 1, 0, 1}};
   EXPECT_NEAR(error_limit(two, 1'000'000'000, ErrorMeasure::l1), 0.02 + 6.3138 * 0.01, 1e-6);

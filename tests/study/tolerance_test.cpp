@@ -44,7 +44,7 @@ TEST(Tolerance, OtherTextIsRefusedWithWhatWasExpected) {
     }
 }
 
-// 0.5 alone would be 50 %, which hardly anybody means.
+// 0.5 alone would be 50 %, which users hardly ever mean.
 TEST(Tolerance, LargeOnesNeedAUnit) {
   for (const char* text : {"0.11", "0.5", "1", "5", "10"}) {
     const std::string said = testing::PrintToString(text);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests work-precision curves: orders of convergence, costs between and beyond trials, the cheapest engine,
+// crossings, and the chart page.
+
 #include "study/work_precision.hpp"
 
 #include <gmock/gmock.h>
@@ -73,7 +76,7 @@ TEST(WorkPrecision, WorkIsTheClocksTheProcessorsOrInstructionsAsRequested) {
   EXPECT_NEAR(cost_of(rays, ErrorMeasure::l1, 0.01, WorkMeasure::instructions)->amount, 4e9 * clock,
               1 * clock);
 
-  // A machine that was busy while the tubes ran: its clock says twice what they took.
+  // The machine was busy while the tubes ran: the clock has twice their processor time.
   std::vector<Trial> all = rays;
   all.push_back(exact(0.02, 0));
   all.back().work.seconds *= 2;
@@ -115,7 +118,7 @@ TEST(WorkPrecision, TheCheapestEngineCounts) {
 
 TEST(WorkPrecision, CrossingIsWhereTheCostsMeet) {
   const auto rays = ladder("rays", 3, -0.5);
-  // 0.09 s buy the rays an error of 0.01.
+  // 0.09 s give the rays an error of 0.01.
   EXPECT_NEAR(crossing_error(std::vector<Trial>{exact(0.09, 1e-10)}, rays, ErrorMeasure::l1), 0.01, 0.0005);
   EXPECT_EQ(crossing_error(std::vector<Trial>{exact(1e-5, 1e-10)}, rays, ErrorMeasure::l1), 1);
   EXPECT_EQ(crossing_error(std::vector<Trial>{exact(0.09, 0.5)}, rays, ErrorMeasure::l1), 0)
@@ -131,7 +134,7 @@ TEST(ChartPage, VerdictsAreRatiosAtTheRequestedErrors) {
   EXPECT_NEAR(*v.ray_over_tube_at_db / (1e-6 * std::pow(60 / 0.1, 2) / 0.01), 1, 1e-9);
   EXPECT_FALSE(v.db_extrapolated);
   EXPECT_NEAR(v.crossing_l1, 0.03, 0.002);
-  Trial unsafe = exact(1e-9, 1e-10);  // cheap, but nobody's choice
+  Trial unsafe = exact(1e-9, 1e-10);  // cheap, but not a valid choice
   unsafe.counts = false;
   trials.push_back(unsafe);
   EXPECT_NEAR(verdict_of("bed", trials).crossing_l1, 0.03, 0.002);

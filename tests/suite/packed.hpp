@@ -12,7 +12,8 @@
 
 #include "fixtures/program.hpp"
 
-// Packs that the program wrote, and what is read of them by means of the tests' own.
+// Runs the program to write benchmark suites, and reads their files with code that is independent of the
+// program.
 namespace tubefoot {
 
 using Json = nlohmann::json;
@@ -32,7 +33,7 @@ inline std::filesystem::path packed(const TestFolder& folder, const std::string&
 
 inline Json json_in(const std::filesystem::path& file) { return Json::parse(bytes_of(file)); }
 
-/// An array of float64, as README.md reads it.
+/// An array of float64, read as README.md describes.
 struct Array {
   std::size_t pings = 0, beams = 0, samples = 0;
   std::vector<double> values;
@@ -91,14 +92,14 @@ inline Mesh mesh_in(const std::filesystem::path& file) {
   return mesh;
 }
 
-/// Debian's Python, or another that has NumPy and netCDF4; empty if there is none.
+/// Returns Debian's Python, or another with NumPy and netCDF4. Returns an empty string if there is none.
 inline std::string python_with_netcdf4() {
   for (const std::string python : {"/usr/bin/python3", "python3"})
     if (std::system((python + " -c 'import netCDF4, numpy' >/dev/null 2>&1").c_str()) == 0) return python;
   return {};
 }
 
-/// Exit code of a shell's command, whose words go to a file.
+/// Exit code of a shell command, whose output goes to a file.
 inline int shell(const std::string& command, const std::filesystem::path& output) {
   const int status = std::system((command + " >'" + output.string() + "' 2>&1").c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;

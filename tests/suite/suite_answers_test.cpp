@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The answers of the benchmark suite against closed forms and integrals of the test's own, and against rays.
+// Compares the answers of the benchmark suite with closed forms, with integrals that the test computes, and
+// with rays.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr double degree = std::numbers::pi / 180;
 
-/// A scene of a pack, with its answer.
+/// A scene of a benchmark suite, with its answer.
 struct Scene {
   Scene(const fs::path& suite, const std::string& name)
       : folder(suite / "scenes" / name),
@@ -125,7 +126,7 @@ TEST(SuiteAnswers, PlatesFallAsSolidAnglesAndAbsorptionDo) {
       const auto triangles = triangles_of(scene, "plate-" + std::to_string(plate) + ".obj");
       const double upper = std::tan(scene.json["beams"]["upper_deg"].get<double>() * degree);
       double range = 0, area = 0;
-      // Of each place, whether it is in the fan: the sonar looks level, north.
+      // The integrand is zero outside of the fan. The sonar looks horizontally north.
       all += over(triangles, 200, [&](glm::dvec3 at, glm::dvec3 normal) {
         const glm::dvec3 way = at - scene.sonar();
         const double r = glm::length(way);
@@ -175,7 +176,7 @@ TEST(SuiteAnswers, BeamsAreAsSceneJsonSaysAndPostsInThem) {
       EXPECT_GT(most / least, 1.9);
     else
       EXPECT_NEAR(most / least, 1, 1e-9) << name;
-    // Energy of each post in beams, against how much of it lies between their borders.
+    // Compares the energy of each post in the beams with its share between their borders.
     std::vector<double> expected(axes.size());
     constexpr int parts = 300;
     for (int post = 0; post < 13; ++post)
@@ -197,7 +198,8 @@ TEST(SuiteAnswers, BeamsAreAsSceneJsonSaysAndPostsInThem) {
     for (std::size_t k = 0; k < axes.size(); ++k)
       moved += std::abs(scene.energy.of_beam(k) / found - expected[k] / all);
     EXPECT_LT(moved, 0.02)
-        << name;  // the sums of each post are of as many parts, whatever its area: all are of one angle
+        // the sum of each post has the same number of parts, for any area: all posts have the same angle
+        << name;
   }
 }
 
@@ -244,7 +246,7 @@ TEST(SuiteAnswers, TwoScatteringsAreThoseOfTwoPlatesAndTheirToleranceHolds) {
   const auto begins =
       static_cast<std::size_t>((scene.json["later_from_m"].get<double>() - scene.first_m()) / scene.step_m());
   EXPECT_NEAR(scene.energy.sum(begins) / later, 1, 0.01);
-  // Half as long patches change less than is reported.
+  // Patches of half the length change the energies by less than the reported error.
   std::string finer = bytes_of(scene.folder / "scene.toml");
   finer.replace(finer.find("patch_m = 0.09375"), 17, "patch_m = 0.03125");
   fs::create_directory(folder / "finer");
@@ -279,7 +281,7 @@ TEST(SuiteAnswers, SideLobesAreThoseOfALine) {
     const double axis = std::sin(scene.json["beams"]["axes_deg"][beam].get<double>() * degree);
     expected[beam] = over(target, 12, [&](glm::dvec3 at, glm::dvec3 normal) {
       const glm::dvec3 way = glm::normalize(at - scene.sonar());
-      if (glm::dot(way, normal) > 0) return 0.0;  // the far side of a box hides
+      if (glm::dot(way, normal) > 0) return 0.0;  // the far side of a box is hidden
       const double x = std::numbers::pi * wavelengths * (way.x - axis);
       return scattered(0.1, scene.sonar(), scene.sonar(), at, normal) *
              (x == 0 ? 1 : std::pow(std::sin(x) / x, 2));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// That every scene of the pack has its aspect, and that its checker names what is wrong, and only that: a
-// fault is planted in one class at a time.
+// Tests that each scene of the benchmark suite covers its aspect. The checker of the suite reports a
+// planted fault of one class at a time, and no other fault.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What an engine that lacks the aspect would compute: the same of an edited scene file. Objects by their
-/// names are left out.
+/// An edit of a scene file that gives the result of an engine without the aspect. The edit removes objects
+/// by name.
 struct Plant {
   std::string scene, pattern, instead;
 };
@@ -53,7 +53,7 @@ const std::vector<Plant>& plants() {
   return all;
 }
 
-/// A pack, and results that are its own answers until something is planted.
+/// A benchmark suite, and results that equal its answers until a fault is planted.
 struct Results {
   explicit Results(const fs::path& of_suite) : suite(of_suite) {
     fs::create_directories(results);
@@ -61,7 +61,7 @@ struct Results {
       if (answer.is_directory())
         fs::copy(answer.path() / "energy.npy", results / (answer.path().filename().string() + ".npy"));
   }
-  /// Changes energies by a factor of sample centre and ping.
+  /// Multiplies energies by a factor of sample centre and ping.
   void change(const std::string& scene, const std::function<double(double range_m)>& factor) const {
     Array array = array_in(suite / "answers" / scene / "energy.npy");
     const Json samples = json_in(suite / "scenes" / scene / "scene.json")["samples"];
@@ -89,7 +89,7 @@ struct Results {
     fs::copy(suite / "answers" / scene / "energy.npy", results / (scene + ".npy"),
              fs::copy_options::overwrite_existing);
   }
-  /// The checker that the pack came with.
+  /// Runs the checker of the suite.
   int check(const std::string& options = {}) const {
     return shell(python + " '" + (suite / "compare.py").string() + "' '" + suite.string() + "' '" +
                      results.string() + "' --json " + options,
@@ -127,8 +127,8 @@ void expect_every_plant_named(const fs::path& suite) {
   }
 }
 
-/// The checksums in the source are those of what the program writes. Of the whole debug set, a minute of
-/// work, so all else that needs all of it is here, too.
+/// The checksums in the source are those of the files that the program writes. The whole debug set takes a
+/// minute. All other tests that need the whole set are thus here, too.
 TEST(SuiteAspects, OfTheDebugSetAreWhatItsPublishedSumsSay) {
   const TestFolder folder;
   const fs::path suite = packed(folder, "debug", {});
@@ -173,8 +173,8 @@ TEST(SuiteAspects, ALawOfRangeIsNamedOnceAndTakenOffTheOthers) {
   ASSERT_EQ(results.check(), 3);
   EXPECT_THAT(results.wrong(), ElementsAre("range-law"));
   ASSERT_EQ(results.check("--relative"), 0) << results.said();
-  // Another law of grazing: sin instead of sin^2 is one power of range on a flat seabed, and nothing on
-  // plates square to the sonar.
+  // Another grazing law: sin instead of sin^2 is one power of range on a flat seabed. It has no effect on
+  // plates perpendicular to the line of sight.
   everywhere([](double) { return 1.0; });
   for (const std::string scene : {"grazing", "large-flat"}) results.change(scene, [](double r) { return r; });
   ASSERT_EQ(results.check(), 3);
@@ -213,7 +213,7 @@ TEST(SuiteAspects, ResultsThatCannotBeComparedAreNamed) {
   fs::remove(results.results / "range-law.npy");
   EXPECT_EQ(results.check(), 2);
   EXPECT_THAT(results.said(), HasSubstr("has no result of any scene"));
-  // Pack v1: figures, no verdicts.
+  // Suite v1: figures, no verdicts.
   const std::string v1 = (reference_folder() / "v1").string();
   EXPECT_EQ(
       shell(results.python + " '" + (suite / "compare.py").string() + "' " + v1 + " " + v1, folder / "said"),

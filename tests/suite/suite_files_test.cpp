@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The files of the benchmark suite: same seed, same bytes; what is in them; what is refused.
+// Tests the files of the benchmark suite: the same seed gives the same bytes, the contents are complete,
+// and invalid requests are rejected.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Bytes of all files below, by name; those that a run's own name or version are in left out.
+/// Bytes of all files below a folder, by name, except for files with the name or version of a run.
 std::map<std::string, std::string> contents(const fs::path& folder, const std::string& below = {}) {
   std::map<std::string, std::string> all;
   for (const std::string& name : names_below(folder / below))
@@ -53,7 +54,7 @@ TEST(Draw, IsOfItsWordAndScene) {
   EXPECT_EQ(first("word", "a"), first("word", "a"));
   EXPECT_NE(first("word", "a"), first("word", "b"));
   EXPECT_NE(first("word", "a"), first("ward", "a"));
-  EXPECT_NE(first("word a", "b"), first("word", "a b"));  // no two run into each other
+  EXPECT_NE(first("word a", "b"), first("word", "a b"));  // two words are never merged
   EXPECT_NE(first("", "a"), Draw({}, "a").number());
 }
 
@@ -110,7 +111,7 @@ TEST(Suite, OfAnotherSeedHasOtherScenes) {
   std::size_t scenes = 0;
   for (const fs::directory_entry& scene : fs::directory_iterator(one / "scenes")) {
     const std::string name = "scenes/" + scene.path().filename().string();
-    // Some scenes differ in their meshes only, or in their files only.
+    // Some scenes differ only in their meshes, or only in their files.
     EXPECT_NE(contents(one, name), contents(other, name)) << name;
     EXPECT_NE(contents(one, name), contents(debug, name)) << name;
     ++scenes;
@@ -189,7 +190,7 @@ TEST(Suite, LeavesNothingWhereTheDiskIsFull) {
   EXPECT_TRUE(names_below(folder.path()).empty());
 }
 
-// README.md of the pack: the readers in it, and what it says of scenes.
+// Runs the readers in README.md of the suite, and checks its description of scenes.
 TEST(SuiteReadme, ReadersRun) {
   const std::string python = python_with_netcdf4();
   if (python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";

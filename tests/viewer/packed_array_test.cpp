@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a page holds of its numbers: unpacked as data.js does, all of them, as close as is said.
+// Tests the packed numbers of a viewer page. Unpacking by the method of data.js gives all numbers with the
+// stated accuracy.
 #include "viewer/packed_array.hpp"
 
 #include <gmock/gmock.h>

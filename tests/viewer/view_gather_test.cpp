@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a page of the viewer holds: the terms of every sample, nothing lost and nothing made up; shadows where
-// there are shadows.
+// Tests the data of a viewer page: the terms of each sample are complete and correct, and shadows are at
+// their positions.
 #include "viewer/view_gather.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ namespace {
 
 constexpr double most_bytes_a_footprint = 140;
 
-/// A box on a rough seabed that reaches beyond the range samples on both sides.
+/// A box on a rough seabed that extends beyond the range samples on both sides.
 std::string rough_scene(const std::string& material, const std::string& sensor) {
   return lambert_material("sand", -27) + material + "\n" + lambert_material("steel", -8) +
          rough_terrain(40, 60, 0.5, "material = \"sand\"\nrms_height_m = 0.05\n") + box_ahead(5) +
@@ -70,7 +70,7 @@ struct Case {
   std::string name, material, sensor, run;
 };
 
-/// As `tubefoot view` gathers it.
+/// Gathers the data as `tubefoot view` does.
 ViewData view_of(const Survey& survey, std::size_t sensor, const std::optional<PingRange>& pings,
                  const ViewLimits& limits = {}) {
   return gather_view(Transmissions(survey, request_of(survey.scene.description.run)), sensor, pings, true,
@@ -107,7 +107,7 @@ TEST_P(Links, AddUpToTheEchoOfARun) {
     sum.at(link.cell) += link.energy_j;
     of_footprint.at(link.footprint) += link.energy_j;
   }
-  // Between two apexes integrals are kept to 1e-10, of each part: here of each tube's, there of a facet's.
+  // For two apexes each integral has a tolerance of 1e-10: of a tube in one case, of a facet in the other.
   const double error = view.separate_receiver ? 1e-7 : 1e-12;
   double total = 0, left_out = 0;
   for (std::size_t cell = 0; cell < sum.size(); ++cell) {
@@ -157,13 +157,13 @@ TEST_P(Links, LeadFromEveryFootprintInReachToSamplesThatItMeets) {
     }
   }
   EXPECT_GT(in_reach, 20u);
-  // Else the first of these two expectations is empty.
+  // Otherwise the first of these two expectations is empty.
   if (view.kind == "didson") {
     EXPECT_GT(beyond, 0u);
   }
 }
 
-/// All terms, however small, with patterns too.
+/// All terms of any size, with patterns too.
 TEST_P(Links, LoseNothingIfNothingIsLeftOut) {
   if (survey->sensors[0].sensor->has_separate_receiver()) GTEST_SKIP() << "told by facets, not by footprints";
   const Transmissions transmissions(*survey, request_of(survey->scene.description.run));
@@ -201,14 +201,14 @@ TEST(ViewedPings, AreAsManyAsFit) {
   EXPECT_EQ(line.pings.size(), 5u);
   EXPECT_EQ(line.layout, PictureLayout::waterfall);
   EXPECT_TRUE(line.notes.empty());
-  // As many as the limit lets in, with a word about the rest.
+  // As many footprints as the limit permits, with a message about the rest.
   ViewLimits limits;
   limits.footprints_unasked = line.footprints.size() / 2;
   const ViewData part = view_of(*lines, 0, {}, limits);
   EXPECT_LT(part.pings.size(), 5u);
   EXPECT_GE(part.footprints.size(), limits.footprints_unasked);
   EXPECT_THAT(part.notes, testing::Contains(testing::HasSubstr("of 5: tubefoot view --pings A:B")));
-  // A page that would hold too much says how much it holds.
+  // A page with too much data reports the amount.
   limits.footprints = line.footprints.size() - 1;
   try {
     view_of(*lines, 0, PingRange{0, 4}, limits);
@@ -243,7 +243,7 @@ window_length_m = 20
 )";
 }
 
-/// How many of a list's polygons hold a place of the seabed, seen from above.
+/// Number of polygons of a list that contain a point of the seabed in plan view.
 int holding(const ViewPolygons& polygons, double x, double y) {
   int count = 0;
   std::size_t corner = 0;
@@ -272,17 +272,17 @@ TEST(ViewedShadows, LieBehindWhatHides) {
   const auto survey = open_survey(read_scene_file(folder.write("cube.toml", flat_scene(true))));
   const ViewData view = view_of(*survey, 0, {});
   EXPECT_EQ(view.pings[0].shadows, view.shadows.corners_of.size());
-  // The cube's far upper edge, 5.5 m ahead and 1 m lower than the sonar, throws its shadow to 11 m.
+  // The far upper edge of the cube, 5.5 m ahead and 1 m lower than the sonar, casts its shadow to 11 m.
   EXPECT_GT(holding(view.shadows, 0.013, 10.9), 0);
   EXPECT_EQ(holding(view.shapes, 0.013, 10.9), 0);
   EXPECT_GT(holding(view.shapes, 0.013, 11.1), 0);
   EXPECT_GT(holding(view.shapes, 0.013, 4.4), 0);
-  // A place in the tubes is either shown as footprint or covered by a shadow.
+  // A point in the tubes is either part of a footprint or covered by a shadow.
   for (double y = 4; y < 14; y += 0.0917)
     EXPECT_GT(holding(view.shapes, 0.013, y) + holding(view.shadows, 0.013, y), 0) << y;
 }
 
-/// Both ends see the seabed but for what the cube hides from either.
+/// Both ends see the seabed except for the parts that the cube hides from either.
 TEST(ViewedShadows, AreThoseOfBothEndsWhereTheReceiverIsApart) {
   const TestFolder folder;
   const auto survey = open_survey(
@@ -316,7 +316,7 @@ TEST(ViewedShadows, AreThoseOfBothEndsWhereTheReceiverIsApart) {
     }
   EXPECT_GT(seen, 10u);
   EXPECT_GT(hidden, 5u);
-  // Every footprint leads to the tubes of its two ends.
+  // Each footprint refers to the tubes of its two ends.
   for (const ViewFootprint& f : view.footprints) {
     EXPECT_EQ(std::round(view.tubes.at(f.drawn_tube).apex_m.x), 0);
     EXPECT_EQ(std::round(view.tubes.at(f.drawn_receive_tube).apex_m.x), 3);
@@ -324,7 +324,7 @@ TEST(ViewedShadows, AreThoseOfBothEndsWhereTheReceiverIsApart) {
   }
 }
 
-/// What pings share is there once: the next ping costs its own footprints and samples.
+/// Pings store common data once: the next ping adds only its own footprints and samples.
 TEST(ViewedPages, GrowByTheFootprintsOfAPingOnly) {
   const TestFolder folder;
   const auto survey = open_survey(read_scene_file(folder.write("scene.toml", rough_scene("", camera))));
@@ -336,7 +336,7 @@ TEST(ViewedPages, GrowByTheFootprintsOfAPingOnly) {
   EXPECT_LT(static_cast<double>(both), 1.7 * static_cast<double>(first));
 }
 
-/// A camera in cycles on a carrier at 1 m/s.
+/// A camera with firing cycles on a carrier at 1 m/s.
 TEST(ViewedPings, SayWhyTheirCyclesDiffer) {
   const TestFolder folder;
   const std::string cycles = camera + "cycles = 3\ncycle_interval_s = 0.05\n";

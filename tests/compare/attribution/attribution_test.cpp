@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// compare --attribute from outside: planted errors are named by whose they are, and shares add up.
+// Tests `compare --attribute`: it attributes planted errors to the correct objects and kinds of range bins,
+// and the shares add up.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +21,7 @@ using testing::HasSubstr;
 using Json = nlohmann::json;
 using Words = std::vector<std::string>;
 
-/// Two spheres on a seabed, seen by a sonar with a window within the seabed.
+/// Two spheres on a seabed, seen by a sonar with a range gate within the seabed.
 const std::string two_balls = still_water() + lambert_material("sand", -18) + lambert_material("steel", -8) +
                               lambert_material("rubber", -12) +
                               flat_terrain(40, 40, "name = \"bed\"\nmaterial = \"sand\"\n") + R"([[objects]]
@@ -81,7 +82,7 @@ struct Attribute : testing::Test {
     }
     return all;
   }
-  /// The reference with every energy put through `change`(beam, sample, energy).
+  /// Writes the reference with each energy changed by `change`(beam, sample, energy).
   void write_changed(const std::function<double(std::size_t, std::size_t, double)>& change) const {
     const Echoes truth = read_echoes(folder / "reference/echoes.nc");
     ForeignGroup group;
@@ -133,8 +134,8 @@ TEST_F(Attribute, AMissingShadowIsTheCastersAndOfItsKind) {
 }
 
 TEST_F(Attribute, RaysOfOneColumnAreWrongAtSilhouettesAndShadows) {
-  // A slab's face is flat: in the middle of a beam one column sees what all of it does, at its sides it does
-  // not. (Of a sphere the face is the larger error, as it bends within a beam.)
+  // The face of a slab is flat. In the middle of a beam one column sees the same as the whole beam, but not
+  // at the sides. (The face of a sphere has the larger error, because it curves within a beam.)
   std::string slab = two_balls;
   slab.erase(slab.find("[[objects]]"), slab.find("[trajectory]") - slab.find("[[objects]]"));
   folder.write("scene.toml", slab +
@@ -149,7 +150,7 @@ TEST_F(Attribute, RaysOfOneColumnAreWrongAtSilhouettesAndShadows) {
 
 TEST_F(Attribute, BandsAreThoseThatWereChanged) {
   write_changed([](std::size_t beam, std::size_t sample, double energy) {
-    return energy * (beam < 5 && sample >= 120 ? 1.1 : 1.0);  // free seabed
+    return energy * (beam < 5 && sample >= 120 ? 1.1 : 1.0);  // unobstructed seabed
   });
   const Json all = attribution("changed.nc");
   for (std::size_t band = 0; band < 6; ++band) EXPECT_EQ(all["ranges"][band]["share_of_error"], 0) << band;

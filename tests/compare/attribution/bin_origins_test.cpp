@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Kinds of bins of a wall on a plane, where all edges have closed forms; and whose energies are.
+// Tests the kinds of the range bins of a wall on a plane, where all edges have closed forms, and the
+// attribution of their energies.
 #include "compare/attribution/bin_origins.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +18,7 @@ namespace {
 constexpr double height_m = 3, front_m = 6, rear_m = 6.2, top_m = 1, first_m = 5, step_m = 0.05;
 constexpr std::size_t samples = 280, beams = 5;
 
-/// A sonar over a plane, looking ahead from 30.3 to 10.3 degrees down at a wall across all beams.
+/// A sonar over a plane. It looks ahead from 30.3 to 10.3 degrees downwards at a wall across all beams.
 std::string scene_text(const std::string& more = {}) {
   return still_water() + lambert_material("sand", -20) + lambert_material("steel", -10) +
          flat_terrain(60, 60, "name = \"bed\"\nmaterial = \"sand\"\n") +
@@ -43,7 +44,7 @@ struct Found {
     TransmissionsAround around(transmissions);
     origins = bin_origins(transmissions, around, 0, 0);
   }
-  /// In the middle beam.
+  /// The kind of a bin of the middle beam.
   BinKind at(double range_m) const {
     return origins.kind[beams / 2 * samples + static_cast<std::size_t>((range_m - first_m) / step_m)];
   }
@@ -58,15 +59,15 @@ TEST(BinOrigins, KindsAreWhereTheEdgesLie) {
   EXPECT_EQ(found.at(height_m / std::sin(30.3 * M_PI / 180)), BinKind::near_edge);
   EXPECT_EQ(found.at(6.2), BinKind::interior);  // the seabed before the wall
   EXPECT_EQ(found.at(range_of(front_m, height_m - top_m)),
-            BinKind::facet_edge);  // the wall's upper front edge
+            BinKind::facet_edge);  // the upper front edge of the wall
   EXPECT_EQ(found.at(range_of(rear_m, height_m - top_m)), BinKind::silhouette);
-  EXPECT_EQ(found.at(range_of(front_m, height_m)), BinKind::facet_edge);  // where it stands
+  EXPECT_EQ(found.at(range_of(front_m, height_m)), BinKind::facet_edge);  // foot of the wall
   EXPECT_EQ(found.at(8), BinKind::shadow);
   EXPECT_EQ(found.at(shadow_end - step_m), BinKind::shadow);
   EXPECT_EQ(found.at(shadow_end), BinKind::shadow_edge);
   EXPECT_EQ(found.at(14), BinKind::interior);
   EXPECT_EQ(found.at(height_m / std::sin(10.3 * M_PI / 180)), BinKind::far_edge);
-  EXPECT_EQ(found.at(18.5), BinKind::shadow);  // nothing more, behind what is seen
+  EXPECT_EQ(found.at(18.5), BinKind::shadow);  // no more energy behind the visible part
 }
 
 TEST(BinOrigins, TheWindowCutsAtTheFirstAndTheLastSample) {
@@ -89,7 +90,7 @@ TEST(BinOrigins, PartsAreTheEchoAndLieWhereTheirObjectsDo) {
     before = part.bin;
     sum.at(part.bin) += part.energy_j;
     const double range_m = first_m + step_m * (double(part.bin % samples) + 0.5);
-    EXPECT_EQ(part.object, part.material);  // sand the seabed, steel the wall
+    EXPECT_EQ(part.object, part.material);  // the seabed is of sand, the wall of steel
     if (part.object == 1) {
       EXPECT_GT(range_m, range_of(front_m, height_m - top_m) - step_m);
       EXPECT_LT(range_m, range_of(front_m, height_m) + step_m);
@@ -100,7 +101,7 @@ TEST(BinOrigins, PartsAreTheEchoAndLieWhereTheirObjectsDo) {
 }
 
 TEST(BinOrigins, ASeparateReceiverHasItsOwnEdges) {
-  // The same wall from half a metre higher up casts a shorter shadow.
+  // The same wall seen from half a metre higher casts a shorter shadow.
   const Found found(scene_text("receiver_arm_m = [0, 0, 0.5]\n"));
   const double seen_from = rear_m * (height_m + 0.5) / (height_m + 0.5 - top_m),
                ahead = std::max(seen_from, rear_m * height_m / (height_m - top_m));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Errors of bins that several share: nothing is lost, and what is wrong alone is found alone.
+// Tests the division of errors of shared bins. No error is lost, and an error of one owner is attributed to
+// this owner alone.
 #include "compare/attribution/error_split.hpp"
 
 #include <gtest/gtest.h>
@@ -54,7 +55,8 @@ TEST(ErrorSplit, AddsUpToTheWholeWhateverTheBins) {
 }
 
 TEST(ErrorSplit, FindsTheOneThatIsWrongInBinsOfSeveral) {
-  // Owner 1 is 50 % too strong, the others are right: of every shared bin half of 1's share is the error.
+  // Owner 1 is 50 % too strong, and the others are correct. In each shared bin the error is half of the
+  // share of owner 1.
   std::mt19937 random(5);
   std::uniform_real_distribution<double> within(0, 1);
   ErrorSplit split(groups);

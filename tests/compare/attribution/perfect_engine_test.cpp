@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a perfect engine of few rays has of an error: the forecast holds for engines that draw them.
+// Tests the forecast of the error of a perfect engine with few rays. The comparison is engines that draw
+// random rays.
 #include "compare/attribution/perfect_engine.hpp"
 
 #include <fmt/format.h>
@@ -71,7 +72,7 @@ TEST(PerfectEngine, PoissonsMomentsAreTheirSums) {
     EXPECT_NEAR(poisson_mean_deviation(mean) / deviation, 1, 1e-9) << mean;
     EXPECT_NEAR(poisson_square_db(mean) / square, 1, 1e-9) << mean;
   }
-  // Many: a normal law.
+  // Many rays: a normal distribution.
   EXPECT_NEAR(poisson_mean_deviation(1e6) / (std::sqrt(2 / M_PI) * 1e-3), 1, 1e-5);
   EXPECT_NEAR(poisson_square_db(1001) / poisson_square_db(999), 999.0 / 1001, 2e-3);
   EXPECT_EQ(poisson_mean_deviation(0), 0);
@@ -147,7 +148,8 @@ TEST(PerfectEngine, CutTubesAreTheTubeAndTheirColumnsAreStacks) {
   }
   for (std::size_t tube = 0; tube < set.tubes.size(); ++tube)
     EXPECT_NEAR(solid_angle[tube] / RayPatch(set, set.tubes[tube]).solid_angle(0, 1, 0, 1), 1, 1e-6) << tube;
-  // Columns of the first beam: stacks of three parts that share their walls; of the other one part each.
+  // Columns of the first beam are stacks of three parts that share their walls. Those of the other beam
+  // have one part each.
   EXPECT_EQ(columns.size(), 8U);
   for (const auto& [column, parts] : columns) {
     EXPECT_EQ(parts.size(), beams[cut.whole[parts[0]]] == 0 ? 3U : 1U);

@@ -10,21 +10,22 @@
 
 #include "compare/measures/echo_errors.hpp"
 
-// A sonar over a plane with two spheres and a wall in closed form, by rays, with any mistake planted in it.
+// Simulates a sonar over a plane with two spheres and a wall, in closed form by rays, with any faults of an
+// engine.
 namespace tubefoot {
 
-/// What is wrong with an engine. Angles in degrees.
+/// Faults of an engine. Angles are in degrees.
 struct Mistakes {
   double beam_shift = 0, sample_shift = 0;  ///< towards larger numbers
   bool mirror = false, halves_swapped = false;
-  double azimuth_scale = 0, range_scale = 0;  ///< how much too large
+  double azimuth_scale = 0, range_scale = 0;  ///< relative excess
   int tangent_views = 0;
-  double scallop_samples = 0;  ///< depth of the near edge's three arcs
-  bool near_clipping = false;  ///< what is nearer than the window casts no shadow
-  double cut_m = 0;            ///< nothing nearer than this
+  double scallop_samples = 0;  ///< depth of the three arcs of the near edge
+  bool near_clipping = false;  ///< objects nearer than the range gate cast no shadow
+  double cut_m = 0;            ///< no echo from shorter ranges
   double law = 0, gain = 1;    ///< energies times r^law and gain
-  bool no_shadow = false;      ///< the seabed is seen through the objects
-  double noise = 0;            ///< deviation over the mean echo, clipped at 0
+  bool no_shadow = false;      ///< the seabed is visible through the objects
+  double noise = 0;            ///< deviation relative to the mean echo, clipped at 0
   double speckle = 0;          ///< relative deviation of single bins
   double blur = 0;             ///< variance, bins^2
   int bits = 0;                ///< of amplitude
@@ -46,7 +47,7 @@ class PlantedFan {
 
   EchoShape shape() const { return {1, beams, samples}; }
 
-  /// By rays in columns and rows of each beam, stratified.
+  /// Computes the energies by stratified rays in columns and rows of each beam.
   std::vector<double> picture(const Mistakes& mistakes, int columns, int rows, unsigned seed) const {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> within(0, 1);
@@ -66,7 +67,7 @@ class PlantedFan {
  private:
   static constexpr double radians = M_PI / 180, height_m = 3, low_deg = -32, high_deg = -8;
 
-  /// The direction that an engine looks into for what it shows at a nominal azimuth.
+  /// Returns the true direction of the energy that an engine shows at a nominal azimuth.
   static double azimuth_of(const Mistakes& m, double nominal_deg) {
     double azimuth = nominal_deg;
     const double half = beams * beam_deg / 2;
@@ -125,7 +126,7 @@ class PlantedFan {
                      (0.2 + 0.06 * std::sin(1.9 * x + 0.7 * y) + 0.05 * std::sin(1.1 * x - 2.3 * y)) * -d[2]};
     Hit object = std::min({sphere(d, {-2.2, 7, 0.6}, 0.6, 1), sphere(d, {1.0, 8.6, 0.5}, 0.45, 0.8), wall(d)},
                           [](const Hit& a, const Hit& b) { return a.range_m < b.range_m; });
-    // A rod's end before the window: it is never seen, but its shadow is.
+    // The end of a rod before the range gate: it is never visible, but its shadow is.
     const bool behind_rod = std::isfinite(sphere(d, {0.75, 2.4, 1.95}, 0.2, 1).range_m);
     if (behind_rod && !m.near_clipping) return;
     if (object.range_m < seabed.range_m) {
@@ -145,7 +146,7 @@ class PlantedFan {
         weight * hit.strength / (r * r) * (m.law == 0 ? 1 : std::pow(r, m.law)) * m.gain;
   }
 
-  /// What comes after the rays: speckle, blur, noise, bits.
+  /// Applies the receiver effects after the rays: speckle, blur, noise, bits.
   static std::vector<double> received(const Mistakes& m, std::vector<double> energy, std::mt19937& random) {
     std::normal_distribution<double> normal(0, 1);
     if (m.speckle > 0)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Mistakes planted in an engine of rays are named, alone and two together, with their sizes; a clean engine
-// is left in peace. docs/compare.md has the table of what is planted here.
+// Tests the diagnosis of faults that are planted in a ray engine, alone and in pairs, with their sizes. A
+// faultless engine has no findings. docs/compare.md has the table of the planted faults.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace tubefoot {
 namespace {
 
-// Of the pairs, how many may hide one of the two, and how many may have a finding too many.
+// Number of pairs that may hide one of the two faults, and number that may have an additional finding.
 constexpr std::size_t allowed_missed = 0, allowed_more = 3;
 
 const PlantedFan& fan() {
@@ -73,7 +73,7 @@ TEST_P(Alone, IsNamedWithItsSizeAndNothingElseIs) {
   std::vector<std::string> others;
   for (const Finding& finding : diagnosis.findings) {
     RecordProperty(finding.fault, finding.words);
-    // Another law of range is another level, too, at the middle range.
+    // Another range law also changes the level at the middle range.
     if (finding.fault != GetParam().fault && !(finding.fault == "level" && mistakes.law != 0))
       others.push_back(finding.fault);
     if (finding.fault != GetParam().fault || GetParam().within == 0) continue;
@@ -98,7 +98,7 @@ TEST(Pairs, AreNamedBoth) {
       a.plant(of_a);
       b.plant(of_b);
       const std::string one = a.fault, other = b.fault;
-      // Of each kind one, but a cut takes the scalloped edge away.
+      // There is one fault of each kind, but a cut removes the scalloped edge.
       const auto is_another = [](const std::string& fault, const Mistakes& m) {
         return fault == "sample-shift" || fault == "level" || m.tangent_views == 2;
       };
@@ -171,8 +171,8 @@ TEST(CleanEngine, SpeckleIsToldFromSamplingByAnIdeal) {
   EXPECT_FALSE(diagnosis_of(fan().picture({}, 4, 600, 1), ideal).has("speckle"));
 }
 
-/// As a renderer has it: rows even, what is faint left out, what is bright clamped, 8 bits. The faintest
-/// value is then many steps, and an even seabed is equal to the last bit.
+/// Converts energies as a renderer does: uniform rows, faint values removed, bright values clamped, 8 bits.
+/// The faintest value then has many steps, and a uniform seabed is equal to the last bit.
 std::vector<double> rendered(std::vector<double> energy_j, double bits) {
   std::vector<double> lit;
   for (std::size_t k = 0; k < energy_j.size(); ++k) {
@@ -219,7 +219,7 @@ TEST(Diagnosis, ASilentCandidateOrReferenceIsNoProblem) {
 }
 
 TEST(Diagnosis, TwoBeamsAreSwapped) {
-  // A sidescan: pings of two beams, each a profile of its own that changes along the track.
+  // A sidescan: pings of two beams, each with its own profile that changes along the track.
   constexpr std::size_t pings = 40, samples = 120;
   std::vector<double> truth, swapped;
   std::vector<double> ranges;

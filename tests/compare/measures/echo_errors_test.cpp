@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The error measures against figures worked out by hand from docs/compare.md, and the laws they keep.
+// Compares the error measures with figures that were worked out by hand from docs/compare.md, and tests
+// their laws.
 #include "compare/measures/echo_errors.hpp"
 
 #include <gmock/gmock.h>
@@ -18,7 +19,7 @@ using testing::Optional;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Owns what a pair looks at; samples are 0.5 m apart from 2 m on.
+/// Owns the data of a pair. Samples are 0.5 m apart from 2 m on.
 struct Case {
   EchoShape shape;
   std::vector<double> reference, candidate, bound = {}, ranges = {};
@@ -31,7 +32,7 @@ struct Case {
 };
 
 TEST(EchoErrors, FourBinsWorkedOutByHand) {
-  // The mean of the energies above 0 is (4 + 2 + 0.001) / 3 = 2.000333, so the third bin is not lit.
+  // The mean of the energies above 0 is (4 + 2 + 0.001) / 3 = 2.000333, so that the third bin is not lit.
   Case four{{1, 1, 4}, {4, 2, 0.001, 0}, {2, 0, 5, 1}};
   const EchoErrors errors = four.errors();
   EXPECT_DOUBLE_EQ(errors.reference_total_j, 6.001);
@@ -65,7 +66,7 @@ TEST(EchoErrors, LitIsAboveAThousandthOfTheMeanOverBinsWithEcho) {
   EXPECT_DOUBLE_EQ(lit_threshold(std::vector<double>{0, 3, 0, 1, 0, 0}), 2e-3);
   EXPECT_EQ(lit_threshold(std::vector<double>{0, 0}), 0);
   EXPECT_EQ(lit_threshold({}), 0);
-  // Exactly at the threshold is not lit: half of these bins hold 1, the others t = 1e-3 (1 + t) / 2.
+  // A bin exactly at the threshold is not lit: half of these bins have 1, the others t = 1e-3 (1 + t) / 2.
   const double t = 1e-3 / (2 - 1e-3);
   for (const double weak : {t * (1 - 1e-9), t * (1 + 1e-9)}) {
     Case pair{{1, 1, 2}, {1, weak}, {1, weak}};
@@ -115,9 +116,9 @@ TEST(EchoErrors, FirstReturnIsTheFirstLitSample) {
 }
 
 TEST(EchoErrors, FirstReturnDifferencesHaveSignPlaceAndCounts) {
-  // Two pings of three beams with four samples: the first lit samples are
-  //   reference  1 0 -   3 - 2
-  //   candidate  3 0 1   2 - -
+  // Two pings of three beams with four samples. The first lit samples are
+  // reference  1 0 -   3 - 2
+  // candidate  3 0 1   2 - -
   Case pair{{2, 3, 4},
             {0, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0},
             {0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0}};
@@ -140,7 +141,7 @@ TEST(EchoErrors, FirstReturnDifferencesHaveSignPlaceAndCounts) {
 
 TEST(EchoErrors, BoundExplainsWhatItReaches) {
   // Differences 0.5, 3, 0, 0.25 against bounds 1, 1, 1, 0: explained 0.5 + 1 + 0 + 0 of 3.75. The last bin
-  // has echo on neither side and is no bin to hold.
+  // has no echo on either side and does not count.
   Case pair{{1, 1, 5}, {4, 4, 2, 0, 0}, {4.5, 1, 2, 0.25, 0}, {1, 1, 1, 0, 0}};
   const auto within = pair.errors().within_bound;
   ASSERT_TRUE(within);
@@ -248,7 +249,8 @@ TEST_P(EchoErrorLaws, CountsAddUpAndSharesAreShares) {
   EXPECT_NEAR(shares, 1, 1e-12);
   EXPECT_GT(errors.within_bound->share_of_difference, 0);
   EXPECT_LT(errors.within_bound->share_of_difference, 1);
-  // A candidate moved by exactly the bound is explained whole; by twice the bound, half of it.
+  // For a candidate that is moved by exactly the bound, the bound explains the whole error. For twice the
+  // bound it explains half.
   for (const double times : {1.0, 2.0}) {
     for (std::size_t k = 0; k < 600; ++k) {
       pair.bound[k] = std::ldexp(pair.reference[k], -10);  // sums without rounding

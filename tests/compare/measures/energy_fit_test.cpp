@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Gain, law of range and offset that were put on are found again, with error bars that hold.
+// Tests that the fit recovers the applied gain, range law and offset, with error bars that contain the true
+// values.
 #include "compare/measures/energy_fit.hpp"
 
 #include <gmock/gmock.h>

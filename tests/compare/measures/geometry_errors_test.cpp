@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Noise floors, frames, and what is seen whatever its energy.
+// Tests noise floors, averaged frames, and geometry errors: first returns and masks, which do not depend on
+// the unit of energy.
 #include "compare/measures/geometry_errors.hpp"
 
 #include <gmock/gmock.h>
@@ -47,7 +48,7 @@ TEST(NoiseFloor, OfNoiseClippedAtZero) {
   Step step;
   step.add_noise(0.1, 1);
   const NoiseFloor floor = step.errors().floor;
-  // Half of a normal law: mean sigma / sqrt(2 pi), mean square sigma^2 / 2.
+  // Half of a normal distribution: mean sigma / sqrt(2 pi), mean square sigma^2 / 2.
   const double mean = 0.1 / std::sqrt(2 * M_PI), deviation = 0.1 * std::sqrt(0.5 - 0.5 / M_PI);
   EXPECT_NEAR(floor.mean_j, mean, 4 * floor.mean_error_j);
   EXPECT_NEAR(floor.mean_error_j, deviation / std::sqrt(double(floor.bins)), 0.4 * floor.mean_error_j);
@@ -69,7 +70,7 @@ TEST(NoiseFloor, AnObjectWithoutShadowIsNoNoise) {
 TEST(GeometryErrors, OneNoisyBinIsNoFirstReturn) {
   Step step;
   step.add_noise(0.01, 2);
-  step.candidate[5 * 60 + 2] = 7;  // far above anything
+  step.candidate[5 * 60 + 2] = 7;  // far above all others
   const GeometryErrors errors = step.errors();
   EXPECT_EQ(errors.first_return.in_both, 40u);
   EXPECT_EQ(errors.first_return.mean_absolute_samples, 0);

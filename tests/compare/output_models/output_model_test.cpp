@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Steps of output models against their formulas, and their bounds against every truth within them.
+// Compares the steps of output models with their formulas, and their bounds with all true values within the
+// input bounds.
 #include "compare/output_models/output_model.hpp"
 
 #include <gmock/gmock.h>
@@ -96,7 +97,7 @@ TEST(OutputModelSteps, MeanAndCountAreOfSolidAngles) {
 }
 
 TEST(OutputModelSteps, AMeanLeavesSliversEmptyIfRequested) {
-  // Five beams, two samples; the rows' medians are 2 and (of four that see something) 2.
+  // Five beams, two samples. The medians of the rows are 2 and 2, the second of the four beams with energy.
   BoundedPicture picture{{1, 5, 2}, {8, 1, 9, 2, 6, 3, 2, 0, 4, 5}, std::vector<double>(10), {}, {}, {}};
   picture.solid_angle_sr = {4, 0.5, 3, 2, 2, 1.25, 0.9, 0, 1, 4};
   picture.solid_angle_bound_sr.assign(10, 0);
@@ -104,13 +105,13 @@ TEST(OutputModelSteps, AMeanLeavesSliversEmptyIfRequested) {
   EXPECT_THAT(mean.value, ElementsAre(2, 0, 3, 1, 3, 2.4, 0, 0, 4, 1.25)) << "less than a half of 2";
   EXPECT_EQ(mean.bound[6], 0) << "certainly";
   EXPECT_THAT(after({{}, MeanStep{}}, picture).value[1], 2) << "if asked";
-  picture.solid_angle_bound_sr[6] = 0.2;  // it may be 1.1, and the median as much more
+  picture.solid_angle_bound_sr[6] = 0.2;  // its value may be 1.1, and the median may grow accordingly
   EXPECT_DOUBLE_EQ(after({{}, MeanStep{0.5}}, picture).bound[6], 2 / 0.7) << "or the whole mean";
   picture.solid_angle_sr[6] = 1.05;
   EXPECT_DOUBLE_EQ(after({{}, MeanStep{0.5}}, picture).bound[6], 2 / 1.05) << "or nothing";
 }
 
-/// Every truth within the bounds stays within them, through chains of all steps.
+/// Chains of all steps keep each true value within its bounds.
 TEST(OutputModelBounds, HoldEveryTruthThroughAnyChain) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> part(0, 1);

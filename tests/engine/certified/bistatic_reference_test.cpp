@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// References of two ends through refracting water: against closed forms of one gradient integrated apart, the
-// reference of one apex, straight references, exchange, and every enclosure of a facet against single rays.
+// Tests certified references of a separate transmitter and receiver in stratified water. The comparisons
+// are closed forms of one gradient, the monostatic reference, straight references, reciprocity, and single
+// rays for each facet enclosure.
 #include "engine/certified/bistatic_reference.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@ namespace {
 
 using namespace test;
 
-/// Two ends over a flat seabed, and what stands on it.
+/// Transmitter and receiver over a flat seabed with optional objects.
 struct Bistatic {
   const GradientSeabed& site;
   const WaterColumn& water;
@@ -69,8 +70,8 @@ struct Bistatic {
   }
 };
 
-// Bounds shrink with the gap, have not too much to spare, and fail when energies are moved by twice the
-// bound.
+// Bounds shrink with the travel-path error and are not far too wide. They fail when energies move by twice
+// the bound.
 TEST(BistaticReference, HoldsTheClosedFormOfOneGradient) {
   const GradientSeabed seabed = plate(from, to);
   const RangeSamples samples{22, 0.8, 16};
@@ -158,8 +159,9 @@ TEST(BistaticReference, InOnePlaceItIsTheReferenceOfOneApex) {
   }
 }
 
-// Energies there and back differ by the squared ratio of the speeds at the ends (docs/bistatic.md); coarse
-// grounds hold what fine ones know, behind the board, too.
+// An exchange of the ends scales the energies by the squared ratio of the sound speeds at the ends
+// (docs/bistatic.md). Bounds of coarse apparent maps contain the energies of fine maps, also behind the
+// board.
 TEST(BistaticReference, ExchangeAndCoarserSurfacesAgree) {
   const RangeSamples samples{24, 1.5, 8};
   const double g = -0.4;
@@ -178,7 +180,8 @@ TEST(BistaticReference, ExchangeAndCoarserSurfacesAgree) {
     EXPECT_LE(std::abs(coarse.echo.energy[k] - there.echo.energy[k]), coarse.bound[k] + there.bound[k]) << k;
 }
 
-// Every enclosure of a facet by itself, against single eigenrays to places on it, in one layer and several.
+// Compares each enclosure of a facet with single eigenrays to points on the facet, in one layer and in
+// several.
 TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
   constexpr std::uint64_t seed = 5;
   std::mt19937_64 random(seed);
@@ -218,7 +221,8 @@ TEST(BistaticReference, EnclosuresHoldWhatRaysToPlacesSay) {
     };
     glm::dvec3 normal = glm::normalize(glm::cross(corner(0, 1) - corner(0, 0), corner(0, 2) - corner(0, 0)));
     const glm::dvec3 other = glm::cross(corner(1, 1) - corner(1, 0), corner(1, 2) - corner(1, 0));
-    if (glm::dot(normal, corner(0, 0)) * glm::dot(other, corner(1, 0)) < 0) continue;  // another side
+    // the transmitter sees the other side
+    if (glm::dot(normal, corner(0, 0)) * glm::dot(other, corner(1, 0)) < 0) continue;
     if (glm::dot(normal, corner(0, 0)) > 0) normal = -normal;
     shared.facets.push_back({0, 0, 0, normal, 1, 1});
     const auto bistatic =

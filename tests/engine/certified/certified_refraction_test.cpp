@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bounds of references through refracting water. One gradient has closed forms: rings of a flat seabed have
-// to lie within the bounds, and not far inside: apparent facets are coarse and samples narrow here, so that a
-// bound of a tenth would fail.
+// Tests the bounds of references in stratified water. One gradient has closed forms for rings of a flat
+// seabed. The energies of the rings must lie within the bounds, and not far inside. Apparent facets are
+// coarse and range bins narrow here, so that a bound of a tenth would fail.
 #include "engine/certified/certified_refraction.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ using test::Triangle;
 constexpr double degree = GradientSeabed::degree;
 const double mu = GradientSeabed::mu;
 
-/// Energy from the ring between two one-way travel times, per radian of azimuth.
+/// Returns the energy of the ring between two one-way travel times, per radian of azimuth.
 double ring_energy(double g, double t1, double t2, double absorption) {
   return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
       [&](double t) {
@@ -58,7 +58,7 @@ TEST(CertifiedRefraction, HoldsTheClosedFormOfOneGradientAndNotFarInside) {
       const double truth =
           width_deg * degree * ring_energy(g, from / 1500, (from + samples.step_m) / 1500, absorption);
       const double error = std::abs(found.certified.echo.energy[k] - truth), bound = found.certified.bound[k];
-      // The tubes' rays are rounded to 2^-30.
+      // The rays of the tubes are rounded to 2^-30.
       EXPECT_LE(error, bound + 3e-8 * truth) << k;
       closest = std::max(closest, error / bound);
     }
@@ -92,12 +92,13 @@ TEST(CertifiedRefraction, IsovelocityWaterIsTheStraightReference) {
   for (std::size_t k = 0; k < straight.bound.size(); ++k) {
     EXPECT_LE(std::abs(found.certified.echo.energy[k] - straight.echo.energy[k]),
               found.certified.bound[k] + straight.bound[k]);
-    // What two grid units that corners may be off make of a sample of 2 m.
+    // The bound covers corners that are displaced by two grid units, for a range bin of 2 m.
     EXPECT_LE(found.certified.bound[k], 2e-4 * straight.echo.energy[k]) << k;
   }
 }
 
-// What stands in the water hides and is hidden: the coarse bounds have to hold the energies of a fine ground.
+// Objects in the water hide facets and are hidden. The bounds of a coarse map must contain the energies of
+// a fine map.
 TEST(CertifiedRefraction, HoldsFinerSurfacesBehindObjects) {
   constexpr std::uint64_t seed = 4;
   std::mt19937_64 random(seed);
@@ -135,7 +136,8 @@ TEST(CertifiedRefraction, HoldsFinerSurfacesBehindObjects) {
   }
 }
 
-// A long straight edge is seen curved, and what lies behind it is seen or not, over many samples.
+// A long straight edge has a curved apparent position. It hides parts of the facets behind it over many
+// range bins.
 TEST(CertifiedRefraction, HoldsShadowsOfLongEdges) {
   const GradientSeabed site({{{{25, -6, -12}, {25, 6, -12}, {25.5, 0, -20}}}}, 64, 2);
   const RangeSamples samples{43, 0.003, 1500};
@@ -151,7 +153,7 @@ TEST(CertifiedRefraction, HoldsShadowsOfLongEdges) {
         << k;
 }
 
-/// Every enclosure of the last facet of a seabed by itself, against single eigenrays to places on it.
+/// Compares each enclosure of the last facet of a seabed with single eigenrays to points on the facet.
 struct EnclosuresAgainstRays {
   double closest_gap = 0, closest_factor = 0;
   std::size_t unproven = 0;
@@ -187,7 +189,7 @@ struct EnclosuresAgainstRays {
         const double gap = glm::distance(image->at_m, flat);
         EXPECT_LE(gap, facet.travel_path_error_m);
         closest_gap = std::max(closest_gap, gap / facet.travel_path_error_m);
-        // Along the ray to the apparent facet's plane.
+        // Distance along the ray to the plane of the apparent facet.
         const glm::dvec3 direction = glm::normalize(image->at_m);
         const double range = glm::length(image->at_m), sine = glm::dot(direction, facet.normal),
                      straight = facet.plane_m / sine;
@@ -234,7 +236,7 @@ TEST(CertifiedRefraction, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
   EXPECT_GT(compared.closest_factor, 0.3);
 }
 
-// Rays to such a facet rise, fall, and turn just before they are level with the sonar again.
+// Rays to such a facet rise and fall. They turn just before they return to the depth of the sonar.
 TEST(CertifiedRefraction, FacetsAtTheSonarsDepthAreProven) {
   constexpr std::uint64_t seed = 31;
   std::mt19937_64 random(seed);
@@ -245,7 +247,7 @@ TEST(CertifiedRefraction, FacetsAtTheSonarsDepthAreProven) {
   };
   const std::vector<WaterColumn> waters{
       seabed_gradient(-0.01, 0.1), seabed_gradient(0.01, 0.1), seabed_gradient(-0.5, 0.1),
-      // The sonar in the gradient between two others, and in isovelocity water above one.
+      // The sonar lies in the gradient between two others, and in isovelocity water above a gradient.
       water_of({{0, 1530}, {5, 1520}, {15, 1500}, {30, 1490}}),
       water_of({{0, 1490}, {6, 1490}, {14, 1500}, {30, 1502}}),
       water_of({{0, 1500}, {15, 1500}, {30, 1480}})};
@@ -258,7 +260,7 @@ TEST(CertifiedRefraction, FacetsAtTheSonarsDepthAreProven) {
       compared.add(GradientSeabed({ahead}), waters[k], 0.1, random);
     }
     EXPECT_EQ(compared.unproven, 0u) << "water " << k;
-    if (k + 1 < waters.size()) {  // in isovelocity water images are the facet itself
+    if (k + 1 < waters.size()) {  // in isovelocity water the apparent facet equals the facet
       EXPECT_GT(compared.closest_gap, 0.1) << "water " << k;
     }
   }
@@ -266,7 +268,7 @@ TEST(CertifiedRefraction, FacetsAtTheSonarsDepthAreProven) {
 
 TEST(CertifiedRefraction, WhereNoRayIsProvenNothingIsClaimed) {
   const RangeSamples samples{26, 1, 70};
-  // Bent up: the last ray to touch the seabed is level there.
+  // Rays bend upwards: the last ray that reaches the seabed is horizontal there.
   const double g = 6, cr = 1500 + 20 * g;
   const double last_m = 1500 * std::atanh(std::sqrt((cr - 1500) * (cr + 1500)) / cr) / g;
   const RefractedReference found =
@@ -288,7 +290,7 @@ TEST(CertifiedRefraction, WhereNoRayIsProvenNothingIsClaimed) {
   EXPECT_LT(infinite, std::size_t(samples.count));
 }
 
-// Whoever refines by what a reference says has to receive of bins without a bound.
+// A caller that refines by the result of a reference must see the bins without a bound.
 TEST(CertifiedRefraction, BinsWithoutABoundAreOverTheTolerance) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
   const CertifiedEcho echo{Echo{1, 4, {1, 1, 1, 1}}, {1e-4, infinite, infinite, 0.1}};
@@ -297,7 +299,7 @@ TEST(CertifiedRefraction, BinsWithoutABoundAreOverTheTolerance) {
   EXPECT_EQ(found.bins_over, 3u);
   EXPECT_EQ(found.unbounded, 2u);
   EXPECT_NEAR(found.usual_excess, 0.1 / (0.9 * 1e-3), 1e-3);
-  // The worst is the worst of the finite bounds.
+  // The worst ratio is that of the finite bounds.
   EXPECT_NEAR(found.certified.worst_ratio, 0.1 / (0.9 * 1e-3), 1e-3);
   EXPECT_EQ(found.certified.worst_sample, 3);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Certified energies of scattering models against single integrals in long doubles and against the ordinary
-// run.
+// Tests certified energies of scattering models. It compares them with single integrals in long doubles and
+// with the ordinary run.
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -29,12 +29,12 @@ Law coarse_sand() {
       ScatteringModel::table(sediment_grazing_deg, sediment_backscatter("coarse sand", 20).strength_db));
 }
 
-/// Two facets of a plane below the apex, on a grid of 2^-20 m about it.
+/// Two facets of a plane below the apex, on a grid of 2^-20 m about the apex.
 struct Seabed {
   explicit Seabed(glm::dvec3 up = {0, 0, 1}) : grid(20, glm::dvec3(0)) {
     up = glm::normalize(up);
     const glm::dvec3 a = 256.0 * glm::normalize(glm::cross(up, glm::dvec3(0, 1, 0.1))), b = glm::cross(up, a),
-                     centre = -height * up + 0.1 * a + 0.03 * b;  // no edge runs through the foot point
+                     centre = -height * up + 0.1 * a + 0.03 * b;  // no edge contains the foot point
     MeshBuilder builder(grid);
     builder.add({centre - a - b, centre + a - b, centre + a + b, centre - a + b}, {{0, 1, 2}, {0, 2, 3}}, 0,
                 0);
@@ -79,11 +79,11 @@ struct Seabed {
   std::unique_ptr<SceneTree> tree;
 };
 
-/// A tube from straight below out to the horizon's neighbourhood, between two vertical planes.
+/// A tube from straight below almost to the horizon, between two vertical planes.
 const std::array<glm::dvec3, 4> wedge{
     glm::dvec3(0x1p-12, 0, -1), {0.5, 0, -0x1p-6}, {0.5, 0.125, -0x1p-6}, {0x1p-12, 0x1p-14, -1}};
 
-/// By hand from the published formulas, in long doubles: nothing of the law's own evaluation.
+/// Computes the published formulas in long doubles, without the evaluation code of `ScatteringModel`.
 Real gsab_value(Real phi) {
   const auto lobe = [&](Real b) { return std::exp(-phi * phi / (2 * b * b)); };
   return 0.4L * lobe(4 * degree) + 0.01L * std::pow(std::cos(phi), 1.7L) + 0.03L * lobe(22 * degree);
@@ -145,7 +145,7 @@ TEST(CertifiedScattering, FanIsASingleIntegralWithinTheBound) {
           EXPECT_LE(std::abs(energy - expected), bound + 1e-13 * expected)
               << "table " << c.table << ", sample " << k << ", tolerance " << tolerance;
           EXPECT_LE(bound, tolerance * energy);
-          // The ordinary run, too.
+          // The ordinary run agrees, too.
           EXPECT_NEAR(result.ordinary.at(0, k), energy, bound + 1e-11 * energy);
         }
       }
@@ -190,7 +190,8 @@ TEST(CertifiedScattering, OrdinaryRunIsWithinTheBoundAboutTheFootAndWithPatterns
   const Seabed seabed({0.05, -0.1, 1});
   const TubeSet set = Seabed::tube(
       {glm::dvec3(-0.3, -0.2, -1), {0.6, -0.3, -1}, {0.5, 0.4, -1}, {-0.2, 0.3, -1}}, 40, seabed.grid);
-  // A bin that holds the foot point under patterns is wider than asked, with Lambert's law too.
+  // A range bin that contains the foot point gets a wider bound than requested under patterns, also with
+  // Lambert's law.
   const TubeSet aside = Seabed::tube(
       {glm::dvec3(0.3, -0.2, -1), {0.6, -0.3, -1}, {0.5, 0.4, -1}, {0.4, 0.3, -1}}, 40, seabed.grid);
   const RangeSamples samples{7.75, 0.5, 8};

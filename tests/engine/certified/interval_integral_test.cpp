@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The certified integral of one apex in intervals of doubles against the same in balls of 128 bits.
+// Tests the certified monostatic integral in intervals of doubles. It compares each integral with the same
+// integral in ball arithmetic of 128 bits.
 #include "engine/certified/interval_integral.hpp"
 
 #include <gtest/gtest.h>
@@ -18,8 +19,8 @@
 namespace tubefoot {
 namespace {
 
-/// Facets in front of an apex, seen through tubes: pieces cut by tubes' walls, by silhouettes, and where
-/// facets run through each other.
+/// Facets before an apex and the tubes that see them. Walls of tubes, silhouettes and intersections of
+/// facets cut the visible polygons.
 struct Seen {
   Seen(const std::vector<std::array<glm::dvec3, 3>>& facets_m,
        const std::vector<std::array<glm::dvec3, 4>>& pyramids)
@@ -29,7 +30,7 @@ struct Seen {
     for (const auto& corners : pyramids) test::add_pyramid(set, corners);
   }
 
-  /// take(piece's polygon in balls, the same in intervals)
+  /// Calls take(polygon in balls, polygon in intervals) for each visible polygon.
   template <class Take>
   void each_piece(const Take& take) const {
     VisibilityScratch scratch;
@@ -51,7 +52,7 @@ struct Seen {
   TubeSet set;
 };
 
-/// A seabed about the foot point, and facets of many sizes above it that cut each other.
+/// A seabed about the foot point, and facets of many sizes above the seabed that intersect each other.
 Seen scattered_facets(unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> side(-1, 1), decades(-2.5, 0.3);
@@ -89,7 +90,7 @@ std::vector<std::shared_ptr<const ScatteringModel>> models() {
                                         std::vector<double>{-38, -30, -22, -12}))};
 }
 
-/// By sample.
+/// Balls by range bin.
 std::map<std::uint32_t, Ball> in_balls(const CertifiedPolygon& polygon, const ScatteringModel* model,
                                        const std::vector<double>& borders, const Ball& beta) {
   CertifiedIntegrator integrator(borders, beta);
@@ -111,7 +112,7 @@ TEST(IntervalIntegral, HoldsWhatBallsSayOfEveryPieceAndLaw) {
   int compared = 0, sharp = 0, left_to_balls = 0;
   for (const unsigned seed : {11u, 12u}) {
     const Seen scene = scattered_facets(seed);
-    // Short samples, and long ones that take rules of many nodes.
+    // Uses short range bins, and long ones that need quadrature rules of many nodes.
     const std::vector<double> borders = seed == 11 ? borders_of(3, 0.37, 30) : borders_of(3, 4, 3);
     for (const auto& model : models())
       for (const double absorption : {0.0, 0.2}) {
@@ -136,7 +137,8 @@ TEST(IntervalIntegral, HoldsWhatBallsSayOfEveryPieceAndLaw) {
             EXPECT_TRUE(meets(own, ball)) << own.lo << ' ' << own.hi << " not about " << ball.middle();
             EXPECT_LE(own.width(), 2.6 * relative * own.hi + 1e-14);
             ++compared;
-            // A ball that is as good as a number lies within, and what is a width away does not.
+            // The interval contains a ball of almost zero radius. It does not contain a ball at a distance
+            // of one width.
             if (!(ball.hi() - ball.lo() <= 1e-6 * own.width())) continue;
             EXPECT_TRUE(holds(own, ball)) << own.lo << ' ' << own.hi << " do not hold " << ball.middle();
             EXPECT_FALSE(meets({own.lo + 1.01 * own.width(), own.hi + 1.01 * own.width()}, ball));
@@ -153,8 +155,8 @@ TEST(IntervalIntegral, HoldsWhatBallsSayOfEveryPieceAndLaw) {
 }
 
 TEST(IntervalIntegral, RingsAboutTheFootAreClosedForms) {
-  // The foot point inside of a facet, where circles are whole, and on the edge between two. Seen through a
-  // square of half side 8 m.
+  // The foot point lies inside a facet, where circles are whole, and on the edge between two facets. The
+  // tube is a square of half side 8 m.
   using Facets = std::vector<std::array<glm::dvec3, 3>>;
   const Facets one{{glm::dvec3(-90, -80, -8), {95, -70, -8}, {3, 120, -8}}},
       two{{glm::dvec3(0, -100, -8), {100, 0, -8}, {0, 100, -8}},
@@ -170,7 +172,7 @@ TEST(IntervalIntegral, RingsAboutTheFootAreClosedForms) {
       for (const auto& part : parts) total[part.sample] += part.value;
     });
     for (std::size_t k = 1; borders[k + 1] < 8 * std::sqrt(2); ++k) {
-      // 2 pi Int r^-5 dr, over mu and the squared distance
+      // integral of 2 pi r^-5 dr, times mu and the squared distance
       const double truth = std::numbers::pi / 2 * (std::pow(borders[k], -4) - std::pow(borders[k + 1], -4));
       EXPECT_LE(total[k].lo, truth * (1 + 1e-13)) << k;
       EXPECT_GE(total[k].hi, truth * (1 - 1e-13)) << k;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Certified integrals of two apexes in doubles against the same in balls of 128 bits.
+// Tests the certified bistatic integrals of two apexes in doubles. It compares them with the same integrals
+// in ball arithmetic of 128 bits.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +13,7 @@
 namespace tubefoot {
 namespace {
 
-/// What an integrand is in balls alone.
+/// Hides the evaluation in intervals of an integrand, so that an integrator uses its evaluation in balls.
 class InBalls : public CertifiedIntegrand {
  public:
   explicit InBalls(CertifiedIntegrand& own) : own_(own) {}
@@ -29,7 +30,7 @@ class InBalls : public CertifiedIntegrand {
   CertifiedIntegrand& own_;
 };
 
-/// A triangle 5 m below two apexes, in coordinates about the foot of the first one.
+/// A triangle 5 m below two apexes, in coordinates about the foot point of the first apex.
 struct Seabed {
   Seabed() {
     plane.distance = Ball(5);
@@ -94,7 +95,7 @@ TEST(PathIntegral, IntervalsHoldWhatBallsSayOfEveryPlace) {
         }
       }
     }
-    // And no more: of places alone, all but their rounding.
+    // At single points the intervals are no wider than the rounding errors.
     for (int trial = 0; trial < 100; ++trial) {
       const double at_x = x(random), at_y = y(random);
       integrand.at({Interval(at_x), Interval(at_y)}, held);
@@ -105,7 +106,9 @@ TEST(PathIntegral, IntervalsHoldWhatBallsSayOfEveryPlace) {
 
 TEST(PathIntegral, DoublesMeetBallsAndKeepWhatIsRequested) {
   Seabed seabed;
-  seabed.patterns.pop_back();  // the table's cubics meet where nothing is analytic: halved to the work limit
+  // the integrand is not analytic where the cubics of the table meet: the integrator bisects to the work
+  // limit
+  seabed.patterns.pop_back();
   std::vector<ScatteringModel> all = models();
   const std::vector<double> borders{5.5, 5.75, 6};
   for (const ScatteringModel* model : std::vector<const ScatteringModel*>{nullptr, &all[0]})
@@ -134,7 +137,7 @@ TEST(PathIntegral, DoublesMeetBallsAndKeepWhatIsRequested) {
           EXPECT_LE(a.width(), 2.1 * tolerance * a.hi + 1e-15 * a.hi + 1e-17) << k << ' ' << v;
           if (!(a.hi > 1e-12)) continue;
           ++lit;
-          // And a value that was moved by twice the bound is not held.
+          // The interval does not contain a value that is moved by twice the bound.
           EXPECT_GT(std::abs(b.middle() - a.middle() - 1.05 * (a.width() + b.width())),
                     (a.width() + b.width()) / 2);
         }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Certified energies of two apexes: against closed forms, one apex, the ordinary integral, and values that
-// were computed with 40 digits outside the program.
+// Tests certified energies of a separate transmitter and receiver. The comparisons are closed forms, the
+// monostatic reference, the ordinary integral, and values with 40 digits from a separate program
+// (path_reference_digits.py).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +20,7 @@ const double mu = std::pow(10, -2.7);
 const std::vector<double> material_mu{mu};
 using Facets = std::vector<std::array<glm::dvec3, 3>>;
 
-/// What two apexes of a scene on a grid of 2^-20 m share; each looks through one tube.
+/// The mesh, tubes and patterns that two apexes share, on a grid of 2^-20 m. Each apex has one tube.
 struct Pair {
   Pair(const Facets& facets_m, glm::dvec3 tx_m, glm::dvec3 rx_m, const std::array<glm::dvec3, 4>& tx_tube,
        const std::array<glm::dvec3, 4>& rx_tube, double reach_m = 100)
@@ -65,7 +66,8 @@ Facets square(glm::dvec3 centre, glm::dvec3 a, glm::dvec3 b) {
 Facets flat_seabed() { return square({0, 0, 0}, {512, 0, 0}, {0, 512, 0}); }
 
 const std::array<glm::dvec3, 4> down{glm::dvec3(-1, -1, -0.1), {1, -1, -0.1}, {1, 1, -0.1}, {-1, 1, -0.1}};
-/// Ordinary energies in the bounds, these as asked, and false for anything else.
+/// The bounds contain the ordinary energies, are as narrow as requested, and contain no energy that is
+/// moved.
 void expect_holds(const Pair::Result& result, double tolerance, double ordinary_error = 1e-9) {
   EXPECT_EQ(result.certified.bins_over, 0u) << result.certified.worst_ratio;
   const auto& ordinary = result.ordinary.energy;
@@ -78,7 +80,8 @@ void expect_holds(const Pair::Result& result, double tolerance, double ordinary_
   }
 }
 
-/// Whole rings with one apex above the other: with u = rho^2, the integral of du / 2 ((u + a) (u + b))^-3/2.
+/// Whole rings with one apex above the other: with u = rho^2, the integral of du / 2 ((u + a) (u +
+/// b))^-3/2.
 long double rings(long double h1, long double h2, long double half_path) {
   const long double path = 2 * half_path, a = h1 * h1, b = h2 * h2;
   const long double r1 = (path + (a - b) / path) / 2, u = std::max(r1 * r1 - a, 0.0L);
@@ -90,7 +93,7 @@ TEST(PathReference, RingsOfOneApexAboveTheOtherInClosedForm) {
   const double h1 = 10, h2 = 4;
   const Pair pair(flat_seabed(), {0, 0, h1}, {0, 0, h2}, down, down);
   for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
-    const RangeSamples samples{7, 0.375, 8};  // a border on the shortest path of all
+    const RangeSamples samples{7, 0.375, 8};  // a bin border at the shortest path
     const auto result = pair.run(samples, pair.model(), tolerance);
     expect_holds(result, tolerance);
     for (int k = 0; k < samples.count; ++k) {
@@ -100,14 +103,14 @@ TEST(PathReference, RingsOfOneApexAboveTheOtherInClosedForm) {
       EXPECT_LE(std::abs(result.certified.echo.energy[k] - double(truth)), bound + 1e-15 * double(truth))
           << k;
       EXPECT_GT(bound, 0);
-      // And not for an energy that was moved by twice that.
+      // The bound does not contain an energy that is moved by twice the bound.
       EXPECT_GT(std::abs(result.certified.echo.energy[k] - double(truth) - 2.1 * bound), bound) << k;
     }
   }
 }
 
 TEST(PathReference, FortyDigitsFromOutsideTheProgram) {
-  // path_reference_digits.py
+  // from path_reference_digits.py
   const std::vector<double> digits{0.000007210947291133962905093818859029974484732,
                                    0.00000583492306415942642429656055148630124626,
                                    0.0000001427535419225745900682789350537995661574};
@@ -144,12 +147,12 @@ Facets hills(std::mt19937_64& random) {
 
 glm::dvec3 place(std::mt19937_64& random) {
   std::uniform_real_distribution<double> u(-3, 3);
-  // On the grid, so that nothing is rounded.
+  // Coordinates lie on the grid, so that nothing is rounded.
   const auto on_grid = [](double x) { return std::round(x * 1024) / 1024; };
   return {on_grid(u(random)), on_grid(u(random)), 6 + on_grid(u(random) / 2)};
 }
 
-/// Two enclosures of one number.
+/// Two enclosures of the same number must intersect.
 void expect_same(const CertifiedEcho& a, const CertifiedEcho& b, double slack = 0) {
   for (std::size_t k = 0; k < a.bound.size(); ++k)
     EXPECT_LE(std::abs(a.echo.energy[k] - b.echo.energy[k]),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What two receivers on a receiver pair receive with proven bounds: against the ordinary integrals, and what
-// must hold of it.
+// Tests certified energies and products of a receiver pair. The comparisons are the ordinary integrals,
+// bistatic references, and laws of covariances.
 #include "engine/certified/receiver_pair_reference.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 const std::vector<double> material_mu{0.003};
 
-/// A seabed of random heights with a wall on it, looked at sideways.
+/// A seabed of random heights with a wall on it, which the sonar views sideways.
 struct ReceiverPairScene {
   explicit ReceiverPairScene(std::uint64_t seed)
       : grid(20, glm::dvec3(0)), mesh(test::mesh_of(facets(seed), grid)), tree(mesh) {}
@@ -49,7 +49,7 @@ struct ReceiverPairScene {
       return all;
     }
   };
-  /// `middle_m`: of the receiver pair; the transmitter is at the origin.
+  /// `middle_m`: middle of the receiver pair; the transmitter is at the origin
   Result run(const ReceiverBaseline& receiver_pair, double tolerance, const Directivity& transmit = {},
              const Directivity& receive = {}, glm::dvec3 middle_m = glm::dvec3(0)) const {
     const ReceiverPairHistory history = trace_receiver_pair(
@@ -62,7 +62,7 @@ struct ReceiverPairScene {
     return result;
   }
 
-  /// One receiver there.
+  /// Energies of one receiver at a position.
   CertifiedEcho run_apart(glm::dvec3 at_m, double tolerance) const {
     const BistaticHistory history =
         trace_bistatic(mesh, tree, grid.unit_m(), {}, tubes_from(glm::dvec3(0)), tubes_from(at_m));
@@ -103,7 +103,7 @@ void expect_holds(const ReceiverPairScene::Result& result, double tolerance, dou
               bound[bin] + ordinary_error * size + 1e-13 * most)
         << "channel " << bin / row << " sample " << k;
     EXPECT_LE(bound[bin], tolerance * std::max(size, 1e-6 * most) * 1.01) << bin;
-    // And not for what was moved by twice that.
+    // The bound does not contain a value that is moved by twice the bound.
     const double moved = ordinary[bin] + 2.1 * bound[bin] + 2 * ordinary_error * size;
     if (bound[bin] > 0) {
       EXPECT_GT(std::abs(moved - result.certified.echo.energy[bin]), bound[bin]) << bin;
@@ -146,7 +146,7 @@ TEST(ReceiverPairReference, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiv
   EXPECT_EQ(one.certified.bins_over, 0u);
 }
 
-// On a seabed and behind a wall, above and below the transmitter, before and behind it.
+// The pair lies above and below the transmitter, before and behind it, with a seabed and a wall.
 TEST(ReceiverPairReference, TheReceiversMayBeElsewhere) {
   const ReceiverPairScene scene(14);
   for (const glm::dvec3 middle : {glm::dvec3(-0.5, 0.2, 0.4), {1, -0.1, -0.75}, {0, 0.02, 3}}) {
@@ -167,7 +167,7 @@ TEST(ReceiverPairReference, TheReceiversMayBeElsewhere) {
   }
 }
 
-// Without a baseline all four rows are those of two apexes, which another integral encloses.
+// Without a baseline, all four rows are those of two apexes. Another integral encloses these rows.
 TEST(ReceiverPairReference, AReceiverPairWithoutLengthElsewhereIsOneSeparateReceiver) {
   const ReceiverPairScene scene(15);
   const glm::dvec3 middle(-0.5, 0.2, 0.4);
@@ -182,7 +182,8 @@ TEST(ReceiverPairReference, AReceiverPairWithoutLengthElsewhereIsOneSeparateRece
 }
 
 TEST(ReceiverPairReference, FortyDigitsFromOutsideTheProgram) {
-  // path_reference_digits.py: rows upper, lower, real and imaginary part.
+  // From path_reference_digits.py: rows of the upper receiver, the lower receiver, and the real and
+  // imaginary part.
   const std::vector<double> digits{
       0.00000666012425293253596666488624802893750327,    0.000006167856021495902909254603098731560623421,
       0.000000164592499092036986988484788737796891502,   0.000007706051348520519798172863409024587428806,
@@ -233,7 +234,7 @@ TEST(ReceiverPairReference, PatternsOfAllAreHeld) {
   const ReceiverPairScene scene(13);
   Directivity line{Directivity::Kind::line, glm::normalize(glm::dvec3(0.5, 0.1, 0.8))},
       gauss{Directivity::Kind::gaussian, {0.8, 0, -0.6}, true};
-  line.size = 0.9;  // zeros would have corners
+  line.size = 0.9;  // zeros of the pattern would be corners
   gauss.size = 0.7;
   const auto result = scene.run(receiver_pair_of(0.06, 0.02), 1e-3, gauss, line);
   expect_holds(result, 1e-3, 1e-6);

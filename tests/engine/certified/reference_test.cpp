@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Certified energies against closed forms (physics sheet, 4 and 7) in 60 digits: the truth must lie inside
-// the bound, the bound must be as narrow as asked, and it must not hold for anything else.
+// Compares certified energies with closed forms (physics sheet, 4 and 7) in 60 digits. The true value must
+// lie inside the bound. The bound must be as narrow as requested, and must not contain other values.
 #include "engine/certified/reference.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ namespace {
 constexpr double pi = std::numbers::pi;
 const double mu = std::pow(10, -2.7);
 
-/// A scene on a grid of 2^-20 m about the apex, which is its origin.
+/// A scene on a grid of 2^-20 m about the apex, which is the origin of the scene.
 struct Bench {
   explicit Bench(const std::vector<std::array<glm::dvec3, 3>>& facets_m)
       : grid(20, glm::dvec3(0)),
@@ -75,12 +75,12 @@ std::vector<std::array<glm::dvec3, 3>> square(glm::dvec3 centre, glm::dvec3 a, g
 constexpr double height = 8;
 Bench flat_seabed() { return Bench(square({0, 0, -height}, {512, 0, 0}, {0, 512, 0})); }
 
-/// A tube from straight below out to the horizon's neighbourhood, between two vertical planes. Its rays are
+/// A tube from straight below almost to the horizon, between two vertical planes. The rays of the tube are
 /// exact on the grid: y = 1/4 x, so that the azimuth is atan(1/4).
 const std::array<glm::dvec3, 4> wedge{
     glm::dvec3(0x1p-12, 0, -1), {0.5, 0, -0x1p-6}, {0.5, 0.125, -0x1p-6}, {0x1p-12, 0x1p-14, -1}};
 
-/// What a fan of azimuth dphi returns between two ranges (physics sheet 7.5).
+/// Returns the energy of a fan of azimuth dphi between two ranges (physics sheet 7.5).
 double closed_form(double dphi, double r1, double r2, double absorption) {
   const double beta = 2 * absorption * std::numbers::ln10 / 10;
   const auto tail = [beta](double r) {
@@ -89,7 +89,7 @@ double closed_form(double dphi, double r1, double r2, double absorption) {
   return mu * height * height * dphi * (tail(r1) - tail(r2));
 }
 
-/// The azimuth of a tube whose side walls are vertical planes through rounded rays.
+/// Returns the azimuth of a tube whose side walls are vertical planes through rounded rays.
 double azimuth_between(const TubeSet& set, int first, int second) {
   const GridPoint a = set.rays[first], b = set.rays[second];
   return std::abs(std::atan2(double(b.y), double(b.x)) - std::atan2(double(a.y), double(a.x)));
@@ -106,7 +106,8 @@ TEST(Reference, FlatSeabedIsTheClosedFormWithinTheBound) {
       EXPECT_LE(result.certified.worst_ratio, 1);
       for (int k = 0; k < 60; ++k) {
         const double truth = closed_form(dphi, 9 + 0.25 * k, 9 + 0.25 * (k + 1), absorption);
-        // The closed form itself is a difference of doubles, and the walls' lower ends are rounded rays.
+        // The closed form itself is a difference of doubles, and the lower ends of the walls are rounded
+        // rays.
         EXPECT_LE(std::abs(result.energy(0, k) - truth), result.bound(0, k) + 2e-13 * truth)
             << "sample " << k << ", absorption " << absorption << ", tolerance " << tolerance;
         EXPECT_LE(result.bound(0, k), tolerance * result.energy(0, k));
@@ -137,7 +138,8 @@ TEST(Reference, BoundShrinksAsRequestedAndDoesNotHoldForOtherEnergies) {
 }
 
 TEST(Reference, WholeCirclesAboutTheFoot) {
-  // A tube that holds the foot point: from the first return until the rings leave it they are whole.
+  // A tube that contains the foot point: the rings are whole from the first return until they leave the
+  // tube.
   const Bench seabed = flat_seabed();
   const TubeSet set = seabed.tubes({{glm::dvec3(-1, -1, -1), {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}}}, 40);
   const auto result = seabed.run(set, {7.75, 0.25, 40}, 0.0615);
@@ -149,7 +151,8 @@ TEST(Reference, WholeCirclesAboutTheFoot) {
     EXPECT_LE(std::abs(result.energy(0, k) - truth), result.bound(0, k) + 2e-13 * truth) << k;
     EXPECT_LE(result.bound(0, k), 1e-9 * result.energy(0, k));
   }
-  // Beyond, a circle of radius rho meets the square of half side H in four arcs: 2 pi - 8 acos(H / rho).
+  // Farther out, a circle of radius rho meets the square of half side H in four arcs: 2 pi - 8 acos(H /
+  // rho).
   const double r1 = 7.75 + 0.25 * 20, r2 = r1 + 0.25, beta = 2 * 0.0615 * std::numbers::ln10 / 10;
   const double truth =
       mu * height * height *
@@ -163,20 +166,22 @@ TEST(Reference, WholeCirclesAboutTheFoot) {
 }
 
 TEST(Reference, PyramidAndWholeRangeAgreeWithSolidAngleIntegrals) {
-  // sum over samples = mu / D^2 * integral of cos^3 over the pyramid (no absorption): closed per rectangle.
+  // The sum over the bins is mu / D^2 times the integral of cos^3 over the pyramid (no absorption). It is a
+  // closed form for each rectangle.
   const Bench seabed = flat_seabed();
   const double a = 0.25, b = 0.5;  // the pyramid |x| <= a, |y| <= b on the plane z = -1, exact rays
   const TubeSet set = seabed.tubes({{glm::dvec3(-a, -b, -1), {a, -b, -1}, {a, b, -1}, {-a, b, -1}}}, 40);
   const auto result = seabed.run(set, {7, 0.5, 8}, 0);
   double sum = 0, bound = 0;
   for (int k = 0; k < 8; ++k) sum += result.energy(0, k), bound += result.bound(0, k);
-  // E = mu / H^2 * integral over the rectangle of (1 + x^2 + y^2)^-3 dx dy, the inner one closed.
+  // E = mu / H^2 * integral over the rectangle of (1 + x^2 + y^2)^-3 dx dy, with a closed inner integral.
   const auto column = [&](double x) {
     const double c = 1 + x * x, s = std::sqrt(c);
     return 2 * (b / (4 * c * std::pow(c + b * b, 2)) + 3 * b / (8 * c * c * (c + b * b)) +
                 3 * std::atan(b / s) / (8 * c * c * s));
   };
-  // integer_ray() rounds to unit length, so slopes are good to 1e-9 only: take them from the rays.
+  // integer_ray() rounds to unit length, so that slopes are correct to 1e-9 only. The test computes slopes
+  // from the rays.
   const GridPoint corner = set.rays[2];
   const double exact_a = double(corner.x) / -double(corner.z), exact_b = double(corner.y) / -double(corner.z);
   EXPECT_NEAR(exact_a, a, 2e-9);
@@ -188,8 +193,8 @@ TEST(Reference, PyramidAndWholeRangeAgreeWithSolidAngleIntegrals) {
 }
 
 TEST(Reference, ThinWallHidesExactlyItsShadow) {
-  // A wall of height 1 at x = 10 seen from 5 above the seabed: the seabed is dark from 10 to 12.5
-  // (physics 7.2).
+  // A wall of height 1 at x = 10, seen from 5 above the seabed, shadows the seabed from 10 to 12.5 (physics
+  // sheet 7.2).
   auto facets = square({0, 0, -5}, {512, 0, 0}, {0, 512, 0});
   const glm::dvec3 foot(10, 0, -5);
   for (const auto& facet : square(foot + glm::dvec3(0, 0, 0.5), {0, 64, 0}, {0, 0, 0.5}))
@@ -200,8 +205,8 @@ TEST(Reference, ThinWallHidesExactlyItsShadow) {
   const double dphi = azimuth_between(set, 1, 2);
   const auto result = scene.run(set, {10.78, 0.02, 150}, 0);
   EXPECT_EQ(result.certified.bins_over, 0u);
-  // From the wall's top (10.7703 m on the near side, a little farther at the fan's other side) to the
-  // shadow's tip (13.4629 m) there is nothing.
+  // No energy returns between the top of the wall (10.7703 m on the near side, slightly farther on the
+  // other side of the fan) and the tip of the shadow (13.4629 m).
   const double tip = std::hypot(12.5, 5), wall_foot = std::hypot(10, 10 * std::tan(dphi), 5);
   int dark = 0, lit = 0;
   for (int k = 0; k < 150; ++k) {
@@ -223,7 +228,7 @@ TEST(Reference, ThinWallHidesExactlyItsShadow) {
   EXPECT_GT(lit, 10);
 }
 
-/// A sphere of 8 n^2 facets, its vertices on the sphere.
+/// A sphere of 8 n^2 facets with vertices on the sphere.
 std::vector<std::array<glm::dvec3, 3>> sphere(glm::dvec3 centre, double radius, int n) {
   std::vector<std::array<glm::dvec3, 3>> facets;
   const auto at = [&](int sx, int sy, int sz, int i, int j) {
@@ -244,8 +249,9 @@ std::vector<std::array<glm::dvec3, 3>> sphere(glm::dvec3 centre, double radius, 
 }
 
 TEST(Reference, SphereConvergesToItsClosedForm) {
-  // Sphere of radius a at distance d: a ring of ranges r..r+dr has area 2 pi a r dr / d, and the incidence
-  // there is cos = (d^2 - a^2 - r^2) / (2 a r). All of it, first return d - a to the limb sqrt(d^2 - a^2):
+  // For a sphere of radius a at distance d, a ring of ranges r..r+dr has area 2 pi a r dr / d. The
+  // incidence there is cos = (d^2 - a^2 - r^2) / (2 a r). The integral runs from the first return d - a to
+  // the limb sqrt(d^2 - a^2).
   const double a = 1, d = 6;
   const double truth = mu * boost::math::quadrature::gauss_kronrod<double, 61>::integrate(
                                 [&](double r) {
@@ -263,14 +269,14 @@ TEST(Reference, SphereConvergesToItsClosedForm) {
     double sum = 0;
     for (int k = 0; k < 16; ++k) {
       sum += result.energy(0, k);
-      // The ordinary run's true error.
+      // The error of the ordinary run.
       EXPECT_LE(std::abs(result.ordinary.at(0, k) - result.energy(0, k)),
                 result.bound(0, k) + 1e-10 * result.energy(0, k))
           << k;
     }
     error.push_back(std::abs(sum / truth - 1));
   }
-  // Second order in the facets' size.
+  // The error is of second order in the size of the facets.
   EXPECT_LT(error[1], error[0] / 3);
   EXPECT_LT(error[2], error[1] / 3);
   EXPECT_LT(error[2], 0.01);
@@ -375,7 +381,7 @@ TEST(Reference, BoundsOfATableShrinkAsRequested) {
   Directivity table = pattern(Directivity::Kind::table, {0, 1, 0}, false, 0, 0);
   table.table = std::make_shared<const PatternTable>(rows, std::vector<double>{-30, -6, 0, -6, -20});
   const BeamPatterns patterns{{Directivity()}, {table}, {0}, {{0, 1}}};
-  // Whole rings; the rows are met where sin(row) = rho / r sin(phi).
+  // The rings are whole. They meet the rows where sin(row) = rho / r sin(phi).
   const auto ring = [&](double r) {
     const double rho = std::sqrt(r * r - height * height);
     std::vector<double> stops{-pi / 2, pi / 2};

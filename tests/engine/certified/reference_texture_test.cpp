@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Certified energies of a seabed with micro-texture against brute force: rules of Gauss in plane Cartesian
-// coordinates between all lines and circles at which the integrand is not smooth. The reference goes round
-// the foot point in rings instead, and cuts polygons beforehand.
+// Compares certified energies of a seabed with micro-texture with brute-force quadrature. The quadrature
+// uses Gauss rules in plane Cartesian coordinates between all lines and circles at which the integrand is
+// not smooth. The reference instead integrates over rings about the foot point and cuts polygons first.
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss.hpp>
@@ -27,7 +27,7 @@ namespace {
 using Vec = glm::tvec3<long double>;
 const double mu = std::pow(10, -2.7);
 
-/// q = at + along . place, not smooth at its integers.
+/// Lines on which q = at + along . place is an integer, where the integrand is not smooth.
 struct Kinks {
   glm::dvec3 along;
   double at = 0;
@@ -38,7 +38,7 @@ std::vector<Kinks> kinks_of(const PerlinReflectivity::Settings& s) {
   return {{{per_m, 0, 0}, 0}, {{0, per_m, 0}, 0}, {{0, 0, per_m}, 0}};
 }
 
-/// What a convex polygon (corners from the apex) returns from ranges r1 to r2.
+/// Computes the energy of a convex polygon (corners relative to the apex) from ranges r1 to r2.
 struct Oracle {
   std::vector<Vec> corners;
   glm::dvec3 apex_m{0};
@@ -138,7 +138,7 @@ struct Oracle {
     for (std::size_t k = 0; k + 1 < stops.size(); ++k) {
       const long double from = std::max(stops[k], first->first), to = std::min(stops[k + 1], last->first);
       if (!(to > from)) continue;
-      // Roots at the ends of an interval, where a circle touches, are smooth in the angle.
+      // Square roots at the ends of an interval, where a circle is tangent, are smooth in the angle.
       sum += boost::math::quadrature::gauss<long double, 25>::integrate(
           [&](long double angle) {
             return column((from + to) / 2 - (to - from) / 2 * std::cos(angle)) * std::sin(angle) *
@@ -189,7 +189,7 @@ struct Bench {
     return result;
   }
 
-  /// What of the tube's rays' plane section lies on the first facet, if that is all of it.
+  /// Section of the tube with the plane of the first facet. The facet must contain the whole section.
   std::vector<Vec> section(const TubeSet& set) const {
     const auto corner = [&](int i) {
       return Vec(grid.to_metres(mesh.vertices[mesh.facets[0][i]])) - Vec(apex_m);
@@ -214,7 +214,7 @@ std::array<glm::dvec3, 4> pyramid(glm::dvec3 axis, glm::dvec3 a, glm::dvec3 b) {
   return {axis - a - b, axis + a - b, axis + a + b, axis - a + b};
 }
 
-/// The samples of a polygon with these corners, from before its nearest to beyond its farthest.
+/// Range bins from before the nearest point of a polygon to beyond its farthest point.
 RangeSamples samples_over(const std::vector<Vec>& corners, int count) {
   long double near = 1e9L, far = 0;
   for (const Vec& c : corners) {
@@ -229,7 +229,8 @@ struct Held {
   double tolerance = 1e-9, oracle = 1e-11;
 };
 
-/// The truth lies in the bound, the bound is as narrow as asked, and the ordinary echo keeps its own error.
+/// The true value lies in the bound, the bound is as narrow as requested, and the ordinary echo keeps its
+/// own error.
 void expect_held(const Bench::Result& result, const RangeSamples& samples, const Oracle& oracle, Held held) {
   EXPECT_EQ(result.certified.bins_over, 0u);
   double sum = 0;
@@ -273,8 +274,8 @@ TEST(ReferenceTexture, BoundHoldsOnTiltedFacetsForAnyNoise) {
 }
 
 TEST(ReferenceTexture, FootCornersAndFacetMayLieInPlanesBetweenCells) {
-  // Wavelength 1: facet in the plane z = -4, its corners on nodes of the lattice, the foot on one as well;
-  // whole circles, arcs and nothing.
+  // The wavelength is 1. The facet lies in the plane z = -4, and its corners and the foot point lie on
+  // nodes of the lattice. The cases are whole circles, arcs and empty bins.
   const Bench seabed({{glm::dvec3(-4, -3, -4), {5, -3, -4}, {0, 4, -4}}}, {0, 0, 0});
   const TubeSet set = seabed.tube(pyramid({0, 0, -1}, {8, 0, 0}, {0, 8, 0}), 40);
   const PerlinReflectivity::Settings settings{1, 2, 0.5, 0.9, 5};
@@ -320,7 +321,7 @@ TEST(ReferenceTexture, BoundHoldsWithPatterns) {
     EXPECT_NEAR(result.ordinary.energy[k], result.energy(k), result.bound(k) + 1e-5 * peak);
 }
 
-/// A map of random factors on pixels askew to the frame's axes.
+/// A map of random factors on pixels that are oblique to the axes of the frame.
 std::shared_ptr<const MapReflectivity> random_map(bool tiled, glm::dvec2 first) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<float> unit(0, 2);
@@ -341,7 +342,7 @@ TEST(ReferenceTexture, BoundHoldsForMapsAndProducts) {
   const TubeSet set = seabed.tube(pyramid(axis, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
   const std::vector<Vec> corners = seabed.section(set);
   const RangeSamples samples = samples_over(corners, 3);
-  // A map that repeats, and one whose border crosses the footprint.
+  // A tiled map, and a map whose border crosses the footprint.
   for (const bool tiled : {true, false}) {
     const auto map = random_map(tiled, glm::dvec2(seabed.apex_m) + glm::dvec2(corners[0]) * 1.05);
     const PerlinReflectivity::Settings settings{0.9, 1, 0.5, 0.5, 2};
@@ -366,7 +367,8 @@ TEST(ReferenceTexture, NoDepthIsNoTexture) {
   const auto flat =
       seabed.run(set, samples, 0.1, 1e-9,
                  std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{0.5, 2, 0.5, 0, 1}));
-  // A depth far below the tolerance is enclosed as a whole, one of a few tolerances cell by cell.
+  // A modulation depth far below the tolerance is enclosed as a whole. A depth of a few tolerances is
+  // enclosed cell by cell.
   const auto faint = seabed.run(
       set, samples, 0.1, 1e-9,
       std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{0.5, 1, 0.5, 1e-12, 1}));
@@ -389,7 +391,8 @@ TEST(ReferenceTexture, MoreCellsThanAllowedAreEnclosedByTheTexturesRange) {
   const TubeSet set = seabed.tube(pyramid({1, 0.2, -1}, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
   const RangeSamples samples = samples_over(seabed.section(set), 3);
   const auto even = seabed.run(set, samples, 0, 1e-9, nullptr);
-  // Nothing but the oscillation's size can be said of micrometres over a metre; the mean is 1.
+  // For a wavelength of micrometres over a metre, only the amplitude of the oscillation is known. The mean
+  // is 1.
   std::vector<std::shared_ptr<const ReflectivityField>> fields{
       std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{5e-6, 1, 0.5, 0.25, 1})};
   const std::vector<double> material_mu{mu};
@@ -511,12 +514,13 @@ TEST(ReferenceTexture, EnclosuresOfOneCellHoldEverywhereInIt) {
       if (modulus > 0) tightest = std::min(tightest, largest / modulus);
       EXPECT_LE(std::abs(value(cell, outside) - value(cell, nearest)), texture->difference(0.01) / 2);
     }
-    EXPECT_LT(tightest, 3);  // that it is a bound of this, and not of anything
+    EXPECT_LT(tightest, 3);  // the bound is close to these values
   }
 }
 
-/// Bound of the noise over a box of side `size` about p in the unit cell: every corner's gradient along the
-/// two longest ways to it. Divides where that is above `most`.
+/// Returns whether the noise is at most `most` in a box of side `size` about p in the unit cell. The bound
+/// uses the gradients at each corner along its two longest components. The function divides boxes whose
+/// bound exceeds `most`.
 bool noise_stays_below(double most, std::array<double, 3> p, double size, int depth) {
   const auto fade = [](double t) { return t * t * t * (t * (t * 6 - 15) + 10); };
   double sum = 0;
@@ -532,7 +536,7 @@ bool noise_stays_below(double most, std::array<double, 3> p, double size, int de
     sum += weight * (way[1] + way[2]);
   }
   if (sum > most) return false;
-  // |d/dp_a| <= 15/8 2 + 1: the two sides' means are between 0 and 2, and so is their difference.
+  // |d/dp_a| <= 15/8 2 + 1: the means of both sides lie between 0 and 2, and so does their difference.
   if (sum + 3 * 4.75 * size / 2 <= most) return true;
   if (depth == 0) return false;
   for (int part = 0; part < 8; ++part) {
@@ -546,7 +550,7 @@ bool noise_stays_below(double most, std::array<double, 3> p, double size, int de
 TEST(ReferenceTexture, NoNoiseIsLargerThanItsBound) {
   EXPECT_TRUE(noise_stays_below(CertifiedPerlin::largest_noise, {0.5, 0.5, 0.5}, 1, 14));
   EXPECT_FALSE(noise_stays_below(1.03, {0.5, 0.5, 0.5}, 1, 14));
-  // Somewhere it is as large as the lattice says, and not more.
+  // The bound of the lattice is attained at one point and is never exceeded.
   const std::array<double, 3> at{0.481492208, 0.5, 0.644743299};
   EXPECT_FALSE(noise_stays_below(1.03635381, at, 0, 0));
   EXPECT_TRUE(noise_stays_below(PerlinLattice::largest, at, 0, 0));

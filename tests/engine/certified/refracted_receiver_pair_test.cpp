@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// References of two receivers through refracting water: against closed forms of one gradient integrated
-// apart, straight references of receiver pairs, references of one receiver, and laws that hold whatever the
-// water.
+// Tests certified references of a receiver pair in stratified water. The comparisons are closed forms of
+// one gradient, straight references, references of one receiver, and laws that hold in any water.
 #include "engine/certified/refracted_receiver_pair.hpp"
 
 #include <fmt/format.h>
@@ -21,7 +20,7 @@ namespace {
 
 using namespace test;
 
-/// A transmitter and a receiver pair over a flat seabed, and what stands on it.
+/// A transmitter and a receiver pair over a flat seabed with optional objects.
 struct Staffed {
   const GradientSeabed& site;
   const WaterColumn& water;
@@ -92,7 +91,7 @@ struct Staffed {
                                            receiver_pair, samples, model, ordinary, tolerance);
   }
 
-  /// Without bounds: receivers in the seabed as it appears from the receiver pair's middle.
+  /// Computes without bounds: the receivers use the apparent positions as seen from the middle of the pair.
   ReceiverPairEcho ordinary(const ApparentMapSettings& settings) const {
     std::vector<FacetId> all(site.base.facets.size());
     std::iota(all.begin(), all.end(), 0u);
@@ -126,7 +125,7 @@ struct Staffed {
   GradientPath by(double g, double end) const { return {g, sent_m, end_m(end), absorption, &patterns}; }
 };
 
-/// Rows as certify_receiver_pair_echo() has them, of a rectangle of the seabed.
+/// Returns the rows of a rectangle of the seabed in the order of certify_receiver_pair_echo().
 std::vector<double> rectangle_rows(const Staffed& scene, double g, glm::dvec2 from, glm::dvec2 to) {
   const RangeSamples& samples = scene.samples;
   const GradientPath upper = scene.by(g, 1), lower = scene.by(g, -1);
@@ -156,7 +155,8 @@ ReceiverBaseline receiver_pair_of(double baseline_m, double wavelength_m) {
   return {glm::normalize(glm::dvec3(0.4, 0.1, 0.9)), baseline_m, 2 * std::numbers::pi / wavelength_m};
 }
 
-/// Of a row, that of the energies it is reported with.
+/// Returns the energy that scales a value: the energy itself, or for a product the geometric mean of both
+/// energies.
 double size_at(const std::vector<double>& rows, std::size_t bin) {
   const std::size_t row = rows.size() / 4, k = bin % row;
   return bin < 2 * row ? rows[bin] : std::sqrt(std::max(rows[k] * rows[row + k], 0.0));
@@ -169,8 +169,9 @@ double share(const RefractedReference& found) {
   return bounds / sizes;
 }
 
-// Energies and products to receivers whose rays are arcs, times and all, the transmitter in their middle or
-// elsewhere. Bounds shrink with the gap, and fail when a value is moved by twice the bound.
+// Compares energies and products with receivers whose rays are arcs, including travel times. The
+// transmitter lies in the middle of the pair or elsewhere. Bounds shrink with the travel-path error, and
+// fail when a value moves by twice the bound.
 TEST(RefractedReceiverPair, HoldsTheClosedFormOfOneGradient) {
   const GradientSeabed seabed = plate(from, to);
   for (const bool apart : {false, true})
@@ -231,7 +232,8 @@ void expect_agree(const CertifiedEcho& a, const CertifiedEcho& b) {
   for (std::size_t row = 0; row < 4; ++row) expect_agree(a, row, b, row);
 }
 
-// Of laws, textures, patterns and a board that hides some of it from each.
+// The cases include scattering models, textures, patterns, and a board that hides parts of the seabed from
+// each end.
 TEST(RefractedReceiverPair, IsovelocityWaterIsTheStraightReference) {
   const WaterColumn even{SoundSpeedProfile({{0, 1500}, {50, 1500}}), {}};
   for (int kind = 0; kind < 4; ++kind)
@@ -257,7 +259,7 @@ TEST(RefractedReceiverPair, IsovelocityWaterIsTheStraightReference) {
     }
 }
 
-// What a gradient changes shrinks with it, in the first order.
+// The effect of a gradient vanishes with the gradient, in first order.
 TEST(RefractedReceiverPair, AGradientThatGoesToZeroLeavesIsovelocityWater) {
   const GradientSeabed seabed = plate(from, to);
   const WaterColumn even{SoundSpeedProfile({{-10, 1500}, {60, 1500}}), {}};
@@ -313,7 +315,8 @@ TEST(RefractedReceiverPair, SwappedReceiversAreConjugateAndNoBaselineIsOneReceiv
   }
 }
 
-// Two parts of a seabed add up; what both receive alike is no more than either receives.
+// The energies of two parts of a seabed add up. The product of both receivers is at most the energy of
+// either receiver.
 TEST(RefractedReceiverPair, PartsOfTheSeabedAddUp) {
   const glm::dvec2 lower_end(17, from.y), upper_end(17, to.y);
   const GradientSeabed whole = plate(from, to), near = plate(from, upper_end), far = plate(lower_end, to);
@@ -339,7 +342,7 @@ TEST(RefractedReceiverPair, PartsOfTheSeabedAddUp) {
                   all.bound[2 * row + k] + all.bound[3 * row + k]);
 }
 
-// What is computed without bounds takes the seabed as it appears from the receiver pair's middle.
+// The computation without bounds uses the apparent seabed as seen from the middle of the receiver pair.
 TEST(RefractedReceiverPair, OrdinaryEnergiesAndProductsLieWithin) {
   GradientSeabed seabed(board(), 24, 8);
   const WaterColumn water = seabed_gradient(-0.4);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// References through refracting water of seabeds that are not Lambert's and even: against rings of one
-// gradient in closed form, with laws written anew here, against single rays, and against straight references
-// in even water.
+// Tests certified references in stratified water for scattering models other than Lambert's law and for
+// textured seabeds. The comparisons are closed forms of rings in one gradient with independent scattering
+// formulas, single rays, and straight references in isovelocity water.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ using test::Triangle;
 constexpr double pi = std::numbers::pi, degree = pi / 180;
 constexpr std::array<double, 5> table_deg{10, 24, 37, 52, 80}, table_db{-38, -30, -27, -22, -12};
 
-/// A law, and its value by the published formula at an angle of incidence.
+/// A scattering model, and its published formula as a function of the angle of incidence.
 struct Law {
   const char* name;
   ScatteringModel model;
@@ -70,8 +70,8 @@ double ring_energy(const Law& model, double g, double t1, double t2, double abso
       t1, t2, 8, 1e-9);
 }
 
-// Also that bounds have not much to spare: a fifth of one would fail somewhere, and all fail when energies
-// are moved by twice the bound.
+// The bounds are also tight: a fifth of a bound fails somewhere, and all bounds fail when energies move by
+// twice the bound.
 TEST(RefractedSeabed, HoldsTheClosedFormOfEveryLaw) {
   constexpr std::uint64_t seed = 31;
   std::mt19937_64 random(seed);
@@ -96,7 +96,7 @@ TEST(RefractedSeabed, HoldsTheClosedFormOfEveryLaw) {
         const double truth = width_deg * degree *
                              ring_energy(model, g, from / 1500, (from + samples.step_m) / 1500, absorption);
         const double energy = found.certified.echo.energy[k], bound = found.certified.bound[k];
-        // The tubes' rays are rounded to 2^-30.
+        // The rays of the tubes are rounded to 2^-30.
         EXPECT_LE(std::abs(energy - truth), bound + 3e-8 * truth) << k;
         EXPECT_GT(std::abs(energy + 2 * bound - truth), bound - 3e-8 * truth) << k;
         closest = std::max(closest, std::abs(energy - truth) / bound);
@@ -148,14 +148,14 @@ TEST(RefractedSeabed, IsovelocityWaterIsTheStraightReference) {
       EXPECT_LE(std::abs(found.certified.echo.energy[k] - straight.echo.energy[k]),
                 found.certified.bound[k] + straight.bound[k])
           << k;
-      // What two grid units that corners may be off make of a sample of 2 m, beside edges of facets over
-      // which laws fall a hundredfold.
+      // The bound covers corners that are displaced by two grid units, for a range bin of 2 m. At edges of
+      // some facets the scattering models fall by a factor of a hundred.
       EXPECT_LE(found.certified.bound[k], 0.03 * straight.echo.energy[k]) << k;
     }
   }
 }
 
-/// By Gauss's rule of three points in cells of time and azimuth.
+/// Integrates with Gauss's rule of three points in cells of time and azimuth.
 double textured_energy(const ReflectivityField& texture, double g, double t1, double t2, double half_width) {
   const std::array<double, 3> node{-std::sqrt(0.6), 0, std::sqrt(0.6)}, weight{5. / 18, 8. / 18, 5. / 18};
   constexpr int n = 40;
@@ -174,7 +174,8 @@ double textured_energy(const ReflectivityField& texture, double g, double t1, do
   return sum * (t2 - t1) * 2 * half_width / (n * n);
 }
 
-// Where the seabed lies, which is up to metres from where it is seen.
+// The texture is evaluated at the true position of the seabed, which is up to metres from the apparent
+// position.
 TEST(RefractedSeabed, HoldsMicroTextureWhereTheSeabedLies) {
   const RangeSamples samples{24, 0.7, 16};
   for (const double g : {-1.0, 0.4}) {
@@ -211,7 +212,7 @@ TEST(RefractedSeabed, HoldsMicroTextureWhereTheSeabedLies) {
   }
 }
 
-// A texture as fine as places are known is not claimed to be known.
+// Positions are uncertain. The bound includes a texture whose wavelength is as small as this uncertainty.
 TEST(RefractedSeabed, WhatIsFinerThanPlacesAreKnownIsInTheBound) {
   const RangeSamples samples{25, 6, 1};
   GradientSeabed even, fine, coarse;
@@ -225,7 +226,8 @@ TEST(RefractedSeabed, WhatIsFinerThanPlacesAreKnownIsInTheBound) {
               .certified;
       return found.bound[0] / found.echo.energy[0];
     };
-    // Places are known to within about the gap, and the noise changes by up to some 3 in a wavelength.
+    // Positions are known to about the travel-path error. The noise changes by up to about 3 per
+    // wavelength.
     const double of_even = bound(even), of_fine = bound(fine), of_coarse = bound(coarse);
     EXPECT_GT(of_fine, of_even + 0.5 * gap / 0.2);
     EXPECT_LT(of_fine, of_even + 50 * gap / 0.2);
@@ -235,7 +237,7 @@ TEST(RefractedSeabed, WhatIsFinerThanPlacesAreKnownIsInTheBound) {
   }
 }
 
-// Every enclosure of a facet by itself, against single eigenrays to places on it.
+// Compares each enclosure of a facet with single eigenrays to points on the facet.
 TEST(RefractedSeabed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
   constexpr std::uint64_t seed = 12;
   std::mt19937_64 random(seed);
@@ -245,7 +247,7 @@ TEST(RefractedSeabed, EnclosuresHoldWhatRaysToPlacesOnFacetsSay) {
   for (int trial = 0; trial < 60; ++trial) {
     const Law& model = models()[std::size_t(trial) % models().size()];
     SCOPED_TRACE(fmt::format("{} seed {} trial {}", model.name, seed, trial));
-    // Some nearly across the ray.
+    // Some facets are nearly perpendicular to the ray.
     const glm::dvec3 at(2 + 50 * unit(random) * unit(random), 10 * unit(random) - 5, -4 - 12 * unit(random));
     const double size = trial % 3 ? 3 : 0.5;
     Triangle t;

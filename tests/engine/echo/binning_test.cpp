@@ -9,7 +9,8 @@
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/integrals/measure.hpp"
 
-// Fast binning: right totals, right samples, and an error that falls with the footprint's size squared.
+// Tests fast binning, which evaluates the scattering model once per footprint. Totals and range bins are
+// correct, and the error falls with the square of the footprint size.
 namespace tubefoot {
 namespace {
 
@@ -81,7 +82,7 @@ TEST(FastBinning, SpreadsEvenlyOverTheRangesOfAFootprint) {
     const double overlap = std::max(0.0, std::min(hi, far) - std::max(lo, near));
     EXPECT_NEAR(energy[std::size_t(k)], all * overlap / (far - near), 1e-12 * all) << k;
   }
-  // A window that begins or ends within the footprint gets its share only.
+  // Range bins that begin or end within the footprint get only their share of the energy.
   const RangeSamples part{near + 0.25 * (far - near), 0.25 * (far - near), 2};
   EXPECT_NEAR(total(energies(history, part, Binning::spread)) / all, 0.5, 1e-12);
 }
@@ -115,7 +116,7 @@ TEST(FastBinning, SamplesConvergeAndSpreadIsTheBetterOne) {
   EXPECT_LT(l1(16, Binning::spread), l1(16, Binning::centroid));
 }
 
-/// The same footprints, received by a receiver in another place.
+/// Returns the same footprints for a receiver at another position.
 BistaticHistory received_from(const History& history, glm::dvec3 receiver_m) {
   BistaticHistory both;
   both.transmit.tubes.resize(1);

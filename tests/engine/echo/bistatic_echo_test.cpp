@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests bistatic echoes of a separate transmitter and receiver. The comparisons are closed forms on planes,
+// quadrature in space, the monostatic echo, reciprocity, and random samples of paths.
+
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -36,9 +39,9 @@ Echo echo_of(const BistaticHistory& history, const RangeSamples& samples, double
 const Polygon2 endless{{-1e5, -1e5}, {1e5, -1e5}, {1e5, 1e5}, {-1e5, 1e5}};
 
 TEST(BistaticEcho, TheWholePlaneIsAPoissonKernel) {
-  // h / (2 pi r^3) is Poisson's kernel of the half space, and these kernels are a semigroup in h: the
-  // integral of h1 h2 / (r1^3 r2^3) is 2 pi (h1 + h2) / l^3, l the distance of one apex from the other one's
-  // image.
+  // h / (2 pi r^3) is Poisson's kernel of the half space. These kernels form a semigroup in h: the integral
+  // of h1 h2 / (r1^3 r2^3) is 2 pi (h1 + h2) / l^3. Here l is the distance between one apex and the mirror
+  // image of the other.
   for (const auto& [h1, h2, b] :
        {std::tuple{5.0, 5.0, 0.0}, {5.0, 2.0, 3.0}, {0.5, 0.4, 20.0}, {9.0, 0.05, 2.0}, {3.0, 3.0, 50.0}}) {
     const BistaticHistory history = piece_on(test::flat_seabed(h1), endless, {0.6 * b, -0.8 * b, h2 - h1});
@@ -50,7 +53,8 @@ TEST(BistaticEcho, TheWholePlaneIsAPoissonKernel) {
   }
 }
 
-/// Whole rings with one apex above the other: with u = rho^2, the integral of du / 2 ((u + a) (u + b))^-3/2.
+/// Whole rings with one apex above the other: with u = rho^2, the integral of du / 2 ((u + a) (u +
+/// b))^-3/2.
 double rings(double h1, double h2, double half_path) {
   const double path = 2 * half_path, a = h1 * h1, b = h2 * h2;
   if (path <= h1 + h2) return rings(h1, h2, (h1 + h2) / 2 * (1 + 1e-15));
@@ -92,7 +96,8 @@ TEST(BistaticEcho, RingsWithAbsorptionAreASingleIntegral) {
   }
 }
 
-/// Integral over a polygon in space, from scratch: `density` of a point relative to the transmitter.
+/// Integrates over a polygon in space with independent code. `density` takes a point relative to the
+/// transmitter.
 template <class Density>
 double over_polygon(const std::vector<glm::dvec3>& corners, const Density& density) {
   double sum = 0;
@@ -140,7 +145,7 @@ TEST(BistaticEcho, TiltedFacetsAgreeWithQuadratureInSpaceWithAndWithoutPatterns)
   }
 }
 
-// Scenes of the kernel's tests, in metres.
+// Scenes of the tests of the visibility kernel, in metres.
 
 constexpr double unit = 0x1p-20;
 
@@ -207,7 +212,7 @@ TEST(BistaticEcho, InOnePlaceItIsTheMonostaticEcho) {
   }
 }
 
-// Plain doubles name the same corners, where none is in ambiguity.
+// The kernel in plain doubles finds the same corners where no decision is ambiguous.
 TEST(BistaticEcho, DoublesSeeTheSameWhereNothingIsDegenerate) {
   const Scenery run(terrain_with_box());
   const TubeSet a = test::forward_tubes({-1000000, 0, 0}, 4, 2, 70, 40, 20),
@@ -224,7 +229,7 @@ TEST(BistaticEcho, DoublesSeeTheSameWhereNothingIsDegenerate) {
     ASSERT_NEAR(echo.at(0, k), expected.at(0, k), 1e-12 * expected.at(0, k) + 1e-15 * total(expected)) << k;
 }
 
-// A seabed of a lattice: tubes' walls run through its vertices and along its edges, and other facets
+// The seabed is a lattice. Walls of tubes contain vertices and edges of the lattice, and other facets
 // coincide.
 TEST(BistaticEcho, DoublesInADegenerateSceneStayFinite) {
   FacetMesh mesh;
@@ -281,9 +286,9 @@ TEST(BistaticEcho, TubesOfTheReceiverAddUp) {
 }
 
 TEST(BistaticEcho, AWallHidesWhatEitherOfThemCannotSee) {
-  // Apexes 4 m above a seabed, 2 m to the left and to the right of a wall of 3 m: each one's shadow on the
-  // seabed reaches 2 m 3 / (4 - 3) = 6 m beyond the wall, and of the wall they see different sides. So the
-  // seabed's part beyond 6 m to either side is all there is.
+  // Both apexes lie 4 m above a seabed, 2 m to the left and to the right of a wall of 3 m. The shadow of
+  // each apex on the seabed ends 2 m 3 / (4 - 3) = 6 m beyond the wall. The apexes see different sides of
+  // the wall. Only the seabed beyond 6 m on either side returns energy.
   constexpr std::int32_t m = 1 << 20;
   const auto scene = [&](std::int32_t wall) {
     FacetMesh mesh;
@@ -297,7 +302,7 @@ TEST(BistaticEcho, AWallHidesWhatEitherOfThemCannotSee) {
   TubeSet left;
   left.apex = {-2 * m, -2 * m, 0};
   left.reach = 1e12;
-  left.rays = {{-200, 10, -30}, {-200, 10, -1}, {200, 10, -1}, {200, 10, -30}};  // all of the seabed
+  left.rays = {{-200, 10, -30}, {-200, 10, -1}, {200, 10, -1}, {200, 10, -30}};  // the whole seabed
   left.tubes = {{0, 1, 2, 3}};
   TubeSet right = left;
   right.apex.x = 2 * m;
@@ -317,7 +322,8 @@ TEST(BistaticEcho, AWallHidesWhatEitherOfThemCannotSee) {
 }
 
 TEST(BistaticEcho, ARandomSampleOfPathsAgrees) {
-  // Points thrown on every facet, and rays to both apexes: an oracle that shares nothing but the mesh.
+  // The oracle draws random points on each facet and traces rays to both apexes. It shares only the mesh
+  // with the engine.
   const unsigned seed = 57721;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);

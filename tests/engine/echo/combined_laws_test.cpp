@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Scattering law, micro-texture, beam patterns and loss of mirrors at once, in every integrator, against
-// brute force that writes all of them from their formulas.
+// Tests scattering model, micro-texture, beam patterns and reflection loss of mirrors together, in each
+// integrator. The comparison is brute-force quadrature with independent formulas.
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss.hpp>
@@ -34,7 +34,7 @@ using test::Polygon2;
 constexpr double pi = std::numbers::pi, degree = pi / 180, height = 4;
 const FacetPlane seabed = test::flat_seabed(height);
 
-/// A law, and its formula written again: cross-section by angle of incidence.
+/// A scattering model and an independent formula: cross-section by angle of incidence.
 struct Law {
   std::string name;
   double mu = 0;
@@ -47,7 +47,7 @@ Law lambert(double mu = 0.002) {
 }
 Law gsab(double width_deg = 6, double mu = 0.5) {
   const double b = width_deg * degree, f = 20 * degree;
-  return {"GSAB", mu,  // mu is not to count
+  return {"GSAB", mu,  // mu must have no effect
           std::make_shared<const ScatteringModel>(ScatteringModel::gsab({0.4, b, 0.01, 1.7, 0.03, f})),
           [=](double phi) {
             return 0.4 * std::exp(-phi * phi / (2 * b * b)) + 0.01 * std::pow(std::cos(phi), 1.7) +
@@ -70,7 +70,7 @@ Law table(double mu = 0.5) {
 }
 std::vector<Law> models() { return {lambert(), gsab(), table()}; }
 
-/// Smooth enough for rules that know nothing of their cells.
+/// Textures that are smooth enough for quadrature rules without knowledge of texture cells.
 std::vector<Field> textures() {
   return {nullptr, perlin(0.5, 2, 0.5, 5),
           std::make_shared<LayeredReflectivity>(std::vector{perlin(0.9, 1, 0.5, 5), perlin(0.7, 1, 0.5, 5)})};
@@ -79,7 +79,8 @@ std::vector<Field> textures() {
 Directivity line(double size, double steered_rad, glm::dvec3 axis) {
   return {Directivity::Kind::line, axis, false, std::sin(steered_rad), size, {}};
 }
-/// None; beams of one array, which are read from moments; beams that share no axis; tables.
+/// No patterns; beams of one array, which the integrator computes from moments; beams without a common
+/// axis; tables.
 std::vector<std::optional<BeamPatterns>> pattern_sets(std::uint32_t tubes) {
   const glm::dvec3 x{1, 0, 0}, y{0, 1, 0};
   const TransmitPattern sent(std::vector<Directivity>{line(6, 0.1, y), line(6, -0.3, y)});
@@ -107,7 +108,7 @@ struct Given {
                ? 1
                : patterns->transmit[0].gain(direction) * patterns->receive[beam].gain(direction);
   }
-  /// What a square metre at a place relative to the apex returns, on a seabed below it.
+  /// Returns the energy per square metre of a level seabed at a position relative to the apex.
   double density(glm::dvec3 p, std::size_t beam, double distance = height) const {
     const double r = glm::length(p);
     return model.value(std::acos(std::min(distance / r, 1.0))) * (texture ? texture->factor(apex_m + p) : 1) *
@@ -119,7 +120,7 @@ struct Given {
   std::size_t beams() const { return patterns ? patterns->receive.size() : 1; }
 };
 
-/// An EchoModel and what it refers to; all facets are of the one material.
+/// An `EchoModel` and the data that it refers to. All facets have one material.
 struct Laws {
   explicit Laws(const Given& g, std::size_t facets = 4)
       : mu{g.model.mu}, material(facets, 0), fields{g.texture}, scattering{g.model.model} {
@@ -135,7 +136,7 @@ struct Laws {
   EchoModel model;
 };
 
-/// Gauss's rule of N nodes on each of n.x times n.y panels, every beam at once.
+/// Gauss's rule of N nodes on each of n.x times n.y panels, for all beams at once.
 template <int N>
 std::vector<double> panels(glm::dvec2 lo, glm::dvec2 hi, glm::ivec2 n, std::size_t values,
                            const std::function<double(glm::dvec2, std::size_t)>& density) {
@@ -165,7 +166,7 @@ glm::dvec3 surface_apex(glm::dvec2 p, double distance = height) {
 
 Polygon2 rectangle(glm::dvec2 lo, glm::dvec2 hi) { return {lo, {hi.x, lo.y}, hi, {lo.x, hi.y}}; }
 
-/// One footprint of tube 0 for each polygon, on facets 0, 1, ...
+/// Makes one footprint of tube 0 per polygon, on facets 0, 1, ...
 History history_of(const std::vector<std::pair<FacetPlane, Polygon2>>& parts) {
   History history;
   for (const auto& [plane, polygon] : parts)
@@ -188,7 +189,7 @@ void for_all(std::uint32_t tubes, const Check& check) {
 }
 
 TEST(CombinedLaws, OrdinaryEchoAgreesWithBruteForce) {
-  // About the foot point, beside it, and far out.
+  // The polygons lie about the foot point, next to it, and far from it.
   const std::vector<std::pair<glm::dvec2, glm::dvec2>> places{
       {{-0.7, -0.5}, {0.4, 0.5}}, {{0.3, 0.2}, {1.2, 1}}, {{6, 1}, {7, 1.9}}};
   for (const auto& [lo, hi] : places) {
@@ -223,7 +224,7 @@ TEST(CombinedLaws, OrdinaryEchoAgreesWithBruteForce) {
 
 TEST(CombinedLaws, RangeSamplesAreRings) {
   const History history = history_of({{seabed, rectangle({-4, -4}, {4, 4})}});
-  const RangeSamples samples{4.07, 0.11, 4};  // between the ranges where the table bends
+  const RangeSamples samples{4.07, 0.11, 4};  // between the ranges of the kinks of the table
   for_all(1, [&](const Given& given) {
     const Laws l(given);
     const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.model);
@@ -282,7 +283,8 @@ TEST(CombinedLaws, ToleranceIsKeptByTheProductOfAllFactors) {
 }
 
 TEST(CombinedLaws, FacetsOfAllKindsBesideEachOtherAddUp) {
-  // Lambert's and a law, even and textured, on planes at equal and at different distances, interleaved.
+  // The footprints alternate between Lambert's law and another model, uniform and textured, on planes at
+  // equal and at different distances.
   const std::vector<Law> all{lambert(), gsab(), table(), gsab(15)};
   const std::vector<Field> fields{nullptr, perlin(0.5, 2, 0.5, 5), map_askew()};
   std::vector<std::pair<FacetPlane, Polygon2>> parts;
@@ -340,7 +342,7 @@ TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
       for (const Binning binning : {Binning::spread, Binning::centroid})
         EXPECT_NEAR(total(tubes, binning, b), expected, 1e-12 * expected) << b;
     }
-    // Rays on a square lattice: their directions are floats.
+    // Rays through a square lattice: the directions of the rays are floats.
     constexpr int n = 60;
     History rays;
     const glm::dvec2 cell = (hi - lo) / double(n);
@@ -362,7 +364,7 @@ TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
 
 // --- transmitter and separate receiver, and loss of mirrors
 
-/// By the two angles of one place: sqrt(sigma sigma), as the law's page says.
+/// Combines the angles of both legs as sqrt(sigma sigma), as docs/scattering.md defines.
 double apart_density(const Given& g, const Path* path, glm::dvec3 t, double ht, glm::dvec3 r, double hr,
                      std::size_t beam, const glm::dmat3& mirrored = glm::dmat3(1)) {
   const double rt = glm::length(t), rr = glm::length(r);
@@ -427,7 +429,7 @@ struct Bench {
     test::add_facet(mesh, v[0], v[1], v[2]);
     test::add_facet(mesh, v[0], v[2], v[3]);
   }
-  /// A tube of rays to the corners of a horizontal rectangle.
+  /// Adds a tube of rays to the corners of a horizontal rectangle.
   void add_tube(glm::dvec2 lo, glm::dvec2 hi, double z) {
     const auto first = std::uint32_t(tubes.rays.size());
     for (const glm::dvec2 c : {lo, glm::dvec2(hi.x, lo.y), hi, glm::dvec2(lo.x, hi.y)})
@@ -440,7 +442,8 @@ struct Bench {
 };
 
 TEST(CombinedLaws, CertifiedBoundHoldsTheBruteForceValue) {
-  // Cells of the noise are squares of 1/4 m on a level seabed, so that panels between them are smooth.
+  // Cells of the noise on a level seabed are squares of 1/4 m, so that the panels between the cell borders
+  // are smooth.
   const glm::dvec2 lo{0.25, 0.5}, hi{1, 1};
   const Field texture = perlin(0.5, 2, 0.5, 5);
   Bench bench;
@@ -465,7 +468,7 @@ TEST(CombinedLaws, CertifiedBoundHoldsTheBruteForceValue) {
       const double tolerance = 1e-7;
       const CertifiedEcho certified = certify_echo(bench.mesh, tree, history, options, beam_of_tube, samples,
                                                    l.model, ordinary, tolerance);
-      // Where a table's pieces meet is a circle, which panels do not know.
+      // The pieces of a table meet on a circle, which the panels do not resolve.
       const int n = model.name == "table" ? 120 : 12;
       const double truth = panels<10>(lo, hi, {n, n}, 1, [&](glm::dvec2 q, std::size_t) {
         return given.density({q, -height}, 0);
@@ -479,7 +482,7 @@ TEST(CombinedLaws, CertifiedBoundHoldsTheBruteForceValue) {
 }
 
 TEST(CombinedLaws, MirroredEchoAgreesWithBruteForce) {
-  // A patch of seabed, seen from above it and by way of the surface.
+  // A part of the seabed, seen directly from above and by the path over the water surface.
   const double surface = 1.5, rms = 0.02;
   const glm::dvec2 lo{0.5, 0.25}, hi{1, 0.625};
   Bench bench;
@@ -496,7 +499,8 @@ TEST(CombinedLaws, MirroredEchoAgreesWithBruteForce) {
   settings.mirrors.reflection = reflection;
   const double roughness = 40 * 40 * 4 * rms * rms;
   settings.mirrors.surface = SeaSurface{std::int32_t(std::lround(surface / Bench::unit)), 0.8, roughness};
-  // Over the surface the transmitter is at 2 * surface, and what it sends up goes down from there.
+  // For the path over the water surface, the transmitter has its mirror image at 2 * surface. Sound from
+  // there travels downwards.
   const glm::dvec3 image{0, 0, 2 * surface};
   const double far = height + 2 * surface;
   const glm::dmat3 flipped{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Arcs that are added by their ends, against quadrature that knows neither panels nor arcs.
+// Tests integrals of beam patterns over arcs that the integrator adds by their end points. The comparison
+// is quadrature without panels or arcs.
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss.hpp>
@@ -38,7 +39,7 @@ TEST(DirectionSpans, AreIntegralsOverTheCosineAcrossPanelsAndBothWays) {
   for (int trial = 0; trial < spans; ++trial) {
     const double origin = place(random);
     const double width = std::exp(log_width(random)) * (trial % 2 == 0 ? 1 : -1);
-    // One that starts on a border of panels, now and then.
+    // Some arcs start on a border of panels.
     const double from = trial % 5 == 0 ? -1 + 0.5 * (trial % 4) : origin;
     std::vector<CosineSpan> alike;
     for (int k = 0; k < 3; ++k) {
@@ -50,7 +51,7 @@ TEST(DirectionSpans, AreIntegralsOverTheCosineAcrossPanelsAndBothWays) {
     const auto sample = std::uint32_t(trial % int(samples));
     moments.begin(sample);
     moments.add(alike, origin);
-    // What comes after is not taken for what was before, and goes on in its own sample.
+    // A later call in another range bin does not reuse the values of an earlier call.
     const std::vector<double> node{0.1}, weight{2.0};
     moments.begin((sample + 1) % samples);
     moments.add(std::span<const double>(node), std::span<const double>(weight));
@@ -84,7 +85,7 @@ TEST(DirectionSpans, AreIntegralsOverTheCosineAcrossPanelsAndBothWays) {
   }
 }
 
-/// Energy of a small polygon between no ranges at all, triangle by triangle in space.
+/// Returns the energy of a small polygon without range limits, by triangles in space.
 double over_space(const FacetPlane& plane, const test::Polygon2& p,
                   const std::function<double(glm::dvec3)>& gain) {
   using boost::math::quadrature::gauss;
@@ -107,8 +108,8 @@ double over_space(const FacetPlane& plane, const test::Polygon2& p,
   return sum;
 }
 
-/// Footprints under the beams of a camera, `thinness` times as wide as long, against their integrals in
-/// space.
+/// Compares footprints under the beams of a camera with their integrals in space. The footprints are
+/// `thinness` times as wide as long.
 void expect_integrals_in_space(double thinness, std::initializer_list<double> tolerances, double rounding) {
   std::mt19937_64 random(27182);
   std::uniform_real_distribution<double> across(-3, 3), ahead(-2, 9), size(0.01, 0.12), distance(0.3, 5);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests echo integrals of the monostatic engine. The comparisons are printed values and closed forms of a
+// flat Lambert seabed (physics sheet 7.5), quadrature in space, and sums over ray hits.
+
 #include "engine/echo/echo.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +32,8 @@ const double mu = lambert_mu(-27);
 
 double relative(double value, double expected) { return std::abs(value / expected - 1); }
 
-/// What a fan of azimuth dphi returns from a flat Lambert seabed between two ranges (physics sheet 7.5).
+/// Returns the energy of a fan of azimuth dphi from a flat Lambert seabed between two ranges (physics sheet
+/// 7.5).
 double closed_form(double dphi, double r1, double r2, double absorption_db_per_m) {
   const double beta = 2 * absorption_db_per_m * std::log(10.0) / 10;
   const auto antiderivative = [beta](double r) {
@@ -38,7 +42,7 @@ double closed_form(double dphi, double r1, double r2, double absorption_db_per_m
   return mu * height * height * dphi * (antiderivative(r1) - antiderivative(r2));
 }
 
-/// A tube between two vertical planes that meet below the apex, straight walls near and far.
+/// A tube between two vertical planes that meet below the apex, with straight near and far walls.
 Polygon2 wedge(double dphi, double near, double far) {
   const glm::dvec2 a(1, 0), b(std::cos(dphi), std::sin(dphi));
   if (near == 0) return {{0, 0}, far * a, far * b};
@@ -136,7 +140,7 @@ TEST(FlatLambertSeabed, WholePlaneWithTheFootInside) {
 }
 
 TEST(FlatLambertSeabed, TubesOfAFanAddUpWhateverTheirWalls) {
-  // Neighbouring tubes share straight walls that are not range rings; together they are the wedge.
+  // Adjacent tubes share straight walls that are not range rings. Together the tubes form the wedge.
   History whole, parts;
   add_footprint(whole, 0, 0, flat_seabed(height), {wedge(slice, 5, 60)});
   double near = 5;
@@ -159,7 +163,7 @@ TEST(Echo, TiltedFacetsAgreeWithQuadratureOverTheirArea) {
   for (int i = 0; i < 40; ++i) {
     const FacetPlane plane = test::random_plane(random, distance(random));
     const Polygon2 p = test::random_convex(random, {place(random), place(random)}, 4, 2);
-    // From scratch, in space: mu sin^2 / r^4 with the sine from the normal.
+    // Independent quadrature in space: mu sin^2 / r^4 with the sine from the normal.
     const auto corners = on_plane(plane, p);
     double expected = 0;
     for (std::size_t t = 2; t < p.size(); ++t) {
@@ -210,7 +214,7 @@ TEST(Echo, RayHitsCountWithTheirSolidAngle) {
 }
 
 TEST(Echo, HitsOnABorderFallWhereFootprintsAreCut) {
-  const RangeSamples samples{0.7, 0.1, 500};  // no border but the first few is a multiple of the step
+  const RangeSamples samples{0.7, 0.1, 500};  // only the first few bin borders are multiples of the step
   const std::vector<double> borders = sample_borders_m(samples);
   for (int k = 0; k < samples.count; ++k) {
     History history;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// An echo in memory that is used again, and where in it there is anything.
+// Tests `LitEcho`: an echo in reused memory, with a record of the non-empty sample range.
 #include "engine/echo/lit_echo.hpp"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ TEST_F(LitEchoes, AreTheSameInMemoryOfOthers) {
   std::vector<double> room;
   for (int k = 0; k < 6; ++k) {
     const History seen = history({0, 300000 * k, 200000 * k});
-    // Of other sizes, too: what is left over is 0 again.
+    // The number of range bins may change: the rest of the memory is zero again.
     const RangeSamples own{2, 0.0625 / (1 + k % 3), 300 * (1 + k % 3)};
     const Echo expected = integrate_echo(seen, {6, beams}, own, model());
     ASSERT_FALSE(all_zero(expected.energy));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Micro-texture in echoes, against quadrature that knows nothing of cells, slabs and arcs.
+// Tests echoes of seabeds with micro-texture. The comparison is quadrature without knowledge of the cells,
+// slabs and arcs of the integrator.
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss.hpp>
@@ -67,7 +68,8 @@ double even_density(const FacetPlane& plane, double r, double absorption_db_per_
   return mu * plane.distance_m * plane.distance_m * std::pow(r, -6) * std::exp(-beta * r);
 }
 
-/// Integral over a rectangle by a rule of 4 nodes on each of many small panels, none at a texture's cells.
+/// Integrates over a rectangle by a rule of 4 nodes on each of many small panels, independent of texture
+/// cells.
 double panels(glm::dvec2 lo, glm::dvec2 hi, int nx, int ny,
               const std::function<double(double x, double y)>& density) {
   using Rule = boost::math::quadrature::gauss<double, 4>;
@@ -87,7 +89,7 @@ double panels(glm::dvec2 lo, glm::dvec2 hi, int nx, int ny,
   return sum * half.x * half.y;
 }
 
-/// Energy from a rectangle on a plane.
+/// Returns the energy of a rectangle on a plane.
 double quadrature(const FacetPlane& plane, glm::dvec2 lo, glm::dvec2 hi,
                   const std::function<double(glm::dvec3 from_apex)>& factor, int n = 64) {
   const PlaneFrame frame(plane);
@@ -118,7 +120,7 @@ TEST(MicroTexture, RectanglesAgreeWithBruteForce) {
   for (const auto& [name, texture] : textures())
     for (int i = 0; i < 4; ++i) {
       const FacetPlane plane = i == 0 ? flat_seabed(4) : test::random_plane(random, distance(random));
-      // The second lies about the foot point.
+      // The second rectangle contains the foot point.
       const glm::dvec2 lo = i == 1 ? glm::dvec2{-0.3, -0.4} : glm::dvec2{place(random), place(random)};
       const glm::dvec2 hi = lo + glm::dvec2(size(random) + 0.4 * (i == 1), size(random) + 0.4 * (i == 1));
       const History history = history_of(plane, {rectangle(lo, hi)});
@@ -181,7 +183,7 @@ TEST(MicroTexture, AFootprintCutInPiecesIsTheSame) {
 }
 
 TEST(MicroTexture, AFootprintMuchSmallerThanTheTextureHasTheFieldsValueFromEveryView) {
-  // The world's plane z = 0 at one place, seen from two apexes.
+  // Two apexes see the plane z = 0 of the scene at one place.
   const glm::dvec3 place{7.3, -2.8, 0};
   for (const auto& [name, texture] : textures())
     for (const glm::dvec3 from : {glm::dvec3{5, -2, 3}, {11, 4, 8}}) {
@@ -197,7 +199,7 @@ TEST(MicroTexture, AFootprintMuchSmallerThanTheTextureHasTheFieldsValueFromEvery
 }
 
 TEST(MicroTexture, TheMeanLevelOverAPeriodIsThatOfAnEvenSeabed) {
-  // From so far up that all of the strip is received alike. 256 cells are a period.
+  // At this height the whole strip has the same level. The period is 256 cells.
   const double height = 2e4, wavelength = 0.5;
   const FacetPlane seabed = flat_seabed(height);
   const Settings settings{.samples = {1.9e4, 2e3, 1}, .absorption_db_per_m = 0};
@@ -315,7 +317,7 @@ TEST(MicroTexture, PatternsAndTextureAgreeWithBruteForce) {
   const History history = history_of(seabed, {rectangle(lo, hi)});
   const glm::dvec3 x{1, 0, 0}, y{0, 1, 0};
   const TransmitPattern sent(std::vector<Directivity>{line(6, 0.1, y), line(6, -0.3, y)});
-  // Four beams of an array, read from moments, then two that share no axis.
+  // Four beams of an array, which are read from moments, then two without a common axis.
   const std::vector<std::vector<Directivity>> receivers{
       {line(20, 0.1, x), line(20, 0.3, x), line(20, 0.5, x), line(20, 0.7, x)},
       {line(9, 0.4, x), {Directivity::Kind::gaussian, y, false, 0.2, 0.3}}};
@@ -363,10 +365,10 @@ TEST(MicroTexture, TwoReceiversOfAPairAgreeWithBruteForce) {
     model.path.tx.apex_m = apex;
     const ReceiverPairEcho echo =
         integrate_receiver_pair_echo(history, receiver_pair, 0, 0, {0.1, 100, 1}, model);
-    // quadrature() has the law of one apex: what is more by way of a receiver.
+    // quadrature() has the monostatic law. This factor converts the receive leg to that of the receiver.
     const auto further = [&](glm::dvec3 p, glm::dvec3 receiver) {
       const double height = glm::dot(seabed.normal, receiver - p), range = glm::distance(p, receiver);
-      const double beta = 0.2 * std::log(10.0) / 10;  // the way there is in quadrature() already
+      const double beta = 0.2 * std::log(10.0) / 10;  // quadrature() already contains the transmit leg
       return height / seabed.distance_m * std::pow(glm::length(p) / range, 3) *
              std::exp(-beta * (range - glm::length(p)));
     };

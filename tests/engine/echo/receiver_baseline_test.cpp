@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two receivers on a receiver pair: products of their signals against true distances in space and against
-// closed forms.
+// Tests products of the signals of a receiver pair. The comparisons are true distances in space and closed
+// forms of the phase and the coherence.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -61,11 +61,11 @@ TEST(ReceiverBaseline, PathDifferenceIsThatOfTheTrueWays) {
     EXPECT_NEAR(baseline.path_difference(r, glm::dot(p, baseline.axis) / r), expected,
                 4e-16 * r + 1e-13 * baseline.baseline_m);
   }
-  // The lower receiver is nearer to what lies below.
+  // The lower receiver is nearer to points below.
   EXPECT_GT((ReceiverBaseline{{0, 0, 1}, 0.1, 1}.path_difference(10, -0.5)), 0);
 }
 
-/// A strip, 2 mm wide along the track, of a plane below that rises by `slope` to starboard (x).
+/// A strip, 2 mm wide along the track, of a plane below the sonar that rises by `slope` to starboard (x).
 struct Slope {
   double depth = 8, slope = 0.2;
   History history;
@@ -97,7 +97,8 @@ TEST(ReceiverBaseline, RaysAndCentroidsHaveThePhaseOfTheirPlace) {
       (glm::distance(7.25 * d, 0.1 * baseline.axis) - glm::distance(7.25 * d, -0.1 * baseline.axis));
   const Echo echo = echo_of(rays, {7, 0.5, 1}, one_beam(baseline));
   EXPECT_GT(echo.at(0, 0), 0);
-  EXPECT_LT(std::abs(cross_of(echo, 0) / echo.at(0, 0) - std::polar(1.0, direct)), 1e-4);  // float direction
+  // float direction
+  EXPECT_LT(std::abs(cross_of(echo, 0) / echo.at(0, 0) - std::polar(1.0, direct)), 1e-4);
 
   Slope seabed;
   measure(seabed.history.footprints);
@@ -108,7 +109,8 @@ TEST(ReceiverBaseline, RaysAndCentroidsHaveThePhaseOfTheirPlace) {
   EXPECT_LT(std::abs(cross_of(binned, 0) / binned.at(0, 0) - std::polar(1.0, expected)), 1e-9);
 }
 
-// Ranges of the two receivers differ: a hit near a sample's border is in another one of each.
+// The ranges of the two receivers differ: a hit near a bin border falls into a different range bin for each
+// receiver.
 TEST(ReceiverBaseline, HitsAndCentroidsFallIntoEachReceiversOwnSample) {
   const ReceiverBaseline baseline = receiver_pair(0.3, 0.2, 0.01);
   const glm::dvec3 d = glm::normalize(glm::dvec3(2, 0.1, -1));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Covariances of the two receivers of a receiver pair against closed forms, against sums over scatterers, and
-// against realisations of scatterers.
+// Compares covariances of a receiver pair with closed forms, with sums over scatterers, and with
+// realisations of random scatterers.
 #include "engine/echo/receiver_pair_echo.hpp"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ BeamPatterns patterns_of(const ReceiverBaseline& receiver_pair, const Directivit
   return {{transmit}, {receive}, {0}, {{0, 1}}, {receiver_pair}};
 }
 
-/// A piece of one facet that all see.
+/// A part of one facet that all ends see.
 ReceiverPairHistory piece_on(const FacetPlane& plane, const Polygon2& polygon) {
   ReceiverPairHistory history;
   SharedFacet facet;
@@ -74,8 +74,8 @@ ReceiverBaseline receiver_pair_at(double tilt_rad, double baseline_m, double fre
   return {{std::sin(tilt_rad), 0, std::cos(tilt_rad)}, baseline_m, 2 * pi * frequency_hz / 1500};
 }
 
-/// |sin((dR - s) kappa / 2)| / (dR kappa / 2): the sample's own spread of phases, and the part of it that
-/// both receivers have in the same sample. `delta` of the path difference at a range.
+/// |sin((dR - s) kappa / 2)| / (dR kappa / 2): the spread of phases in the range bin, over the part that
+/// both receivers have in the same bin. `delta` returns the path difference at a range.
 template <class Delta>
 double expected_coherence(double range, double step, double wavenumber, const Delta& delta) {
   const double shift = std::abs(delta(range)) / 2;
@@ -84,14 +84,15 @@ double expected_coherence(double range, double step, double wavenumber, const De
   return std::abs(std::sin((step - shift) * kappa / 2)) / (step * kappa / 2);
 }
 
-// A facet whose plane passes between the two ends is seen by one of them, whatever the other one is.
+// If the plane of a facet passes between the two ends, one end sees the facet. This does not depend on
+// which end it is.
 TEST(ReceiverPairEcho, AFacetThatOnlyOneEndFacesIsReceivedByThatEnd) {
   const FacetPlane plane{{1, 0, 0}, 0.02};
   ReceiverPairHistory history = piece_on(plane, {{3, 3}, {4, 3}, {4, 4}});
   const RangeSamples samples{3, 1, 4};
   history.by_lower = {};
   const ReceiverPairEcho across = echo_of(history, patterns_of({{1, 0, 0}, 0.1, 100}), samples);
-  // The upper end in the same place, the lower one next to it, before the plane.
+  // The upper end stays in place. The lower end lies next to it, before the plane.
   history.middle_m = {0.045, 0, 0};
   const ReceiverPairEcho before = echo_of(history, patterns_of({{1, 0, 0}, 0.01, 100}), samples);
   double all = 0;
@@ -109,7 +110,7 @@ TEST(ReceiverPairEcho, CoherenceOfTheFlatSeabedHasTheShiftOfTheReceiversSamples)
   const ReceiverBaseline receiver_pair = receiver_pair_at(pi / 6, 0.06, 250e3);
   const ReceiverPairEcho echo =
       echo_of(strip(10, 0, 5, 40), patterns_of(receiver_pair), {range - step / 2, step, 1});
-  // Summed over eight million scatterers: 0.9268102. Without the shift it is 0.999876.
+  // A sum over eight million scatterers gives 0.9268102. Without the shift the value is 0.999876.
   EXPECT_NEAR(coherence(echo, 0), 0.926810, 2e-6);
   const double lean = std::asin(1.0 / 3) - pi / 6;
   EXPECT_NEAR(coherence(echo, 0), 0.999876 * (1 - 0.03 * std::abs(std::sin(lean)) / step), 5e-5);
@@ -129,7 +130,8 @@ TEST(ReceiverPairEcho, TiltedSeabedsAndLongBaselinesFollowTheClosedForm) {
           const ReceiverPairEcho echo =
               echo_of(strip(depth, slope, 2, 60), patterns_of(receiver_pair), {range - step / 2, step, 1});
           const double expected = expected_coherence(range, step, receiver_pair.wavenumber_rad_m, delta);
-          // Energy is not quite even over the sample: to a few times its length over the range.
+          // The energy is not quite uniform over the range bin. The deviation is a few times the bin length
+          // divided by the range.
           EXPECT_NEAR(coherence(echo, 0), expected, 3 * step / range)
               << slope << ", baseline " << baseline << ", step " << step << ", range " << range;
           EXPECT_GT(echo.upper_j[0], 0);
@@ -137,7 +139,8 @@ TEST(ReceiverPairEcho, TiltedSeabedsAndLongBaselinesFollowTheClosedForm) {
 }
 
 TEST(ReceiverPairEcho, SamplesThatDoNotMeetHaveNoCoherence) {
-  // The samples are shifted against each other by half the path difference, 15 cm at least.
+  // The range bins of the receivers are shifted against each other by half the path difference, at least 15
+  // cm.
   const ReceiverBaseline receiver_pair = receiver_pair_at(-pi / 3, 0.5, 250e3);
   const ReceiverPairEcho echo = echo_of(strip(10, 0, 5, 40), patterns_of(receiver_pair), {20, 0.1, 100});
   for (std::size_t k = 0; k < 100; ++k) {
@@ -174,7 +177,7 @@ bool inside(const Polygon2& polygon, glm::dvec2 p) {
   return true;
 }
 
-/// What scatterers at places send by way of a receiver, and in which of its samples it falls (-1: none).
+/// Energy of scatterers at a position for one receiver, and index of their range bin (-1: none).
 struct Reception {
   double energy = 0, range = 0;
   int sample = -1;
@@ -188,7 +191,7 @@ Reception received(const FacetPlane& plane, glm::dvec3 at, double area, glm::dve
           place >= 0 && place < samples.count ? int(place) : -1};
 }
 
-/// Integral over a polygon of a plane, triangle by triangle.
+/// Integrates over a polygon of a plane, triangle by triangle.
 template <class Density>
 double over_polygon(const FacetPlane& plane, const Polygon2& polygon, const Density& density) {
   using boost::math::quadrature::gauss_kronrod;
@@ -205,7 +208,8 @@ double over_polygon(const FacetPlane& plane, const Polygon2& polygon, const Dens
   return sum;
 }
 
-// All in one sample: nothing but the integrals, with patterns; then with the transmitter elsewhere.
+// All energy falls into one range bin, so that only the integrals matter, with patterns. Later cases move
+// the transmitter.
 TEST(ReceiverPairEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
   const unsigned seed = 161803;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -219,14 +223,14 @@ TEST(ReceiverPairEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
                                          2 * pi * waves(random)};
     Directivity transmit, receive;
     if (i % 3 > 0) transmit = {Directivity::Kind::gaussian, unit(), true, 0, 0.9};
-    // Of a line's nulls the product has corners, which take long.
+    // The product has corners at the nulls of a line, and their integration takes long.
     if (i % 3 > 1 && i < 8) receive = {Directivity::Kind::line, unit(), false, 0.1, 3};
     if (i % 3 > 1 && i >= 8) receive = {Directivity::Kind::gaussian, unit(), true, 0, 1.2};
     const glm::dvec2 centre = i % 4 ? glm::dvec2(place(random), place(random)) : glm::dvec2(0.2, -0.1);
     const Polygon2 polygon = test::random_convex(random, centre, 2.5, 1.5);
     ReceiverPairHistory history = piece_on(plane, polygon);
     if (i >= 8) {
-      // Off along the plane, and above it by as much as its ends need.
+      // The pair moves along the plane, and above the plane as far as both ends require.
       const PlaneFrame frame(plane);
       history.middle_m =
           place(random) * frame.u + place(random) * frame.v + (distance(random) - 0.1) / 2 * plane.normal;
@@ -257,8 +261,8 @@ TEST(ReceiverPairEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
   }
 }
 
-// Independent of all cuts: the seabed as a lattice of a million scatterers, each by its own ranges. About the
-// foot point both receivers' ellipses are small and far from each other.
+// This check does not depend on any cuts: the seabed is a lattice of a million scatterers, each with its
+// own ranges. About the foot point the ellipses of both receivers are small and far from each other.
 TEST(ReceiverPairEcho, AgreesWithSumsOverScatterers) {
   const unsigned seed = 161803;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -302,7 +306,7 @@ TEST(ReceiverPairEcho, AgreesWithSumsOverScatterers) {
     double loudest = 0;
     for (const double e : upper) loudest = std::max(loudest, e);
     ASSERT_GT(loudest, 0);
-    for (std::size_t k = 0; k < count; ++k) {  // a lattice's borders are off by its cells
+    for (std::size_t k = 0; k < count; ++k) {  // the borders of a lattice are inexact by its cells
       ASSERT_NEAR(echo.upper_j[k], upper[k], 4e-3 * loudest) << i << ", sample " << k;
       ASSERT_NEAR(echo.lower_j[k], lower[k], 4e-3 * loudest) << i << ", sample " << k;
       ASSERT_LT(std::abs(cross_of(echo, k) - cross[k]), 4e-3 * loudest) << i << ", sample " << k;
@@ -310,7 +314,8 @@ TEST(ReceiverPairEcho, AgreesWithSumsOverScatterers) {
   }
 }
 
-// The covariance is one of random fields: realisations of scatterers with circular Gaussian amplitudes.
+// The covariance is that of random fields. The realisations are scatterers with circular Gaussian
+// amplitudes.
 TEST(ReceiverPairEcho, RealisationsOfScatterersHaveThisCovariance) {
   const unsigned seed = 2718;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -353,14 +358,14 @@ TEST(ReceiverPairEcho, RealisationsOfScatterersHaveThisCovariance) {
   }
   for (std::size_t k = 0; k < 3; ++k) {
     const double spread = 4 / std::sqrt(double(realisations));
-    EXPECT_NEAR(upper[k] / echo.upper_j[k], 1, spread + 0.02) << k;  // 0.02: of 30 scatterers a sample
+    EXPECT_NEAR(upper[k] / echo.upper_j[k], 1, spread + 0.02) << k;  // 0.02: a range bin has 30 scatterers
     EXPECT_NEAR(lower[k] / echo.lower_j[k], 1, spread + 0.02) << k;
     EXPECT_LT(std::abs(cross[k] - cross_of(echo, k)) / echo.upper_j[k], spread + 0.02) << k;
   }
 }
 
-/// A strip of seabed 10 m below, and a wall across it whose edge shades the seabed behind: the upper receiver
-/// sees more of it.
+/// A strip of seabed 10 m below, and a wall across the strip. The edge of the wall shadows the seabed
+/// behind it. The upper receiver sees more of the seabed.
 TEST(ReceiverPairEcho, WhatOneReceiverAloneSeesIsReceivedByItAlone) {
   constexpr double depth = 10, wall_x = 10, wall_top = -6, baseline = 1;
   const WorldGrid grid = WorldGrid::fitting(glm::dvec3(-50), glm::dvec3(50));
@@ -389,7 +394,7 @@ TEST(ReceiverPairEcho, WhatOneReceiverAloneSeesIsReceivedByItAlone) {
       trace_receiver_pair(mesh, tree, grid.unit_m(), {}, tubes, tubes, receiver_pair);
   const RangeSamples samples{12, 0.25, 60};
   const ReceiverPairEcho echo = echo_of(history, patterns, samples, mesh.material);
-  VisibilityOptions doubles;  // nothing here is degenerate
+  VisibilityOptions doubles;  // no decision here is degenerate
   doubles.arithmetic = Arithmetic::plain_double;
   const ReceiverPairEcho plain =
       echo_of(trace_receiver_pair(mesh, tree, grid.unit_m(), doubles, tubes, tubes, receiver_pair), patterns,
@@ -430,7 +435,7 @@ TEST(ReceiverPairEcho, WhatOneReceiverAloneSeesIsReceivedByItAlone) {
     by_one += echo.upper_j[k] > 0 && echo.lower_j[k] == 0;
     dark += echo.upper_j[k] == 0 && echo.lower_j[k] == 0;
   }
-  EXPECT_GE(by_one, 1u);  // of the shadow's border, between what the two see
+  EXPECT_GE(by_one, 1u);  // the border of the shadow lies between the areas that the two receivers see
   EXPECT_GE(dark, 5u);
 }
 

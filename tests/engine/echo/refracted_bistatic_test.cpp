@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Transmitter and separate receiver in refracting water.
+// Tests the engine with a separate transmitter and receiver in stratified water. The comparisons are the
+// straight engine, closed forms of one gradient, and reciprocity.
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -20,7 +21,7 @@ const std::vector<double> material_mu{mu};
 const WorldGrid grid{20, glm::dvec3(0)};
 const glm::dvec3 transmitter(0), receiver(-6, 5, 3);
 
-/// A seabed of cells between x = 10 and 40 whose height is a function of x and y, and a box on it.
+/// A seabed of cells between x = 10 and 40 whose height is a function of x and y, with an optional box.
 template <class Height>
 FacetMesh seabed(double cell_m, const Height& height, bool with_box = false) {
   MeshBuilder builder(grid);
@@ -51,7 +52,7 @@ double flat(double, double) { return -below_m; }
 double wavy(double x, double y) { return -below_m + 0.8 * std::sin(0.7 * x) * std::cos(0.5 * y); }
 
 WaterColumn gradient(double g) {
-  // 1500 m/s at the transmitter.
+  // The sound speed is 1500 m/s at the transmitter.
   return {SoundSpeedProfile({{0, 1500 - surface_m * g}, {60, 1500 + (60 - surface_m) * g}}), {}};
 }
 
@@ -132,9 +133,9 @@ TEST(RefractedBistatic, IsovelocityWaterIsTheStraightEngine) {
   }
 }
 
-/// One gradient, physics sheet 2.2: the ray between two places in closed form.
+/// The ray between two points in one gradient, in closed form (physics sheet 2.2).
 struct Ray {
-  double time_s, sine_at_seabed, tube_area_m2;  ///< the area at the seabed per steradian at the apex
+  double time_s, sine_at_seabed, tube_area_m2;  ///< area at the seabed per steradian at the apex
   Ray(double g, glm::dvec3 apex, glm::dvec3 at) {
     const double cs = 1500 - g * apex.z, cr = 1500 - g * at.z, h = apex.z - at.z;
     const double x = std::hypot(at.x - apex.x, at.y - apex.y), chord2 = x * x + h * h;
@@ -144,7 +145,7 @@ struct Ray {
   }
 };
 
-/// Over a flat seabed: the energy, and its mean half path as a range.
+/// Returns the energy over a flat seabed, and the mean half path as a range.
 std::pair<double, double> closed_form(double g, glm::dvec3 t, glm::dvec3 r) {
   using Rule = boost::math::quadrature::gauss_kronrod<double, 31>;
   const auto over_seabed = [&](bool with_path) {
@@ -193,7 +194,8 @@ TEST(RefractedBistatic, FlatSeabedUnderOneGradientConvergesToTheClosedForm) {
   }
 }
 
-// By reciprocity tube areas there and back differ by the square of the speeds at their ends.
+// By reciprocity, the tube areas in both directions differ by the square of the ratio of the sound speeds
+// at the ends.
 TEST(RefractedBistatic, SwappingTransmitterAndReceiverIsReciprocal) {
   for (const double g : {-1.0, 0.4}) {
     SCOPED_TRACE(g);
@@ -211,7 +213,7 @@ TEST(RefractedBistatic, SwappingTransmitterAndReceiverIsReciprocal) {
   }
 }
 
-// Pieces of neighbouring tubes neither overlap nor leave gaps on what each apex sees elsewhere.
+// Visible polygons of adjacent tubes neither overlap nor leave gaps in the area that each apex sees.
 TEST(RefractedBistatic, TubesAddUp) {
   const WaterColumn water = gradient(-1);
   const Scenery scenery{seabed(3, wavy, true), water, 0.02, nullptr};
@@ -224,7 +226,8 @@ TEST(RefractedBistatic, TubesAddUp) {
   }
 }
 
-// In one place it is what the other engine receives, to what one factor a facet leaves out.
+// With both ends at one position, the echo equals that of the monostatic engine, except for the error of
+// one factor per facet.
 TEST(RefractedBistatic, InOnePlaceItIsTheMonostaticEcho) {
   const WaterColumn water = gradient(-1);
   const FacetMesh base = seabed(3, wavy, true);

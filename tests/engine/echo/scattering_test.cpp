@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Scattering laws in every integrator: without and with patterns, binned whole, by rays, with transmitter and
-// separate receiver.
+// Tests scattering models in each integrator: without and with patterns, with fast binning, by rays, and
+// with a separate transmitter and receiver.
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -45,7 +45,7 @@ History history_of(const FacetPlane& plane, const Polygon2& polygon) {
   return history;
 }
 
-/// With a null law: Lambert's with mu.
+/// A null model means Lambert's law with mu.
 Echo echo_of(const History& history, const RangeSamples& samples, const Law& model, double absorption = 0,
              const BeamPatterns* patterns = nullptr, Binning binning = Binning::exact,
              double pattern_tolerance = 1e-11) {
@@ -58,13 +58,13 @@ Echo echo_of(const History& history, const RangeSamples& samples, const Law& mod
   return integrate_echo(history, {1, beam_of_tube}, samples, echo_model, binning);
 }
 
-/// A tube between two vertical planes that meet below the apex; straight walls near and far.
+/// A tube between two vertical planes that meet below the apex, with straight near and far walls.
 Polygon2 wedge(double dphi, double far) {
   return {{0, 0}, {far, 0}, {far * std::cos(dphi), far * std::sin(dphi)}};
 }
 
-/// What a fan of azimuth dphi returns from a seabed at distance h between two ranges, by quadrature between
-/// the ranges at which the law changes.
+/// Returns the energy of a fan of azimuth dphi from a seabed at distance h between two ranges. It uses
+/// quadrature between the ranges at which the model changes.
 double fan_by_quadrature(const ScatteringModel& model, double h, double dphi, double from, double to,
                          double absorption) {
   const double beta = 2 * absorption * std::numbers::ln10 / 10;
@@ -75,7 +75,7 @@ double fan_by_quadrature(const ScatteringModel& model, double h, double dphi, do
   double sum = 0;
   for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
     const auto rho = [&](double r) { return std::sqrt(std::max((r - h) * (r + h), 0.0)); };
-    // By rho, in which nothing is singular at the foot point.
+    // Integrates over rho, in which nothing is singular at the foot point.
     sum += gauss_kronrod<double, 31>::integrate(
         [&](double x) {
           const double r = std::hypot(h, x);
@@ -177,8 +177,8 @@ TEST(ScatteringEcho, LambertAsATableConvergesToLambert) {
   EXPECT_NEAR(error[0] / error[1], 4, 0.3);
 }
 
-/// What each sample's energy changes by if the polygon's outline moves by `moved_m`: the law where the sample
-/// begins, on a strip that wide along all of it.
+/// Returns the change of the energy of each range bin when the outline of the polygon moves by `moved_m`.
+/// It takes the model at the start of the bin, on a strip of that width along the whole outline.
 std::vector<double> energy_of_a_moved_outline(const History& history, const RangeSamples& samples,
                                               const ScatteringModel& model, double absorption,
                                               double moved_m) {
@@ -197,8 +197,9 @@ std::vector<double> energy_of_a_moved_outline(const History& history, const Rang
 }
 
 TEST(ScatteringEcho, PatternsOfOneAgreeWithNoPatterns) {
-  // Two integrators that share no line: a boundary integral, and nodes over slabs. Of a sample that a polygon
-  // hardly reaches into, or of a sliver, both know no more than corners rounded at grazing angles tell.
+  // Compares two integrators without common code: a boundary integral, and nodes over slabs. Corners
+  // rounded at grazing angles limit the accuracy of both for slivers and for bins that a polygon hardly
+  // reaches.
   const unsigned seed = 4711;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
@@ -231,7 +232,7 @@ TEST(ScatteringEcho, WithPatternsAPolygonIsABruteForceSum) {
   const History history = history_of(plane, polygon);
   const BeamPatterns patterns = one_beam(line(4), line(3));
   for (const Law& model : {three_terms(), medium_sand()}) {
-    // Midpoints of a fine grid: second order, but for the corners of a table.
+    // Midpoints of a fine grid are of second order, except at the corners of a table.
     constexpr int n = 1200;
     double sum = 0;
     for (int i = 0; i < n; ++i)
@@ -269,7 +270,8 @@ TEST(ScatteringEcho, WholeFootprintsScatterByTheirCentroidsAngle) {
 }
 
 TEST(ScatteringEcho, RaysConvergeToTheTubes) {
-  // Rays at the middles of equal solid angles, over a fan from straight below to 20 degrees above the seabed.
+  // Rays at the middles of equal solid angles, over a fan from straight below to 20 degrees above the
+  // seabed.
   const double h = 4, dphi = 0.2, highest = std::sin(20 * degree);
   for (const Law& model : {three_terms(), medium_sand()}) {
     const double far = h / highest * std::cos(20 * degree);

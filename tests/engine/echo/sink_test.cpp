@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One integrand, one integral, any sink.
+// Tests that all sinks receive the same integral of the same integrand: echoes, contributions and energies
+// of footprints add up to one echo.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,14 +37,14 @@ TEST(Density, InBallsItHoldsWhatItIsInDoubles) {
     EXPECT_NEAR(density(Ball(sigma), way, Ball(b)).middle() / apart, 1, 1e-14);
     EXPECT_NEAR(lambert_density(way, Ball(b)).middle() / lambert, 1, 1e-14);
     EXPECT_NEAR(lambert_density(TwoWayRange<Ball>::of(Ball(tx)), Ball(b)).middle() / together, 1, 1e-14);
-    // Lambert's sigma by heights, and the definition.
+    // Compares Lambert's cross-section from heights with its definition.
     const double heights = 0.03, sines = heights / (tx * rx);
     EXPECT_NEAR(heights * lambert / density(sines, TwoWayRange<double>::of(tx, rx), b), 1, 1e-14);
     EXPECT_NEAR(apart / (sigma * std::exp(-b * (tx + rx)) / std::pow(tx * rx, 2)), 1, 1e-13);
   }
 }
 
-/// A rough seabed seen by six beams, with and without patterns; one apex, or a receiver 2 m aside.
+/// A rough seabed that six beams see, with and without patterns. The receiver is at the apex or 2 m aside.
 struct Seabed {
   FacetMesh mesh;
   SceneTree tree;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tubes between angles of azimuth and elevation, and solid angles, as the reference sees them (physics
-// sheet 7.1, 7.3, 7.5): the truth lies inside the certified bound.
+// Tests certified energies of tubes between angles of azimuth and elevation, and their solid angles
+// (physics sheet 7.1, 7.3, 7.5). The true value lies inside the certified bound.
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -24,7 +24,7 @@ struct Site {
   explicit Site(const std::vector<std::array<glm::dvec3, 3>>& facets_m)
       : mesh(test::mesh_of(facets_m)), tree(std::make_unique<SceneTree>(mesh)) {}
 
-  /// All tubes together, in one sample: energy and bound.
+  /// Energy and bound of all tubes together, in one range bin.
   struct Sum {
     double energy = 0, bound = 0;
   };
@@ -65,8 +65,9 @@ TubeSet fan(double width, int cells, double shallow, double steep) {
   return set;
 }
 
-/// Energy from the convex polygon in which a tube meets the seabed, by its corner rays: in polar coordinates
-/// about the foot point the integral of r^-6 rho drho is closed, and one over the azimuth is left.
+/// Returns the energy of the convex polygon in which a tube meets the seabed, from the corner rays. In
+/// polar coordinates about the foot point the integral of r^-6 rho drho is closed. One integral over the
+/// azimuth remains.
 double energy_through(const TubeSet& set, const Tube& tube, double height) {
   const auto corner = [&](int k) {
     const GridPoint& r = set.rays[tube[k % 4]];
@@ -75,7 +76,7 @@ double energy_through(const TubeSet& set, const Tube& tube, double height) {
   double sum = 0;
   for (int k = 0; k < 4; ++k) {
     const glm::dvec2 a = corner(k), b = corner(k + 1), along = glm::normalize(b - a);
-    const double p = a.x * along.y - a.y * along.x;  // of the edge's line from the foot
+    const double p = a.x * along.y - a.y * along.x;  // of the line of the edge, from the foot point
     if (p == 0) continue;
     const auto angle = [&](glm::dvec2 q) { return std::atan(glm::dot(q, along) / p); };
     const auto density = [&](double phi) {
@@ -98,7 +99,7 @@ TEST(TubeClosedForms, AzimuthElevationTubesOnASeabedAreInsideTheBound) {
     const Site site = seabed(c.height);
     const TubeSet set = fan(c.width * degree, 1, c.shallow * degree, c.steep * degree);
     const double truth = energy_through(set, set.tubes[0], c.height);
-    // Straight walls reach farther in than the ring of the same depressions.
+    // The straight walls extend farther inwards than the ring of the same depressions.
     const double near = 0.9 * c.height * std::cos(c.width / 2 * degree),
                  far = 1.1 * c.height / std::sin(c.shallow * degree);
     for (const double tolerance : {1e-6, 1e-9}) {
@@ -114,8 +115,8 @@ TEST(TubeClosedForms, AzimuthElevationTubesOnASeabedAreInsideTheBound) {
 }
 
 TEST(TubeClosedForms, NarrowTubesTendToTheRingOfTheirDepressions) {
-  // E = mu H^2 dphi / 4 (R1^-4 - R2^-4) (physics sheet 7.5); straight walls are off by the square of their
-  // width.
+  // E = mu H^2 dphi / 4 (R1^-4 - R2^-4) (physics sheet 7.5). The error of straight walls is proportional to
+  // the square of their width.
   const double h = 10, width = 24 * degree, shallow = 20 * degree, steep = 25 * degree;
   const Site site = seabed(h);
   const double truth =
@@ -129,8 +130,8 @@ TEST(TubeClosedForms, NarrowTubesTendToTheRingOfTheirDepressions) {
   EXPECT_NEAR(error[1] / error[2], 4, 0.1);
 }
 
-/// Solid angle between the pole and the great circle through two directions of the same elevation (a
-/// spherical triangle: two sides and the angle between them).
+/// Returns the solid angle between the pole and the great circle through two directions of the same
+/// elevation. It is that of a spherical triangle with two sides and the angle between them.
 double cap_triangle(double width, double elevation) {
   const double t = std::tan((pi / 2 - elevation) / 2);
   return 2 * std::atan2(t * t * std::sin(width), 1 + t * t * std::cos(width));
@@ -166,7 +167,7 @@ TEST(TubeClosedForms, SolidAnglesOfAzimuthElevationTubes) {
   EXPECT_NEAR(solid_angle(fan(0.3 * degree, 1, -7 * degree, 7 * degree)), .00127621278, 2e-8);
 }
 
-/// A patch of the sphere about the apex, of directions near +x, in n x n quadrangles.
+/// A part of the sphere about the apex, for directions near +x, in n x n quadrangles.
 Site dome(double radius, double half_width, int n) {
   std::vector<std::array<glm::dvec3, 3>> facets;
   const auto at = [&](int i, int j) {
@@ -182,7 +183,8 @@ Site dome(double radius, double half_width, int n) {
 }
 
 TEST(TubeClosedForms, InsideASphereTheEnergyIsTheSolidAngle) {
-  // At normal incidence and one range E = mu Omega / R^2; facets of size s are off by the square of s / R.
+  // At normal incidence and one range E = mu Omega / R^2. The error of facets of size s is proportional to
+  // the square of s / R.
   constexpr double radius = 5;
   TubeSet pyramid;  // 29 x 14 degrees: 4 asin(sin 14.5 sin 7)
   pyramid.reach = 1e12;
@@ -204,7 +206,7 @@ TEST(TubeClosedForms, InsideASphereTheEnergyIsTheSolidAngle) {
       bound = sum.bound * radius * radius / mu / c.solid_angle;
     }
     EXPECT_LT(bound, 1.1e-8);
-    EXPECT_NEAR(error[0] / error[1], 4, 0.8);  // the tube's rim cuts facets anywhere
+    EXPECT_NEAR(error[0] / error[1], 4, 0.8);  // the rim of the tube cuts facets at arbitrary places
     EXPECT_NEAR(error[1] / error[2], 4, 0.4);
     EXPECT_NEAR((4 * error[2] - error[1]) / 3, 0, 1e-4);  // extrapolated
   }

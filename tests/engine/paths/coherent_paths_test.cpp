@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests coherent signals over mirrors. The comparisons are Lloyd's mirror, sums over images that the test
+// makes by hand, reciprocity, energies, and the image series of a channel.
+
 #include "engine/paths/coherent_paths.hpp"
 
 #include <gtest/gtest.h>
@@ -22,7 +25,7 @@ using Complex = std::complex<double>;
 
 constexpr double c = 1500;
 
-/// A setting's images, and the law between its apexes.
+/// Images of a `Setting`, and the signal model between its apexes.
 struct Mirrored {
   explicit Mirrored(const Setting& setting, std::vector<Complex> of_materials = {})
       : s(setting), phase(std::move(of_materials)), tree(s.mesh), model(s.model(s.transmit)) {
@@ -54,14 +57,15 @@ CoherentReceiver receiver_of(std::vector<SignalChannel> channels, double carrier
   return receiver;
 }
 
-/// A lone scatterer on a small square of material 0.
+/// A single scatterer on a small square of material 0.
 struct LoneScatterer {
   SurfaceField field;
   glm::dvec3 at_m{0}, normal{0};
   Complex amplitude = 0;
 
-  /// `u`, `v`: half edges. Corners should be on the grid, or its facets lean against each other by more than
-  /// phases leave. Of the seeds from 1 on, the first that puts one scatterer into it.
+  /// `u`, `v`: half edges. The corners should be on the grid. Otherwise the facets tilt against each other
+  /// by more than the phase tolerance. The constructor takes the first seed from 1 that gives exactly one
+  /// scatterer.
   LoneScatterer(Setting& s, glm::dvec3 middle, glm::dvec3 u, glm::dvec3 v) {
     normal = glm::normalize(glm::cross(u, v));
     std::array<glm::dvec3, 4> corners{middle - u - v, middle + u - v, middle + u + v, middle - u + v};
@@ -79,7 +83,8 @@ struct LoneScatterer {
     }
   }
 
-  /// One leg to it or from it: Lambert's sine over the range squared, as an amplitude, and its phase.
+  /// Returns amplitude and phase of one leg to or from the scatterer. The amplitude is Lambert's sine over
+  /// the range squared.
   Complex leg(glm::dvec3 from, double k) const {
     const glm::dvec3 way = from - at_m;
     const double r = glm::length(way);
@@ -87,14 +92,14 @@ struct LoneScatterer {
   }
 };
 
-/// An end and its images, as made by hand.
+/// A transmitter, receiver or element, and its images as the test makes them.
 struct Source {
   glm::dvec3 at_m;
   Complex reflection = 1;
   int mirrors = 0;
 };
 
-/// What a scatterer returns from all pairs of sources with fewer than `order` mirrors.
+/// Computes the return of a scatterer over all pairs of sources with fewer than `order` mirrors.
 std::vector<Complex> returned(const LoneScatterer& one, double mu, const std::vector<Source>& sent,
                               const std::vector<Source>& received, int order,
                               const CoherentReceiver& receiver) {
@@ -136,8 +141,8 @@ void expect_near(const ChannelSignals& found, std::size_t channel, const std::ve
 
 glm::dvec3 mirrored_up(glm::dvec3 p) { return {p.x, p.y, -p.z}; }
 
-// Lloyd's mirror: straight and by the surface, there and back, are (a e^{ikr} - a' e^{ikr'})^2 of a scatterer
-// that a steady tone lights.
+// Lloyd's mirror: the direct and the surface path, on both legs, give (a e^{ikr} - a' e^{ikr'})^2 for a
+// scatterer that a steady tone insonifies.
 TEST(CoherentPaths, LloydsMirrorHasItsFringesOverDepth) {
   const double k = 2 * pi * 5000 / c;
   Setting s;
@@ -150,7 +155,7 @@ TEST(CoherentPaths, LloydsMirrorHasItsFringesOverDepth) {
   const auto further = [&](double depth) {
     return glm::distance({0, 0, depth}, one.at_m) - glm::distance({0, 0, -depth}, one.at_m);
   };
-  // Depths at which the way by the surface is so many wavelengths longer.
+  // Returns the depth at which the surface path is longer by the given number of wavelengths.
   const auto depth_of = [&](double wavelengths) {
     double low = 0.1, high = 9;
     for (int n = 0; n < 60; ++n) {
@@ -173,14 +178,15 @@ TEST(CoherentPaths, LloydsMirrorHasItsFringesOverDepth) {
   };
   for (const double n : {1.0, 2.0, 3.0}) {
     EXPECT_LT(loudness(depth_of(n)), 1e-4) << n;
-    EXPECT_GT(loudness(depth_of(n - 0.5)), 14) << n;  // four amplitudes of one, less what is spread
+    // four equal amplitudes, less the difference in spreading loss
+    EXPECT_GT(loudness(depth_of(n - 0.5)), 14) << n;
     EXPECT_NEAR(loudness(depth_of(n - 0.75)), 4, 0.3) << n;
   }
   EXPECT_NEAR(k * 0.3, 2 * pi, 1e-12);
 }
 
-/// Under a rough surface, before a wall: two mirrors at right angles, ends that are apart and elements that
-/// are beside them.
+/// Two perpendicular mirrors: a rough surface above and a wall ahead. Transmitter and receiver are
+/// separate, and elements lie next to the apexes.
 struct Corner {
   static constexpr double mu = 0.2, wall_x = 20;
   Setting s;
@@ -219,7 +225,8 @@ struct Corner {
   }
 };
 
-// Law Y6: images of elements are those of their own places, whatever the apexes; each path counts once.
+// Law Y6: images of elements are mirror images of their own positions, for any apexes. Each path counts
+// once.
 TEST(CoherentPaths, AreSumsOverImagesThatAreMadeByHand) {
   for (const int order : {1, 2, 3}) {
     Corner corner(order);
@@ -263,7 +270,7 @@ TEST(CoherentPaths, AreReciprocal) {
   }
 }
 
-/// A seabed with a leaning plate that reflects, under a rough surface.
+/// A seabed with a tilted plate that reflects, under a rough surface.
 Setting furnished_seabed(bool apart) {
   Setting s;
   s.mesh = square_seabed(-12, 12);
@@ -280,8 +287,8 @@ Setting furnished_seabed(bool apart) {
   return s;
 }
 
-// Each path by itself has the energy of the engine of energies: variances over all time, with losses, rough
-// surfaces and patterns.
+// Each path has the energy that the energy engine computes for it. The test compares variances over all
+// time, with losses, rough surfaces and patterns.
 TEST(CoherentPaths, TheirVariancesAreEnergies) {
   const Directivity sent{Directivity::Kind::gaussian, glm::normalize(glm::dvec3(0.3, 0.5, -0.8)), true, 0,
                          1.5},
@@ -317,8 +324,8 @@ TEST(CoherentPaths, TheirVariancesAreEnergies) {
   }
 }
 
-// Of two ways that differ, energies add up over grounds; the two ways round of one place are one signal
-// twice.
+// In the mean over surface realisations, the energies of two different paths add up. The two directions
+// along one path are the same signal twice.
 TEST(CoherentPaths, OverSurfacesTheyAddUpAsEnergiesExceptForOneRoundPath) {
   const Setting s = furnished_seabed(false);
   const Mirrored m(s);
@@ -333,7 +340,7 @@ TEST(CoherentPaths, OverSurfacesTheyAddUpAsEnergiesExceptForOneRoundPath) {
     sum.value.assign(sum.channels * sum.samples, 0);
     CoherentReceiver own = receiver;
     for_coherent_paths(*m.images, m.model, receiver.channels, [&](const CoherentPath& path) {
-      // Out or home straight, by the surface the other way.
+      // One leg is direct, and the other leg goes over the surface.
       if (path.order != 2 ||
           path.sent->leg.loss.rough_normals.size() + path.received->leg.loss.rough_normals.size() != 1)
         return;
@@ -346,14 +353,14 @@ TEST(CoherentPaths, OverSurfacesTheyAddUpAsEnergiesExceptForOneRoundPath) {
   }
   EXPECT_NEAR(together[0] / alone[0], 2, 1e-3);
   EXPECT_NEAR(together[1] / alone[1], 1, 0.15);
-  // Not only ratios: the mean is the energy, within its draws.
+  // This check is not only of ratios: the mean equals the energy within the statistical error.
   Setting surface_only = s;
   surface_only.reflection = {0, 0};
   const double energy = total(surface_only.run().by_order[2]);
   EXPECT_NEAR(alone[0] / surface_meshes / receiver.times.rate_hz, energy, 0.15 * energy);
 }
 
-// Nodes that stand for many scatterers resolve what a rough surface leaves of amplitudes.
+// Nodes that represent many scatterers resolve the amplitude that a rough surface leaves.
 TEST(CoherentPaths, ResolveWhatARoughSurfaceLeaves) {
   Setting s = under_surface(3);
   s.mesh = FacetMesh();
@@ -376,7 +383,8 @@ TEST(CoherentPaths, ResolveWhatARoughSurfaceLeaves) {
   EXPECT_EQ(paths, 3u);
 }
 
-// A smooth plate seen over a wall: the sheet's square of 0.2 m, whose receiver is the image of one before it.
+// A smooth plate seen over a wall has the value that the signals sheet gives for a square of 0.2 m. The
+// receiver of the sheet is the mirror image of the receiver here.
 TEST(CoherentPaths, ASmoothPlateOverAWallIsThatOfTheImage) {
   constexpr double finer = 64;
   Setting s;
@@ -417,7 +425,8 @@ TEST(CoherentPaths, ASmoothPlateOverAWallIsThatOfTheImage) {
   EXPECT_LT(std::abs(p - Complex(0.318785111189, -0.343830832103)), 1e-5);
 }
 
-// What is not scattered, over surface and seabed: the image series with signs, to elements beside the apexes.
+// Unscattered arrivals over surface and seabed are the image series with signs, for elements next to the
+// apexes.
 TEST(CoherentArrivals, OfAChannelAreTheImageSeries) {
   constexpr int order = 4;
   Setting s;
@@ -461,7 +470,7 @@ TEST(CoherentArrivals, OfAChannelAreTheImageSeries) {
         const glm::dvec3 way = ends.receive_m - glm::dvec3(ends.transmit_m.x, ends.transmit_m.y, z);
         const double length = glm::length(way), sine = way.z / length;
         passes *= std::exp(-0.4 * at_surface * sine * sine / 2) * std::pow(10, -0.0005 * length) / length;
-        if (channel == 1)  // up and down change places at each mirror, as sent
+        if (channel == 1)  // each mirror exchanges up and down, as seen from the transmitter
           passes *= amplitude_pattern(line, {0, 0, n % 2 == 0 ? sine : -sine}) *
                     amplitude_pattern(line, {0, 0, -sine});
         for (std::size_t t = 0; t < expected.size(); ++t)
@@ -470,7 +479,7 @@ TEST(CoherentArrivals, OfAChannelAreTheImageSeries) {
       }
     expect_near(y, channel, expected, 2e-5);
   }
-  // Mirrored signals hold them, too.
+  // Signals over mirrors contain the arrivals, too.
   const ChannelSignals all = mirrored_signals(*m.images, receiver, m.model, {1, 5});
   for (std::size_t n = 0; n < y.value.size(); ++n) EXPECT_NEAR(std::abs(all.value[n] - y.value[n]), 0, 1e-12);
 }
@@ -511,7 +520,7 @@ TEST(ImageOfPlace, IsBehindTheMirrorsAndKnowsFractionsOfTheGrid) {
       }
     }
     EXPECT_LT(glm::distance(image_of_place(place, image.chain, s.transmit.apex, apex, unit), by_hand), 1e-12);
-    // The apex's own is the image's, which is on the grid.
+    // The image of the apex itself lies on the grid, in agreement with the chain of images.
     EXPECT_LT(glm::distance(image_of_place(apex, image.chain, s.transmit.apex, apex, unit),
                             metres(image.windows.apex)),
               1.8 * image.mirrors * unit + 1e-15);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Paths that are scattered more than once (docs/paths.md): sums over all pairs and triples of points with a
-// ray for each leg, and a sphere, in which every echo is known.
+// Tests paths with more than one scattering (docs/paths.md). The comparisons are sums over all pairs and
+// triples of points with a ray for each leg, and a sphere, whose echoes have closed forms.
 #include "engine/paths/patch_paths.hpp"
 
 #include <gtest/gtest.h>
@@ -37,8 +37,8 @@ TEST(PatchPaths, TwoScatteringsByAnyLawAgreeWithTheDoubleSum) {
   }
 }
 
-// The sonar looks up: every path begins and ends at the surface. With two scatterings between that is
-// order 4.
+// The sonar looks up, so that each path begins and ends at the surface. With two scatterings between, the
+// order is 4.
 TEST(PatchPaths, MirrorScatterScatterMirrorAgreesWithBruteForceRays) {
   Setting s = plates(true);
   s.transmit = around({-0.5, 0.25, -2}, 10, 89.99, 3, 60, 4);
@@ -61,7 +61,7 @@ TEST(PatchPaths, ThreeScatteringsAgreeWithTheTripleSum) {
   expect_near(paths.by_order[3], sum.scattered_thrice(), 0.03, 0.03, "three");
 }
 
-/// From the middle of a sphere of 128 facets, or of its lower half.
+/// A sonar in the middle of a sphere of 128 facets, or of its lower half.
 Setting in_a_sphere(bool bowl, int scatterings) {
   Setting s;
   const auto add = [&](auto&& self, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, int left) -> void {
@@ -86,10 +86,10 @@ Setting in_a_sphere(bool bowl, int scatterings) {
   return s;
 }
 
-// sin sin / r^2 is 1 / (4 a^2) between any two points of a sphere of radius a, so all of it is lit evenly
-// from the first scattering on: each further one costs the albedo and takes a mean chord, 4 a / 3. Of what
-// half a sphere, lit evenly, scatters as much leaves as its opening is of its area (reciprocity); facets
-// light no part of themselves, so it is not quite even.
+// sin sin / r^2 is 1 / (4 a^2) between any two points of a sphere of radius a. Thus the first scattering
+// insonifies the whole sphere uniformly. Each further scattering costs the albedo and takes a mean chord, 4
+// a / 3. From half a sphere, the share that leaves equals the ratio of the opening to the area
+// (reciprocity). Facets do not insonify themselves, so that this is approximate.
 TEST(PatchPaths, InASphereEveryScatteringMoreCostsTheAlbedo) {
   for (const bool bowl : {false, true}) {
     const Setting s = in_a_sphere(bowl, 5);
@@ -142,7 +142,8 @@ TEST(PatchPaths, TheCutOffEndsThePathsAndDropsNoMoreThanItSays) {
     EXPECT_GE(missing, 0) << n;
     EXPECT_LE(missing, (n - 1) * part * total(all.by_order[2])) << n;
   }
-  // An albedo of 3 %: the second generation keeps it, the third is below 1 % of the first.
+  // With an albedo of 3 %, the cut-off keeps the second generation. The third generation is below 1 % of
+  // the first.
   s.mu = {0.01};
   s.paths.cutoff_db = 20;
   const PathEcho dark = s.run();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Laws of what images see, and of what pairs of them share; and that breaking one shows.
+// Tests the audit of paths: the laws of the views of images and of the common visibility of pairs of images
+// (docs/paths.md). It also tests that the audit detects violations.
 #include "engine/paths/path_audit.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ FacetMesh harbour() {
   return mesh;
 }
 
-/// A seabed, a wall and a leaning plate that mirrors, under a surface.
+/// A seabed, a wall and a tilted plate that is a mirror, under a water surface.
 struct Harbour {
   const FacetMesh mesh = harbour();
   const SceneTree tree{mesh};
@@ -100,8 +101,8 @@ TEST(PathAudit, AMissingWindowAndAMissingPieceShow) {
   EXPECT_GT(broken, 10u);
 }
 
-// Labels of pings, groups and transmissions are of 64 bits. Half of them were shifted out once, and
-// transmissions of a ping that exchange what they see had one hash.
+// Labels of pings, groups and transmissions have 64 bits. An earlier version shifted out half of the bits,
+// so that transmissions of a ping with exchanged results had the same hash.
 TEST(AuditLabels, EveryBitCounts) {
   const Harbour harbour;
   const TubeEngine engine(harbour.mesh, harbour.tree, unit, VisibilityOptions());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Paths over mirrors with proven bounds: against ordinary energies, the image scene, and closed forms.
+// Tests certified energies of paths over mirrors. The comparisons are the ordinary energies, the scene with
+// the image of the receiver, and closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -83,7 +84,8 @@ TEST(PathBounds, PatternsAtBothEndsAndMirrorFacets) {
     }
 }
 
-// The surface's image of the receiver, without a mirror: the same energies but for what the surface takes.
+// The mirror image of the receiver, without a mirror, receives the same energies except for the reflection
+// loss of the surface.
 TEST(PathBounds, AMirrorIsTheImageScene) {
   Setting s = basin();
   s.mesh = square_seabed(-8, 30);
@@ -108,8 +110,8 @@ TEST(PathBounds, AMirrorIsTheImageScene) {
   };
   add({0, 0, -4}, {-1.5, 1, 5});
   add({0, 0, 4}, {-1.5, 1, -5});
-  // Only paths that reach the seabed at more than a degree below the images' horizon: all within these
-  // samples.
+  // The comparison is limited to paths that reach the seabed at more than a degree below the horizon of the
+  // images. All these paths fall within the range bins.
   for (std::size_t k = 0; k < energy.size(); ++k) {
     const double found = over.by_order[2].energy[k];
     EXPECT_LE(std::abs(found - energy[k]), bound[k] + over.bound_by_order[2][k] + 1e-12 * found) << k;
@@ -134,7 +136,7 @@ TEST(PathBounds, ArrivalsAreTheClosedFormInOneSampleOrOnTheBorderOfTwo) {
   EXPECT_GT(paths.bound_by_order[1][6], 0);
   EXPECT_LT(paths.bound_by_order[1][6], 1e-14 * energy);
   EXPECT_NEAR(total(paths.by_order[1]), energy, 1e-14 * energy);
-  // On a border, which is exact: in the sample that begins there.
+  // An arrival on an exact bin border falls into the bin that begins there.
   s.samples = {5.5, 1, 2};
   paths = s.run();
   EXPECT_LE(std::abs(paths.by_order[1].energy[1] - energy), paths.bound_by_order[1][1] + 1e-15 * energy);

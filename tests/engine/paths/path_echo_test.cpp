@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests echoes of paths over mirrors and with second scattering (docs/paths.md). The comparisons are image
+// series, closed forms, and brute-force rays.
+
 #include "engine/paths/path_echo.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +23,7 @@ using namespace test;
 
 constexpr std::int32_t metre = 1 << 20;
 
-/// Depths: source 5 m, receiver 10 m, water 20 m, 100 m apart.
+/// Depths: source 5 m, receiver 10 m, water 20 m; the distance is 100 m.
 Setting channel(int order) {
   Setting s;
   s.mesh = square_seabed(-20, 150);
@@ -36,14 +39,14 @@ Setting channel(int order) {
   return s;
 }
 
-// physics: isovelocity image sources in a channel of 20 m, c about 1539 m/s.
+// Isovelocity image sources in a channel of 20 m, with c about 1539 m/s (physics sheet).
 TEST(PathEcho, AFlatChannelIsTheImageSeries) {
   constexpr int order = 4;
   Setting s = channel(order);
   s.absorption_db_per_m = 0.01;
   const PathEcho paths = s.run();
   EXPECT_EQ(paths.arrivals, 1u + 2 * order);
-  EXPECT_EQ(paths.images, 4u * order - 2);  // the receiver's own of the last order would receive nothing new
+  EXPECT_EQ(paths.images, 4u * order - 2);  // the receiver images of the last order would add no new paths
   std::vector<double> lengths;
   for (int n = 0; n <= order; ++n) {
     std::vector<double> expected(s.samples.count);
@@ -59,7 +62,7 @@ TEST(PathEcho, AFlatChannelIsTheImageSeries) {
       expected[std::size_t((length / 2 - s.samples.first_m) / s.samples.step_m)] +=
           passes * std::pow(10, -0.001 * length) / (length * length);
     }
-    double scattered = 0;  // mu is next to nothing
+    double scattered = 0;  // mu is negligible
     for (int k = 0; k < s.samples.count; ++k) {
       const double energy = paths.by_order[n].at(0, k);
       if (expected[k] == 0)
@@ -81,7 +84,7 @@ TEST(PathEcho, AFlatMirrorAtNormalIncidenceReturnsByItsImage) {
   s.samples = {0, 0.1, 400};
   s.mu = {1e-12};
   s.reflection = {0.5};
-  // Straight down there is no tube of this grid, so one is laid about it.
+  // This grid has no tube straight down, so that the test adds one.
   TubeSet down;
   down.apex = s.transmit.apex;
   down.reach = 100.0 * metre;
@@ -89,15 +92,15 @@ TEST(PathEcho, AFlatMirrorAtNormalIncidenceReturnsByItsImage) {
       down, {steps(-20, 20, 2), steps(-20, 20, 2), glm::dmat3(glm::dvec3(0, 0, -1), {0, 1, 0}, {1, 0, 0})});
   s.transmit = s.receive = down;
   const PathEcho paths = s.run();
-  // The specular return lies on the borders of four windows: it is received once.
+  // The specular return lies on the borders of four range gates of images. The receiver gets it once.
   EXPECT_EQ(paths.arrivals, 1u);
   EXPECT_DOUBLE_EQ(paths.by_order[1].at(0, 150), 0.5 / 900);
   EXPECT_DOUBLE_EQ(total(paths.by_order[1]), 0.5 / 900);
-  EXPECT_EQ(total(paths.by_order[0]), 0);  // a sonar in one place receives nothing directly
+  EXPECT_EQ(total(paths.by_order[0]), 0);  // a monostatic sonar receives no direct arrival
 }
 
-// Order 2: seabed seen straight and by the image over the surface, there and back. Order 3: by the image both
-// ways, which is a sonar as far above the seabed.
+// Order 2: one leg is direct and the other goes over the surface, in both orders. Order 3: both legs go
+// over the surface. This is a sonar at the mirror image above the seabed.
 TEST(PathEcho, SurfaceMultiplesOfAFlatSeabedInClosedForm) {
   const Setting s = under_surface(3);
   const PathEcho paths = s.run();
@@ -140,7 +143,8 @@ TEST(PathEcho, ARoughSurfaceTakesMoreAtSteeperAngles) {
 }
 
 TEST(PathEcho, PatternsAreTakenAtTheTrueDirections) {
-  // A pattern about the vertical, different up and down, on the transmit leg only or on the way back only.
+  // A pattern about the vertical, different up and down, on the transmit leg only or on the receive leg
+  // only.
   const Directivity tilted{Directivity::Kind::gaussian, {0, 0, 1}, true, 0, 1.5};
   Setting s = under_surface(3);
   BeamPatterns out{{tilted}, {Directivity()}, {}, {}}, back{{TransmitPattern()}, {tilted}, {}, {}};
@@ -154,7 +158,7 @@ TEST(PathEcho, PatternsAreTakenAtTheTrueDirections) {
         const double r = half_path + (625.0 - 225.0) / (4 * half_path);
         return std::sqrt(r * r - 625);
       };
-      // Up to the surface one way, straight down the other way.
+      // One leg goes up to the surface, and the other straight down.
       const auto once = [&](double rho) {
         const double r1 = std::hypot(15, rho), r2 = std::hypot(25, rho);
         return 0.6 * 2 * pi * rho * 0.01 * 375 * std::pow(r1 * r2, -3) *
@@ -207,7 +211,7 @@ TEST(PathEcho, EnergyGoesDownWithEveryLoss) {
   }
 }
 
-/// A tracer of rays in double, one facet after the other.
+/// A ray tracer in doubles that tests each facet in turn.
 struct Rays {
   const FacetMesh& mesh;
 
@@ -242,11 +246,11 @@ struct Rays {
   }
 };
 
-// Two perpendicular plates, a seabed that runs under both and past them, and loose facets that cut through
-// everything: mirrors' planes cut facets, facets hide each other on the transmit leg, between and on the way
-// back.
+// Two perpendicular plates, a seabed that extends under both and past them, and loose facets that intersect
+// everything. Mirror planes cut facets. Facets hide each other on the transmit leg, between scatterings and
+// on the receive leg.
 TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
-  const unsigned seed = 4;  // one by which no loose facet hides the corner
+  const unsigned seed = 4;  // a seed for which no loose facet hides the corner
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> place(-1, 1);
@@ -263,7 +267,8 @@ TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
     }
     add_facet(s.mesh, v[0], v[1], v[2]);
   }
-  // Sticks through the first plate, most of it behind: there it must hide nothing.
+  // This spike penetrates the first plate, and most of it lies behind the plate. There it must hide
+  // nothing.
   const VertexId spike[] = {add_vertex(s.mesh, at({3.6, 0.4, 0.6})), add_vertex(s.mesh, at({7, -2, -0.5})),
                             add_vertex(s.mesh, at({7, 2.5, 1.5}))};
   add_facet(s.mesh, spike[0], spike[1], spike[2]);
@@ -281,8 +286,8 @@ TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
   s.paths.order = 2;
   const PathEcho paths = s.run();
 
-  // The plates make a corner of a little less than a right angle, which sends back two images: what comes
-  // back unscattered is not for the rays below.
+  // The plates make a corner of slightly less than a right angle, which returns two images. The rays below
+  // do not model this unscattered return.
   Setting smooth = s;
   smooth.mu = {0, 0};
   const PathEcho arrivals = smooth.run();
@@ -291,8 +296,8 @@ TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
   EXPECT_NEAR(total(arrivals.by_order[2]), 2 * 0.49 / 224, 0.1 / 224);  // about twice as far as to the edge
 
   const Rays rays{s.mesh};
-  // A square grid of directions over each tube's section: d = a + s (b - a) + t (e - a) + s t (a + c - b -
-  // e).
+  // A square grid of directions over the section of each tube: d = a + s (b - a) + t (e - a) + s t (a + c -
+  // b - e).
   constexpr int n = 260;
   const glm::dvec3 from = metres(apex);
   for (const Tube& tube : set.tubes) {
@@ -318,7 +323,7 @@ TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
         const glm::dvec3 point = turned + second.range * onward, rx = from - point;
         const double range = glm::length(rx), sine = glm::dot(rx, second.normal) / range;
         if (sine <= 0 || rays.first(point, rx / range, second.facet).range < range) continue;
-        // The receiver's tubes are the transmitter's.
+        // The tubes of the receiver are those of the transmitter.
         bool received = false;
         const glm::dvec3 there = -rx * double(metre);
         for (const Tube& other : set.tubes) {
@@ -346,8 +351,8 @@ TEST(PathEcho, OnceMirroredOnceScatteredAgreesWithBruteForceRays) {
         << k;
 }
 
-// Seen from its image, a right angle is one mirror: half of it is seen by way of the first plate, half by way
-// of the second. A receiver in the transmitter's place is on the border of the two, the corner's edge.
+// A right angle acts on its image as one mirror. One half is visible by the first plate, and the other half
+// by the second. For a receiver at the transmitter the border of the two is the edge of the corner.
 TEST(PathEcho, ACornerReflectorSendsBackOneImage) {
   Setting s;
   add_quad(s.mesh, {5, -5, -5}, {5, 4, -5}, {5, 4, 5}, {5, -5, 5}, 0);
@@ -379,7 +384,7 @@ TEST(PathEcho, ACornerReflectorSendsBackOneImage) {
   }
 }
 
-/// A sphere about the origin by halving a regular octahedron's edges.
+/// A sphere about the origin by bisection of the edges of a regular octahedron.
 FacetMesh sphere(double radius, int halvings, bool bowl) {
   FacetMesh mesh;
   const auto add = [&](auto&& self, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, int left) -> void {
@@ -420,10 +425,11 @@ Setting in_a_sphere(bool bowl) {
   return s;
 }
 
-// sin sin / r^2 is 1 / (4 a^2) between any two points of a sphere, so what its middle receives of a second
-// scattering is pi mu (the albedo) of the first; by a chord up to c comes the part c^2 / (4 a^2). A bowl,
-// half a sphere, keeps half of it; of this one's area the opening is 0.512, and facets light no part of
-// themselves (1 in 64). The radius is taken between that of the facets' corners and that of their middles.
+// sin sin / r^2 is 1 / (4 a^2) between any two points of a sphere. Thus the middle of the sphere receives
+// pi mu (the albedo) times the first scattering from the second. The part c^2 / (4 a^2) arrives by chords
+// up to c. A bowl, half a sphere, keeps half of the sound. The opening of this bowl is 0.512 of its area,
+// and facets do not insonify themselves (1 in 64). The radius lies between those of the corners and of the
+// middles of the facets.
 TEST(PathEcho, ASphereAndABowlHaveASecondEcho) {
   for (const bool bowl : {false, true}) {
     const Setting s = in_a_sphere(bowl);
@@ -443,7 +449,7 @@ TEST(PathEcho, ASphereAndABowlHaveASecondEcho) {
   }
 }
 
-/// Two plates that face each other askew; neither hides anything.
+/// Two oblique plates that face each other. Neither hides anything.
 Setting two_plates() {
   Setting s;
   add_quad(s.mesh, {-1, -1, -2}, {1, -1, -2}, {1, 1, -2}, {-1, 1, -2}, 0);
@@ -467,7 +473,7 @@ Setting two_plates() {
 TEST(PathEcho, TwoScatteringsAreTheDoubleIntegralOverBothFacetsAndConvergeWithThePatches) {
   Setting s = two_plates();
   s.receive.apex = at({-0.25, -0.5, 0.75});
-  // Midpoint rule over both plates, either one first.
+  // Midpoint rule over both plates, in both orders.
   struct Point {
     glm::dvec3 at, normal;
     double area, mu;
@@ -504,7 +510,7 @@ TEST(PathEcho, TwoScatteringsAreTheDoubleIntegralOverBothFacetsAndConvergeWithTh
   EXPECT_NEAR(total(fine.by_order[2]), all, 2e-3 * all);
   for (int k = 0; k < s.samples.count; ++k)
     EXPECT_NEAR(fine.by_order[2].at(0, k), expected[k], 0.01 * expected[k] + 0.003 * all) << k;
-  // Four times less with patches half as long.
+  // The error is a quarter with patches half as long.
   s.paths.patch_m = 2;
   const double coarse = total(s.run().by_order[2]);
   s.paths.patch_m = 1;
@@ -513,8 +519,8 @@ TEST(PathEcho, TwoScatteringsAreTheDoubleIntegralOverBothFacetsAndConvergeWithTh
 }
 
 TEST(PathEcho, TwoScatteringsOverASurfaceAreThoseOfItsImage) {
-  // The second plate seen in the surface stands as far above it: the same as a scene with that plate instead,
-  // as far as the way from plate to plate is the one by the surface.
+  // The mirror image of the second plate stands as far above the surface. The scene with the image plate
+  // gives the same energy, as far as the leg from plate to plate goes over the surface.
   Setting s;
   s.mesh = square_seabed(-4, 2);
   s.transmit = s.receive = around({0, 0, -2}, -89, -5, 3, 40);
@@ -526,7 +532,8 @@ TEST(PathEcho, TwoScatteringsOverASurfaceAreThoseOfItsImage) {
   s.paths.patch_m = 0.5;
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0};
   const double over_surface = total(s.run().by_order[3]);
-  // Bed to seabed by the surface, 4 m up: from each point p to q by way of an image 8 m apart.
+  // From seabed to seabed over the surface, 4 m up: each leg from p to q uses an image at a distance of 8
+  // m.
   constexpr int n = 40;
   double expected = 0;
   for (int i = 0; i < n * n; ++i)

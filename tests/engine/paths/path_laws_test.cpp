@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What must hold of paths whatever the scene (docs/paths.md): energy, reciprocity, limits; and a bowl by
-// brute force.
+// Tests laws of paths that hold in every scene (docs/paths.md): energy, reciprocity and limits. A bowl is
+// also compared with brute-force rays.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,8 +19,8 @@ namespace {
 
 using namespace test;
 
-/// A paraboloid bowl, its rim at z = 0, with a fin inside that hides parts of it from each other. Looked at
-/// over the rim, which hides the near side; the receiver is elsewhere.
+/// A paraboloid bowl with the rim at z = 0 and a fin inside that hides parts of the bowl from each other.
+/// The sonar looks over the rim, which hides the near side. The receiver is separate.
 Setting bowl() {
   Setting s;
   constexpr int rings = 3, sectors = 9;
@@ -53,7 +53,7 @@ Setting bowl() {
 TEST(PathLaws, ABowlsSecondEchoAgreesWithBruteForceRays) {
   const Setting s = bowl();
   const PointSum sum(s, 5, std::nullopt);
-  // The rim hides something from both.
+  // The rim hides some points from both ends.
   EXPECT_GT(sum.unlit(), 0.05);
   EXPECT_GT(sum.unreceived(), 0.05);
   const std::vector<double> expected = sum.scattered_twice();
@@ -82,7 +82,8 @@ TEST(PathLaws, TwoScatteringsGoWithTheAlbedoSquaredAndStayBelowTheFirst) {
   }
 }
 
-// Between two level mirrors paths get longer with every reflection, and each costs the albedo.
+// Between two horizontal mirrors paths get longer with each reflection, and each reflection costs the
+// albedo.
 TEST(PathLaws, OrdersOfAChannelFallByTheAlbedoAndTheirSumConverges) {
   Setting s;
   s.mesh = square_seabed(-20, 120);
@@ -104,7 +105,7 @@ TEST(PathLaws, OrdersOfAChannelFallByTheAlbedoAndTheirSumConverges) {
       EXPECT_GT(energy, 0);
       if (albedo == 1) whole.push_back(energy);
       EXPECT_NEAR(energy, std::pow(albedo, n) * whole[n], 1e-12 * energy) << n;
-      // Order 0 is one path, the others are two.
+      // Order 0 has one path. Each other order has two.
       if (n > 0) {
         EXPECT_LT(energy, (n == 1 ? 2 : 1) * albedo * total(paths.by_order[n - 1])) << n;
       }
@@ -116,8 +117,8 @@ TEST(PathLaws, OrdersOfAChannelFallByTheAlbedoAndTheirSumConverges) {
   }
 }
 
-// One reflection more is one factor more, whatever is scattered besides, and what is scattered once is
-// scattered once. The seabed is no mirror of its own.
+// Each additional reflection is one more factor, independent of other scattering. Paths with a single
+// scattering keep it. The seabed is not a mirror here.
 TEST(PathLaws, ScatteredOrdersFallByTheAlbedoOfTheirMirrors) {
   Setting s;
   s.mesh = square_seabed(-20, 60);
@@ -185,8 +186,8 @@ class Waves : public ReflectivityField {
   glm::dvec3 number_{0.7, -0.4, 0.2};
 };
 
-// By the surface both ways, the seabed is what a sonar above the surface sees of it: with all its law and
-// texture.
+// With both legs over the surface, the echo is that of a sonar above the surface. It includes the
+// scattering model and the texture of the seabed.
 TEST(PathLaws, OverAMirrorTheSeabedHasItsTextureAndItsLaw) {
   for (const bool textured : {false, true}) {
     Setting s;
@@ -207,7 +208,7 @@ TEST(PathLaws, OverAMirrorTheSeabedHasItsTextureAndItsLaw) {
     for (int k = 0; k < s.samples.count; ++k)
       EXPECT_NEAR(paths.by_order[3].at(0, k), 0.36 * image.at(0, k), 1e-6 * image.at(0, k))
           << textured << ' ' << k;
-    // Up one way and straight the other way, twice.
+    // One leg goes up and the other straight, in both orders.
     const Echo once = s.first_order(s.transmit, above);
     for (int k = 0; k < s.samples.count; ++k)
       EXPECT_NEAR(paths.by_order[2].at(0, k), 2 * 0.6 * once.at(0, k), 1e-6 * once.at(0, k))
@@ -215,7 +216,7 @@ TEST(PathLaws, OverAMirrorTheSeabedHasItsTextureAndItsLaw) {
   }
 }
 
-/// A mirror of n x n little squares, each on a level of its own.
+/// A mirror of n x n small squares, each at its own height.
 Setting steps_of_mirrors(int n) {
   Setting s;
   for (int i = 0; i < n; ++i)
@@ -233,7 +234,7 @@ Setting steps_of_mirrors(int n) {
 TEST(PathLaws, AMirrorOfManyFacetsIsFollowedOnceAndRefusedFurther) {
   Setting s = steps_of_mirrors(30);
   s.paths.most_images = 20;
-  // Only the square below sends anything straight back.
+  // Only the square directly below returns sound to the sonar.
   const PathEcho once = s.run();
   EXPECT_EQ(once.images, 1u);
   EXPECT_EQ(once.arrivals, 1u);
@@ -250,7 +251,7 @@ TEST(PathLaws, AMirrorOfManyFacetsIsFollowedOnceAndRefusedFurther) {
 }
 
 TEST(PathLaws, TooManyPairsOfImagesAreRefused) {
-  // On a dome, where no facet sees another. Squares of an elliptic paraboloid are plane.
+  // On a dome no facet sees another. The squares of an elliptic paraboloid are planar.
   Setting s = steps_of_mirrors(1);
   s.mesh = {};
   const auto point = [](int i, int j) {
@@ -260,7 +261,7 @@ TEST(PathLaws, TooManyPairsOfImagesAreRefused) {
   for (int i = 0; i < 16; ++i)
     for (int j = 0; j < 16; ++j)
       add_quad(s.mesh, point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1));
-  add_triangle(s.mesh, {-40, -40, 5}, {40, -40, 5}, {0, 60, 5}, 1);  // all images see it
+  add_triangle(s.mesh, {-40, -40, 5}, {40, -40, 5}, {0, 60, 5}, 1);  // all images see this facet
   s.mu = {0, 0.1};
   s.reflection = {0.5, 0};
   s.paths.order = 3;
@@ -273,7 +274,7 @@ TEST(PathLaws, TooManyPairsOfImagesAreRefused) {
   }
 }
 
-// Larger than any facet: one patch for each that is seen, however many tubes see it.
+// Patches are larger than any facet, so that each visible facet has one patch, for any number of tubes.
 TEST(PathLaws, PatchesDoNotDependOnTheTubes) {
   Setting s = bowl();
   s.paths.patch_m = 3;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Paths over mirrors by the cheaper settings: rays, fast binnings and plain doubles, against closed forms and
-// against exact cuts.
+// Tests paths over mirrors with the cheaper settings: rays, fast binning and plain doubles. The comparisons
+// are closed forms and the exact visible polygons.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -56,8 +56,8 @@ TEST_P(PathRaysOf, SurfaceMultiplesOfAFlatSeabedInClosedForm) {
   }
 }
 
-/// A separate receiver in a channel with a rough surface and a seabed that scatters and reflects, and a block
-/// that stands on it, or floats.
+/// A separate receiver in a channel with a rough surface and a seabed that scatters and reflects. A block
+/// stands on the seabed or floats.
 Setting harbour(bool apart, double block_from_m = -10, double block_to_m = -4) {
   Setting s;
   s.mesh = square_seabed(-10, 40);
@@ -78,7 +78,7 @@ Setting harbour(bool apart, double block_from_m = -10, double block_to_m = -4) {
   return s;
 }
 
-/// Rays over seeds against exact cuts, within their statistical error.
+/// Compares rays over many seeds with exact visible polygons, within the statistical error.
 void expect_same_mean(Setting s, const PathWater* water) {
   const PathEcho exact = s.run(nullptr, water);
   std::vector<std::vector<Spread>> sampled(4, std::vector<Spread>(12));
@@ -92,7 +92,7 @@ void expect_same_mean(Setting s, const PathWater* water) {
     for (std::size_t order = 1; order <= 3; ++order)
       for (int k = 0; k < 12; ++k) sampled[order][std::size_t(k)].add(paths.by_order[order].at(0, k));
   }
-  for (int k = 0; k < 12; ++k)  // no scattering, no rays
+  for (int k = 0; k < 12; ++k)  // no rays without scattering
     EXPECT_NEAR(sampled[1][std::size_t(k)].mean(), exact.by_order[1].at(0, k),
                 1e-12 * exact.by_order[1].at(0, k));
   for (std::size_t order = 2; order <= 3; ++order) {
@@ -121,14 +121,15 @@ TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGive) {
   }
 }
 
-// Bent rays over the surface and the level seabed. The block scatters only: its walls are no level mirrors.
+// Refracted rays over the surface and the level seabed. The block only scatters, because its walls are not
+// horizontal mirrors.
 TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGiveInRefractingWater) {
   for (const double gradient_per_s : {-2.0, 1.5})
     for (const bool apart : {false, true}) {
       SCOPED_TRACE(fmt::format("{} / s, {}", gradient_per_s, apart ? "apart" : "in one place"));
       Setting s = harbour(apart, -9.5, -4.2);
       s.reflection = {0.3, 0};
-      s.samples = {17, 1.5, 12};  // from where more than a corner is received
+      s.samples = {17, 1.5, 12};  // from the range where more than a corner is received
       const WaterColumn column{SoundSpeedProfile({{0, 1500}, {60, 1500 + 60 * gradient_per_s}}),
                                {0.02, 0.02, 0.02}};
       EigenrayOptions rays;
@@ -136,7 +137,7 @@ TEST(PathRays, TheMeanOverSeedsIsWhatExactCutsGiveInRefractingWater) {
       const PathWater water{
           column, 0, rays, 1500, {.travel_path_error_m = 0.02}, {}, WorldGrid(20, glm::dvec3(0))};
       expect_same_mean(s, &water);
-      // The water is not even: what bends is seen.
+      // The water is not isovelocity, so that refraction has an effect.
       const PathEcho refracted = s.run(nullptr, &water), straight = s.run();
       EXPECT_GT(std::abs(total(refracted.by_order[2]) / total(straight.by_order[2]) - 1), 1e-3);
     }
@@ -177,13 +178,13 @@ TEST(PathBinning, FastBinningsOfPathsApproachExactCuts) {
       errors.push_back(difference / all);
     }
   }
-  EXPECT_GT(errors[0], 0.02);  // the option does what it says
+  EXPECT_GT(errors[0], 0.02);  // the option has an effect
   EXPECT_LT(errors[2], 0.3 * errors[0]);
   EXPECT_LT(errors[3], 0.5 * errors[1]);
   EXPECT_LT(errors[2], 0.05);
 }
 
-/// Turned and tilted, so that nothing is in line with anything.
+/// The scene is rotated and tilted, so that nothing is aligned.
 Setting askew(bool apart) {
   Setting s = harbour(apart, -9.3, -4.2);
   for (GridPoint& p : s.mesh.vertices) {
@@ -205,7 +206,7 @@ TEST(PathDoubles, SeeTheSameWhereNothingIsDegenerate) {
       const PathEcho exact = s.run();
       s.options.arithmetic = Arithmetic::plain_double;
       s.options.tolerance =
-          scatterings == 1 ? 0 : 1e-14;  // a patch's look has its own facet's neighbours edge-on
+          scatterings == 1 ? 0 : 1e-14;  // a patch sees the neighbours of its own facet edge-on
       const PathEcho plain = s.run();
       EXPECT_EQ(plain.images, exact.images);
       EXPECT_EQ(plain.arrivals, exact.arrivals);
@@ -222,7 +223,7 @@ TEST(PathDoubles, SeeTheSameWhereNothingIsDegenerate) {
     }
 }
 
-// A block on the seabed whose top is as deep as the sonar.
+// A block on the seabed whose top has the depth of the sonar.
 TEST(PathDoubles, InADegenerateSceneTheyStayFinite) {
   for (const double tolerance : {0.0, 1e-14, 1e-9}) {
     Setting s = harbour(true);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What two receivers on a receiver pair receive over mirrors, with proven bounds: against ordinary energies
-// and products, the scene of the images, and closed forms.
+// Tests certified energies and products of a receiver pair over mirrors. The comparisons are ordinary
+// energies and products, the scene with the images, and closed forms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ BeamPatterns even_patterns(const TubeSet& tubes) {
   return patterns_of_fan({{Directivity()}, {Directivity()}, {}, {}}, 0, tubes.tubes.size());
 }
 
-/// `receive` has the receiver pair in its middle.
+/// The receiver pair has its middle at `receive`.
 ReceiverPairPathEcho run(const Setting& s, const ReceiverBaseline& receiver_pair,
                          const BeamPatterns& patterns) {
   const SceneTree tree(s.mesh);
@@ -33,7 +33,7 @@ ReceiverPairPathEcho run(const Setting& s, const ReceiverBaseline& receiver_pair
                                  s.model(s.transmit, &patterns), settings);
 }
 
-/// A sloping seabed with a plate on it that mirrors, below a rough surface at z = 0.
+/// A sloping seabed with a plate on it that is a mirror, below a rough surface at z = 0.
 Setting basin(bool apart) {
   Setting s;
   add_quad(s.mesh, {-4, -4, -7}, {4, -4, -6}, {4, 4, -5.5}, {-4, 4, -6.5});
@@ -49,7 +49,7 @@ Setting basin(bool apart) {
   return s;
 }
 
-/// `error`: of the ordinary ones, over the energies' size.
+/// `error`: error of the ordinary values, relative to the energies.
 void expect_holds(const ReceiverPairPathEcho& ordinary, const ReceiverPairPathEcho& reference,
                   double tolerance, double error) {
   ASSERT_EQ(reference.bound_by_order.size(), ordinary.by_order.size());
@@ -59,7 +59,8 @@ void expect_holds(const ReceiverPairPathEcho& ordinary, const ReceiverPairPathEc
                proven = rows_of(reference.by_order[order]).energy,
                bound = rows_of(reference.bound_by_order[order]).energy;
     CertifiedEcho held{rows_of(reference.by_order[order]), bound};
-    compare_receiver_pair_with(held, 2 * tolerance);  // paths share a bin, each of which keeps it
+    // several paths share a bin, and each keeps the tolerance
+    compare_receiver_pair_with(held, 2 * tolerance);
     EXPECT_EQ(held.bins_over, 0u) << order << ' ' << held.worst_ratio;
     const std::size_t row = plain.size() / 4;
     const double most = *std::max_element(plain.begin(), plain.begin() + std::ptrdiff_t(row));
@@ -92,7 +93,7 @@ TEST(ReceiverPairPathBounds, PatternsAtBothEnds) {
   s.samples = {3, 2, 2};
   s.paths.mirrors.surface->roughness = 0;
   Directivity sent{Directivity::Kind::line, {0.6, 0, 0.8}}, received{Directivity::Kind::line, {0, 0, 1}};
-  sent.size = received.size = 0.6;  // zeros would have corners
+  sent.size = received.size = 0.6;  // zeros of the pattern would be corners
   BeamPatterns patterns = even_patterns(s.receive);
   patterns.transmit = {sent};
   patterns.receive = {received};
@@ -101,8 +102,8 @@ TEST(ReceiverPairPathBounds, PatternsAtBothEnds) {
   expect_holds(ordinary, run(s, slanting, patterns), 5e-2, 1e-6);
 }
 
-// The surface's image of the receiver pair, without a mirror, and that of the transmitter: the same products
-// but for what the surface takes.
+// The mirror images of the receiver pair and of the transmitter give the same products without a mirror,
+// except for the reflection loss.
 TEST(ReceiverPairPathBounds, AMirrorIsTheImageScene) {
   Setting s;
   s.mesh = square_seabed(-6, 12);
@@ -139,7 +140,7 @@ TEST(ReceiverPairPathBounds, AMirrorIsTheImageScene) {
   const auto found = rows_of(over.by_order[2]).energy, found_bound = rows_of(over.bound_by_order[2]).energy;
   double turned = 0;
   for (std::size_t k = 0; k < energy.size(); ++k) {
-    // Ends are on the grid for energies over mirrors.
+    // The ends lie on the grid for energies over mirrors.
     const double rounded = 2e-6 * energy[k % 3];
     EXPECT_LE(std::abs(found[k] - energy[k]), bound[k] + found_bound[k] + rounded) << k;
     if (k >= 9) turned = std::max(turned, std::abs(found[k]));
@@ -147,7 +148,7 @@ TEST(ReceiverPairPathBounds, AMirrorIsTheImageScene) {
   EXPECT_GT(turned, 0.02 * *std::ranges::max_element(found));
 }
 
-// 4 m up and 8 m down to the receiver pair's middle, which is 5 m aside: 13 m.
+// The middle of the receiver pair is 4 m up, 8 m down and 5 m aside: the path is 13 m long.
 TEST(ReceiverPairPathBounds, ArrivalsHaveTheProductInClosedForm) {
   Setting s;
   s.mesh = square_seabed(-50, 1);
@@ -176,7 +177,7 @@ TEST(ReceiverPairPathBounds, ArrivalsHaveTheProductInClosedForm) {
     EXPECT_LT(bound[k], 1e-13 * double(size)) << row;
     EXPECT_GT(bound[k], 0) << row;
   }
-  // Half of the one is below a border, half of the other above it: they have nothing in common.
+  // One receiver's arrival lies below a bin border and the other's above: their product is zero.
   s.samples = {5.5, 1, 2};
   const ReceiverPairPathEcho apart = run(s, receiver_pair, even_patterns(s.receive));
   for (std::size_t k = 0; k < 2; ++k) {

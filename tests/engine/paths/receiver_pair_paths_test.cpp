@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two receivers on a receiver pair that receive over mirrors: against the receiver pair's image, against
-// points with rays to both of its ends, and in closed form.
+// Tests a receiver pair that receives over mirrors. The comparisons are the image of the receiver pair,
+// points with rays to both receivers, and closed forms.
 #include "engine/paths/receiver_pair_paths.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using namespace test;
 
 const ReceiverBaseline slanting{slanting_axis, 0.3, 40};
 
-/// The ordinary echo, and those over one mirror and over two.
+/// Returns the ordinary echo, and the echoes over one mirror and over two mirrors.
 std::array<ReceiverPairEcho, 3> by_mirrors(const Setting& s, const ReceiverBaseline& receiver_pair) {
   const SceneTree tree(s.mesh);
   const std::size_t tubes = s.receive.tubes.size();
@@ -33,7 +33,8 @@ std::array<ReceiverPairEcho, 3> by_mirrors(const Setting& s, const ReceiverBasel
           std::move(paths.by_order[2]), std::move(paths.by_order[3])};
 }
 
-/// 1.5 m below the surface and 2.5 m above a seabed, before a plate that leans away and mirrors and scatters.
+/// The sonar is 1.5 m below the surface and 2.5 m above a seabed. A tilted plate before it reflects and
+/// scatters.
 Setting before_a_plate(int order) {
   Setting s;
   s.mesh = square_seabed(-4, 3);
@@ -49,7 +50,7 @@ Setting before_a_plate(int order) {
   return s;
 }
 
-/// Straight ways between points, and over mirrors, by rays.
+/// Traces direct legs between points, and legs over mirrors, by rays.
 class Rays {
  public:
   explicit Rays(const FacetMesh& mesh) {
@@ -57,7 +58,7 @@ class Rays {
       facets_.push_back(
           {metres(mesh.vertices[f[0]]), metres(mesh.vertices[f[1]]), metres(mesh.vertices[f[2]])});
   }
-  /// A mirror: the surface (none), or the facets whose plane is that of a facet.
+  /// A mirror: the surface (none), or the facets in the plane of a given facet.
   using Mirror = std::optional<std::size_t>;
 
   struct Ray {
@@ -124,7 +125,7 @@ class Rays {
   std::vector<Triangle> facets_;
 };
 
-/// Of n^2 points a facet, by the number of mirrors.
+/// Sums over n^2 points per facet, by the number of mirrors.
 std::array<ReceiverPairSums, 3> over_points(const Setting& s, const ReceiverBaseline& receiver_pair, int n) {
   const Rays rays(s.mesh);
   using Mirror = Rays::Mirror;
@@ -175,7 +176,8 @@ std::array<ReceiverPairSums, 3> over_points(const Setting& s, const ReceiverBase
   return sums;
 }
 
-/// Adds what comes to both ends over two mirrors, unscattered: of order 2, as what is scattered over one.
+/// Adds the unscattered arrivals at both receivers over two mirrors. They have order 2, as paths with one
+/// scattering and one mirror.
 void add_arrivals(const Setting& s, const ReceiverBaseline& receiver_pair, ReceiverPairSums& to) {
   const Rays rays(s.mesh);
   const glm::dvec3 half = receiver_pair.baseline_m / 2 * receiver_pair.axis, middle = metres(s.receive.apex);
@@ -215,7 +217,7 @@ TEST(ReceiverPairPaths, PointsWithRaysOverMirrorsToBothEnds) {
   for (const bool apart : {false, true}) {
     Setting s = before_a_plate(3);
     if (apart) s.receive = around({-0.4, 0.7, -1.2}, -89.9, 89.9, 4, 24);
-    // All in one sample: only the integrals, and what is seen.
+    // All energy falls into one range bin, so that only the integrals and the visibility matter.
     s.samples = {0.5, 20, 1};
     auto sums = over_points(s, slanting, 160);
     add_arrivals(s, slanting, sums[1]);
@@ -235,7 +237,7 @@ TEST(ReceiverPairPaths, EachReceiverHasItsOwnSamples) {
   }
 }
 
-// The surface and back: the receiver pair's image looks down from above the water.
+// Both legs go over the surface: the image of the receiver pair looks down from above the water.
 TEST(ReceiverPairPaths, AReceiverPairInTheSurfaceIsItsImage) {
   Setting s;
   s.mesh = square_seabed(-9, 14);
@@ -276,8 +278,8 @@ TEST(ReceiverPairPaths, AReceiverPairInTheSurfaceIsItsImage) {
   EXPECT_GT(turned, 0.02 * *std::ranges::max_element(expected.upper_j));
 }
 
-// What comes straight from an image has the phase of its two lengths, also in mirrors that the grid does not
-// hold exactly.
+// A direct arrival from an image has the phase of its two path lengths, also for mirrors that the grid does
+// not represent exactly.
 TEST(ReceiverPairPaths, ArrivalsHaveThePhaseOfTheirLengths) {
   Setting s = before_a_plate(1);
   s.receive = around({0.6, -0.4, -2.2}, -89.9, 89.9, 4, 24);
@@ -332,7 +334,7 @@ TEST(ReceiverPairPaths, WithoutLengthAReceiverPairIsOneReceiver) {
     }
 }
 
-// A seabed and a wall that light each other: all pairs of points of the two.
+// A seabed and a wall insonify each other: the sum is over all pairs of points of the two.
 TEST(ReceiverPairPaths, TwoScatteringsAgreeWithPairsOfPoints) {
   Setting s;
   s.mesh = square_seabed(-4, 1.5);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Paths that are scattered more than once in refracting water (docs/paths.md). Gradients are a thousand times
-// those of the sea, so that scenes of some metres bend rays as much as the sea does over kilometres.
+// Tests paths with more than one scattering in stratified water (docs/paths.md). Gradients are a thousand
+// times those of the sea. Thus scenes of some metres refract rays as much as the sea does over kilometres.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,8 +15,8 @@ namespace {
 
 using namespace test;
 
-// The oracle: a ray that is stepped off in an arc's direction comes to its end, then and thus; the tube's
-// area is that of rays in closed form.
+// Validates the oracle by a ray that is integrated in steps from the direction of an arc. The ray arrives
+// at the end of the arc, at its time and angle. The tube area is that of rays in closed form.
 TEST(RefractedPatches, ArcsAreRays) {
   const unsigned seed = 6;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -40,13 +40,13 @@ TEST(RefractedPatches, ArcsAreRays) {
       EXPECT_NEAR(met[0].t * c_ref, ray.way_m, 2e-3);
       const double x = glm::length(glm::dvec2(to - from));
       if (std::abs(ray.launch.z) < 0.2 || std::abs(ray.arrival.z) < 0.2 || ray.launch.z * ray.arrival.z < 0)
-        continue;  // it turns, or nearly
+        continue;  // the ray turns, or nearly
       EXPECT_NEAR(circles.to(x, -from.z, {}, -to.z).area / ray.tube_area_m2, 1, 1e-5);
     }
 }
 
-// Patches by rays through isovelocity water are those by straight lines: cut otherwise, so to the error of
-// patches.
+// Patches by rays through isovelocity water equal those by straight lines. They are cut differently, so
+// that they agree to the error of patches.
 TEST(RefractedPatches, IsovelocityWaterIsTheStraightEngine) {
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {8, c_ref}}), {0.3, 0.3, 0.3}};
   Setting s = plates(true);
@@ -59,7 +59,7 @@ TEST(RefractedPatches, IsovelocityWaterIsTheStraightEngine) {
     expect_near(refracted.by_order[order], straight.by_order[order].energy, 2e-3, 2e-3, "even");
 }
 
-// To first order in the gradient.
+// The deviation is of first order in the gradient.
 TEST(RefractedPatches, AGradientThatGoesToZeroLeavesIsovelocityWater) {
   Setting s = plates(false);
   const auto at = [&](double g) {
@@ -80,14 +80,14 @@ TEST(RefractedPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints) {
     const PathEcho paths = through(through_water(column_of(arcs)), s), straight = s.run();
     const PointSum sum(s, 8, arcs, arcs);
     expect_near(paths.by_order[2], sum.scattered_twice(), 0.01, 0.01, "two");
-    // Delays that are kept in steps of a sample blur its ends, as in isovelocity water.
+    // Delays are stored in steps of a range bin. This blurs the ends of the bins, as in isovelocity water.
     expect_near(paths.by_order[3], sum.scattered_thrice(), 0.01, 0.04, "three");
-    // Which bending has its part in.
+    // Refraction has an effect on this.
     EXPECT_GT(std::abs(total(straight.by_order[2]) / total(paths.by_order[2]) - 1), 0.05);
   }
 }
 
-// Every path begins and ends at the surface.
+// Each path begins and ends at the surface.
 TEST(RefractedPatches, MirrorScatterScatterMirrorAgreesWithSumsOverPoints) {
   Setting s = plates(true);
   s.transmit = around({-0.5, 0.25, -2}, 10, 89.99, 3, 60, 4);
@@ -103,9 +103,10 @@ TEST(RefractedPatches, MirrorScatterScatterMirrorAgreesWithSumsOverPoints) {
   expect_near(paths.by_order[4], PointSum(s, 12, arcs, by_surface).scattered_twice(), 0.02, 0.02, "surface");
 }
 
-// A sample does not know how long the record is, however much slower than the reference sound is.
+// The values of a range bin do not depend on the length of the recording, for any sound speed relative to
+// the reference speed.
 TEST(RefractedPatches, ALongerRecordHoldsAShorterOne) {
-  Setting s;  // A seabed, and beside the sonar a wall that lights it from the same side.
+  Setting s;  // A seabed, and a wall near the sonar that insonifies it from the same side.
   add_quad(s.mesh, {0, -0.5, -5}, {4, -0.5, -5}, {4, 0.5, -5}, {0, 0.5, -5});
   add_quad(s.mesh, {-0.3, -0.5, -5}, {-0.3, 0.5, -5}, {-0.3, 0.5, -4.5}, {-0.3, -0.5, -4.5});
   s.transmit = s.receive = around({0, 0, -4.6}, -89.99, 20, 3, 60, 4);
@@ -128,7 +129,7 @@ TEST(RefractedPatches, ALongerRecordHoldsAShorterOne) {
   EXPECT_GT(held, 0);
 }
 
-// A flat seabed lights itself where rays are bent down, and does not where they are bent up.
+// A flat seabed insonifies itself where rays bend downwards, and does not where they bend upwards.
 TEST(RefractedPatches, AFlatSeabedIsLitByItselfAlongRaysThatTurn) {
   for (const double g : {-60.0, 60.0}) {
     Setting s;
@@ -149,7 +150,8 @@ TEST(RefractedPatches, AFlatSeabedIsLitByItselfAlongRaysThatTurn) {
   }
 }
 
-// Exchanged, transmitter and receiver receive the same but for the square of the speed of sound at each.
+// After an exchange of transmitter and receiver the energies differ by the square of the ratio of the sound
+// speeds at the ends.
 TEST(RefractedPatches, TransmitterAndReceiverExchangePlaces) {
   Setting s = plates(true);
   s.receive = around({-0.25, -0.5, -3.5}, -89.99, 20, 3, 60, 4);
@@ -167,8 +169,8 @@ TEST(RefractedPatches, TransmitterAndReceiverExchangePlaces) {
   expect_near(there.by_order[2], expected, 5e-3, 5e-3, "exchanged");
 }
 
-// From a place on any wall of a closed box, a leaning one, all that Lambert's law sends arrives, and once:
-// nothing is hidden by the wall itself, and nothing left out, however rays are bent.
+// From a point on any wall of a closed box with a tilted wall, all sound of Lambert's law arrives exactly
+// once. The wall itself hides nothing and no direction is lost, for any refraction.
 TEST(RefractedPatches, AllThatLambertsLawSendsArrivesOnce) {
   FacetMesh box;
   const glm::dvec3 middle(0, 0, -4);
@@ -193,7 +195,7 @@ TEST(RefractedPatches, AllThatLambertsLawSendsArrivesOnce) {
       for (std::size_t k = 0; k < 3; ++k) c[k] = metres(box.vertices[box.facets[facet][k]]);
       glm::dvec3 normal = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
       if (glm::dot(normal, middle - c[0]) < 0) normal = -normal;
-      // Near to an edge: 5 cm from the wall there.
+      // Close to an edge: the adjacent wall is 5 cm away.
       const glm::dvec3 place = 0.6 * c[0] + 0.38 * c[1] + 0.02 * c[2];
       const GridPoint apex = in_front(box, facet, at(middle), (place - middle) / unit, normal, 4);
       RefractedImages from(seabed, water, front_tubes(apex, normal, 30 / unit), 1, {normal, 0.25});
@@ -212,8 +214,8 @@ TEST(RefractedPatches, AllThatLambertsLawSendsArrivesOnce) {
   }
 }
 
-// Rays do not turn above the surface: right under it, where they are bent down, two walls do not see each
-// other, which is reported; what lies in the plane of a wall itself is no shadow.
+// Rays do not turn above the surface. Directly under the surface, where rays bend downwards, two walls do
+// not see each other, and the engine reports this. Facets in the plane of a wall itself make no shadow.
 TEST(RefractedPatches, ShadowsBeforeAPatchAreCounted) {
   FacetMesh walls;
   for (double top = -0.02; top > -1; top -= 0.1)
@@ -232,7 +234,7 @@ TEST(RefractedPatches, ShadowsBeforeAPatchAreCounted) {
     const std::vector<Image> images = from.images_of(0);
     const VisibleSurface seen = from.seen_by(images.at(0));
     const SurfaceCounts counts = from.counts({&seen, 1});
-    // Chords of 4 m need (4 m)^2 / 8 g / c = 7 cm of water over them.
+    // Chords of 4 m need (4 m)^2 / 8 g / c = 7 cm of water above them.
     EXPECT_EQ(counts.in_shadow > 0, depth < 0.07) << depth;
     if (counts.in_shadow > 0) {
       ASSERT_EQ(counts.unclear.size(), 1u);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Paths over mirrors in refracting water with proven bounds: against closed forms of one gradient, the
-// certified paths of isovelocity water, ordinary energies, and exchange.
+// Tests certified energies of paths over mirrors in stratified water. The comparisons are closed forms of
+// one gradient, the certified paths of isovelocity water, ordinary energies, and reciprocity.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ PathEcho certified(const PathWater& water, Setting s, double tolerance,
 struct Both {
   double energies = 0, bounds = 0;
 };
-/// Sums of an order.
+/// Sums of one order.
 Both sums_of(const PathEcho& found, std::size_t order) {
   Both sums;
   for (std::size_t k = 0; k < found.by_order[order].energy.size(); ++k) {
@@ -34,7 +34,7 @@ Both sums_of(const PathEcho& found, std::size_t order) {
   return sums;
 }
 
-/// What two references say of the same.
+/// Two references of the same value must agree within their bounds.
 void expect_agree(const PathEcho& a, const PathEcho& b, double scale = 1, double rounding = 1e-9) {
   ASSERT_EQ(a.by_order.size(), b.by_order.size());
   for (std::size_t order = 0; order < a.by_order.size(); ++order) {
@@ -46,8 +46,8 @@ void expect_agree(const PathEcho& a, const PathEcho& b, double scale = 1, double
   }
 }
 
-/// furnished() in few samples and tubes: a plate that mirrors and a wall, without the loose facets, of which
-/// one rises past the sonar's depth, so that no ray to it is proven.
+/// furnished() with few range bins and tubes: a plate that is a mirror and a wall. The loose facets are
+/// absent. One of them rises above the depth of the sonar, so that no ray to it is proven.
 Setting few(bool apart) {
   Setting s = furnished(apart);
   constexpr std::size_t conservative = 2;
@@ -61,7 +61,7 @@ Setting few(bool apart) {
   return s;
 }
 
-// Rings of a flat seabed; moved by twice the bound they are held no more.
+// Rings of a flat seabed: an energy that moves by twice the bound lies outside the bound.
 TEST(RefractedPathBounds, HoldTheSurfaceMultiplesOfOneGradient) {
   for (const auto& [g, roughness, widest] : {std::tuple(-0.6, 0.0, 0.08), std::tuple(0.5, 2.5, 0.35)}) {
     SCOPED_TRACE(fmt::format("g {} roughness {}", g, roughness));
@@ -87,7 +87,7 @@ TEST(RefractedPathBounds, HoldTheSurfaceMultiplesOfOneGradient) {
   }
 }
 
-// What is received in some tubes and in the others is what is received in all.
+// The energies of two complementary sets of tubes add up to those of all tubes.
 TEST(RefractedPathBounds, WhatTubesHearAddsUp) {
   const WaterColumn column = gradient(-0.7, 1510);
   Setting s = under_surface(2);
@@ -97,7 +97,7 @@ TEST(RefractedPathBounds, WhatTubesHearAddsUp) {
   const PathEcho all = certified(water_of(column, 3e-2), s, 1e-2);
   std::vector<double> energy(3), bound(3);
   for (const int rest : {0, 1}) {
-    Setting part = s;  // every other one
+    Setting part = s;  // every second tube
     part.receive.tubes.clear();
     for (std::size_t tube = std::size_t(rest); tube < s.receive.tubes.size(); tube += 2)
       part.receive.tubes.push_back(s.receive.tubes[tube]);
@@ -113,7 +113,7 @@ TEST(RefractedPathBounds, WhatTubesHearAddsUp) {
   }
 }
 
-// In isovelocity water they are the references of isovelocity water: images by planes.
+// In isovelocity water the references equal those of isovelocity water, with images by planes.
 TEST(RefractedPathBounds, IsovelocityWaterIsTheStraightReference) {
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {60, c_ref}}), {1e-5, 1e-5, 1e-5}};
   for (const bool apart : {false, true}) {
@@ -132,7 +132,7 @@ TEST(RefractedPathBounds, IsovelocityWaterIsTheStraightReference) {
   }
 }
 
-// To first order in the gradient they leave those, and bounds shrink with it.
+// The deviation from those references is of first order in the gradient, and bounds shrink with it.
 TEST(RefractedPathBounds, AGradientThatGoesToZeroLeavesTheImageSeries) {
   Setting s = under_surface(3);
   s.mesh = FacetMesh();
@@ -161,8 +161,8 @@ TEST(RefractedPathBounds, AGradientThatGoesToZeroLeavesTheImageSeries) {
   }
 }
 
-// Behind walls and over a plate that mirrors: ordinary energies of a fine seabed are held by bounds of a
-// coarse one, and so are the same with transmitter and receiver exchanged.
+// The scene has walls and a plate that is a mirror. Bounds of a coarse apparent map contain the ordinary
+// energies of a fine map, also after an exchange of transmitter and receiver.
 TEST(RefractedPathBounds, HoldOrdinaryEnergiesAndThoseOfExchangedEnds) {
   const WaterColumn column = gradient(-0.7, 1510, 0.02);
   Setting s = few(true);
@@ -188,7 +188,7 @@ TEST(RefractedPathBounds, HoldOrdinaryEnergiesAndThoseOfExchangedEnds) {
                std::pow((1510 - 0.7 * 5) / (1510 - 0.7 * 7), 2));
 }
 
-// Patterns of both ends, where rays are launched and arrive.
+// Patterns of both ends act in the directions in which rays start and arrive.
 TEST(RefractedPathBounds, HoldOrdinaryEnergiesOfPatterns) {
   const WaterColumn column = gradient(-0.7, 1510);
   Setting s = under_surface(2);

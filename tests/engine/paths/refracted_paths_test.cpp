@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Paths over mirrors in refracting water.
+// Tests paths over mirrors in stratified water. The comparisons are isovelocity water, closed forms of one
+// gradient, series of rays, reciprocity, and brute-force rays.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,8 +18,8 @@ namespace {
 
 using namespace test;
 
-// Images by rays through isovelocity water are the images by planes. Where a mirror's height cuts facets,
-// corners are rounded to the grid (1e-6 m), for all images or for those of this mirror.
+// Images by rays through isovelocity water equal the images by planes. Cuts of facets at the height of a
+// mirror round corners to the grid (1e-6 m). This applies to all images or to those of this mirror.
 TEST(RefractedPaths, IsovelocityWaterIsTheStraightEngine) {
   const WaterColumn even{SoundSpeedProfile({{0, c_ref}, {60, c_ref}}), {0.02, 0.02, 0.02}};
   for (const bool apart : {false, true}) {
@@ -27,7 +28,7 @@ TEST(RefractedPaths, IsovelocityWaterIsTheStraightEngine) {
     s.paths.mirrors.surface->roughness = 0.8;
     const PathEcho straight = s.run(), refracted = through(water_of(even), s);
     EXPECT_EQ(refracted.arrivals, straight.arrivals);
-    EXPECT_EQ(straight.arrivals, apart ? 2u : 0u);  // direct and by the surface
+    EXPECT_EQ(straight.arrivals, apart ? 2u : 0u);  // direct and over the surface
     for (std::size_t order = 0; order < straight.by_order.size(); ++order) {
       const double peak = *std::ranges::max_element(straight.by_order[order].energy);
       if (order > 1) {
@@ -41,8 +42,9 @@ TEST(RefractedPaths, IsovelocityWaterIsTheStraightEngine) {
   }
 }
 
-// To first order: half of the gradient moves energies half as far from those of isovelocity water. The
-// seabed's cells are small enough for all, so that all are cut alike.
+// The deviation is of first order: half of the gradient moves energies half as far from those of
+// isovelocity water. The cells of the seabed are small enough for all gradients, so that all have the same
+// cuts.
 TEST(RefractedPaths, AGradientThatGoesToZeroLeavesTheImageSeries) {
   Setting s = under_surface(3);
   s.mesh = FacetMesh();
@@ -66,8 +68,8 @@ TEST(RefractedPaths, AGradientThatGoesToZeroLeavesTheImageSeries) {
     }
 }
 
-// Mirror and seabed in one gradient, there by the surface and straight back, and by the surface both ways:
-// rings of the seabed by rays in closed form.
+// Mirror and seabed in one gradient: one leg goes over the surface and the other is direct, or both legs go
+// over the surface. The comparison is rings of the seabed with rays in closed form.
 TEST(RefractedPaths, SurfaceMultiplesOfAFlatSeabedInOneGradient) {
   for (const double g : {-0.6, 0.5}) {
     for (const double roughness : {0.0, 2.5}) {
@@ -86,8 +88,8 @@ TEST(RefractedPaths, SurfaceMultiplesOfAFlatSeabedInOneGradient) {
   }
 }
 
-// A pattern about the vertical, different up and down, on the transmit leg only or on the way back only: up
-// to the surface one way, down the other way.
+// A pattern about the vertical, different up and down, on the transmit leg only or on the receive leg only.
+// One leg goes up to the surface, the other down.
 TEST(RefractedPaths, PatternsAreTakenWhereRaysAreLaunched) {
   const Directivity tilted{Directivity::Kind::gaussian, {0, 0, 1}, true, 0, 1.5};
   Setting s = under_surface(3);
@@ -100,7 +102,7 @@ TEST(RefractedPaths, PatternsAreTakenWhereRaysAreLaunched) {
     patterns->fan_of_tube.assign(s.receive.tubes.size(), 0);
     patterns->beams_of_tube.assign(s.receive.tubes.size(), {0, 1});
     const PathEcho paths = through(water_of(column, 5e-4), s, patterns);
-    // The whole of what is received between two times: by distance, in small steps.
+    // The total energy between two times, by integration over distance in small steps.
     std::vector<double> once(30), twice(30);
     constexpr int steps = 4000;
     for (int n = 0; n < steps; ++n) {
@@ -124,7 +126,7 @@ TEST(RefractedPaths, PatternsAreTakenWhereRaysAreLaunched) {
       for (int k = from; k < to; ++k) all += of(k);
       return all;
     };
-    // Steps end within samples: several together.
+    // The steps end within range bins, so that the test compares sums of several bins.
     for (const int from : {2, 10}) {
       const double one = sum([&](int k) { return once[std::size_t(k)]; }, from, from + 8),
                    two = sum([&](int k) { return twice[std::size_t(k)]; }, from, from + 8);
@@ -136,7 +138,7 @@ TEST(RefractedPaths, PatternsAreTakenWhereRaysAreLaunched) {
   }
 }
 
-// A channel: what comes unscattered from a transmitter to a receiver 40 m away, over surface and seabed.
+// In a channel, unscattered sound from a transmitter reaches a receiver 40 m away over surface and seabed.
 TEST(RefractedPaths, AChannelIsASeriesOfRays) {
   constexpr int order = 4;
   Setting s;
@@ -155,7 +157,7 @@ TEST(RefractedPaths, AChannelIsASeriesOfRays) {
   const WaterColumn column = gradient(0.4, 1490, 0.01);
   const PathEcho paths = through(water_of(column, 1), s);
   EXPECT_EQ(paths.arrivals, 1u + 2 * order);
-  Setting certified = s;  // in samples that hold an arrival each, with bounds
+  Setting certified = s;  // in range bins that contain one arrival each, with bounds
   certified.mesh = square_seabed(-20, 60);
   certified.paths.order = 2;
   certified.paths.reference_tolerance = 1e-3;
@@ -187,7 +189,7 @@ TEST(RefractedPaths, AChannelIsASeriesOfRays) {
                                            expected.begin() + 50 * std::ptrdiff_t(k) + 50, 0.0),
                    energy = reference.by_order[std::size_t(n)].energy[k],
                    bound = reference.bound_by_order[std::size_t(n)][k];
-      if (!(truth > 0)) continue;  // what the seabed scatters
+      if (!(truth > 0)) continue;  // energy that the seabed scatters
       EXPECT_LE(std::abs(energy - truth), bound + 1e-8 * truth) << "order " << n << " sample " << k;
       EXPECT_LT(bound, 1e-6 * truth) << "order " << n << " sample " << k;
     }
@@ -203,8 +205,8 @@ TEST(RefractedPaths, AChannelIsASeriesOfRays) {
   }
 }
 
-// Exchanged, transmitter and receiver receive the same but for the square of the speed of sound at each:
-// energy is what passes a square metre.
+// After an exchange of transmitter and receiver the energies differ by the square of the ratio of the sound
+// speeds at the ends. Energy here is energy per square metre.
 TEST(RefractedPaths, TransmitterAndReceiverExchangePlaces) {
   Setting s = furnished(true);
   Setting back = s;
@@ -222,8 +224,7 @@ TEST(RefractedPaths, TransmitterAndReceiverExchangePlaces) {
   }
 }
 
-// By the surface both ways, the seabed is received as a seabed mirrored in it is received through water
-// mirrored in it.
+// With both legs over the surface, the echo equals that of a mirrored seabed in mirrored water.
 TEST(RefractedPaths, ASurfaceIsItsImage) {
   Setting s = under_surface(3);
   s.mesh = FacetMesh();
@@ -250,8 +251,9 @@ TEST(RefractedPaths, ASurfaceIsItsImage) {
     EXPECT_NEAR(paths.by_order[3].at(0, k), 0.36 * direct.at(0, k), 3e-4 * 0.36 * direct.at(0, k)) << k;
 }
 
-// Rays that are stepped through the water and reflected, each place that they light joined to the sonar by
-// the rays of one gradient in closed form; these are stepped, too, to see what hides them.
+// Rays are integrated in steps through the water and reflected. The rays of one gradient in closed form
+// connect each insonified point to the sonar. The test also integrates these rays in steps, to find what
+// hides them.
 TEST(RefractedPaths, AgreeWithBruteForceRays) {
   const Setting s = furnished(false);
   const double g = -1.2;
@@ -272,7 +274,7 @@ TEST(RefractedPaths, AgreeWithBruteForceRays) {
   };
   std::array<std::array<double, groups>, 4> sum{}, square{};
   for (int n = 0; n < count; ++n) {
-    // Stratified: each in its own band of elevations.
+    // Stratified sampling: each ray has its own band of elevations.
     const double z = top * (2 * (n + any(random)) / count - 1), azimuth = 2 * pi * any(random);
     const double flat = std::sqrt(1 - z * z);
     const auto met = rays.follow(apex, {flat * std::cos(azimuth), flat * std::sin(azimuth), z}, 2);
@@ -285,7 +287,7 @@ TEST(RefractedPaths, AgreeWithBruteForceRays) {
         if (lit.what < 0 || order < 2 || order > 3) continue;
         std::vector<double> mirrors(chain.begin(), chain.end());
         const Circles::Ray back = circles.to(std::hypot(lit.at.x, lit.at.y), 5, mirrors, -lit.at.z);
-        double elevation = back.launch;  // up, if the way begins so
+        double elevation = back.launch;  // up, if the leg begins so
         if (chain.empty() ? lit.at.z < apex.z : chain.front() == 15) elevation = -elevation;
         if (std::abs(elevation) > 86 * pi / 180) continue;
         const double angle = std::atan2(lit.at.y, lit.at.x);
@@ -326,7 +328,7 @@ TEST(RefractedPaths, AgreeWithBruteForceRays) {
       for (double at_m = borders[k]; at_m < borders[k + 1]; ++at_m)
         energy += paths.by_order[order].at(0, int(at_m - s.samples.first_m));
       const double error = std::sqrt((square[order][k] - sum[order][k] * sum[order][k]) / count);
-      if (error > 0.2 * sum[order][k]) continue;  // too few rays to know the error, either
+      if (error > 0.2 * sum[order][k]) continue;  // too few rays to estimate the error
       ++compared;
       EXPECT_NEAR(energy, sum[order][k], 4.5 * error + 1e-3 * sum[order][k])
           << "order " << order << " group " << k;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two receivers on a receiver pair, and paths that are scattered more than once in refracting water: what
-// each receives and how much alike that is, against sums over points with arcs in closed form to both ends,
-// isovelocity water, one receiver, and laws.
+// Tests paths with more than one scattering to a receiver pair in stratified water, with energies and
+// coherence. The comparisons are sums over points with arcs in closed form to both receivers, isovelocity
+// water, one receiver, and laws.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,8 @@ namespace {
 
 using namespace test;
 
-/// Over the plates, with the fin between. Patches are large where all that is compared has the same.
+/// The sonar lies over the plates, with the fin between. Patches are large where both sides of a comparison
+/// use the same patches.
 Setting scattered(int times, double patch_m = 0.5) {
   Setting s = plates(true);
   s.paths.order = s.paths.scatterings = times;
@@ -34,7 +35,7 @@ ReceiverPairPathEcho received_through(const WaterColumn& column, const Setting& 
   return received_by_receiver_pair(s, by, &water);
 }
 
-/// To parts of all that the upper one receives, in total and in each bin.
+/// The tolerances are relative to the energy of the upper receiver, in total and in each bin.
 void expect_sums(const ReceiverPairEcho& echo, const ReceiverPairSums& sums, double of_total, double of_bin,
                  const char* what) {
   double upper = 0, lower = 0, energy = 0, turned = 0;
@@ -53,7 +54,7 @@ void expect_sums(const ReceiverPairEcho& echo, const ReceiverPairSums& sums, dou
     EXPECT_LT(std::abs(product(echo, k) - sums.cross[k]), of_bin * energy);
     turned = std::max(turned, std::abs(sums.cross[k].imag()));
   }
-  EXPECT_GT(turned, 5 * of_bin * energy) << what;  // there is a phase to know
+  EXPECT_GT(turned, 5 * of_bin * energy) << what;  // there is a phase to compare
 }
 
 TEST(RefractedReceiverPairPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints) {
@@ -66,9 +67,9 @@ TEST(RefractedReceiverPairPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints
     const PointSum sum(s, 8, arcs, receiver_pair);
     const ReceiverPairSums two = sum.twice_by_receiver_pair();
     expect_sums(paths.by_order[2], two, 0.01, 0.01, "two");
-    // Delays that are kept in steps of a sample blur its ends, as in isovelocity water.
+    // Delays are stored in steps of a range bin. This blurs the ends of the bins, as in isovelocity water.
     if (g < 0) expect_sums(paths.by_order[3], sum.thrice_by_receiver_pair(), 0.015, 0.04, "three");
-    // Which bending has its part in.
+    // Refraction has an effect on this.
     double moved = 0, energy = 0;
     for (std::size_t k = 0; k < two.upper.size(); ++k) {
       moved = std::max(moved, std::abs(product(straight.by_order[2], k) - two.cross[k]));
@@ -78,7 +79,7 @@ TEST(RefractedReceiverPairPatches, TwoAndThreeScatteringsAgreeWithSumsOverPoints
   }
 }
 
-// Every path begins and ends at the surface, in which the receiver pair is upside down.
+// Each path begins and ends at the surface. Its mirror image of the receiver pair is upside down.
 TEST(RefractedReceiverPairPatches, MirrorScatterScatterMirrorAgreesWithSumsOverPoints) {
   Setting s = scattered(2, 0.25);
   s.transmit = around({-0.5, 0.25, -2}, 10, 89.99, 3, 60, 4);
@@ -96,7 +97,7 @@ TEST(RefractedReceiverPairPatches, MirrorScatterScatterMirrorAgreesWithSumsOverP
               0.02, 0.02, "surface");
 }
 
-// Patches are cut otherwise than in isovelocity water: to the error of patches.
+// Patches are cut differently than in isovelocity water, so that they agree to the error of patches.
 TEST(RefractedReceiverPairPatches, IsovelocityWaterIsTheStraightEngine) {
   Setting s = scattered(3);
   s.paths.mirrors.surface = SeaSurface{0, 0.7, 0.4};
@@ -117,7 +118,7 @@ TEST(RefractedReceiverPairPatches, IsovelocityWaterIsTheStraightEngine) {
   }
 }
 
-// To first order: half of the gradient moves energies and products half as far.
+// The deviation is of first order: half of the gradient moves energies and products half as far.
 TEST(RefractedReceiverPairPatches, AGradientThatGoesToZeroLeavesIsovelocityWater) {
   Setting s = plates(false);
   s.samples = {1, 20, 1};
@@ -144,7 +145,7 @@ TEST(RefractedReceiverPairPatches, WithoutLengthAReceiverPairIsOneReceiver) {
   const ReceiverPairPathEcho both = received_through(column, s, {slanting_axis, 1e-8, 60});
   for (std::size_t order = 2; order <= 3; ++order) {
     const std::vector<double>& alone = one.by_order[order].energy;
-    // Where rounding cuts one part more, a sample passes a little on to its neighbour.
+    // If rounding cuts one more part, a range bin passes a small part of its energy to its neighbour.
     const double error = 1e-4 * *std::ranges::max_element(alone);
     EXPECT_GT(error, 0);
     for (std::size_t k = 0; k < alone.size(); ++k) {
@@ -155,7 +156,7 @@ TEST(RefractedReceiverPairPatches, WithoutLengthAReceiverPairIsOneReceiver) {
   }
 }
 
-// The other way round a receiver pair receives the same, with its phase the other way.
+// A reversed receiver pair receives the same energies with the opposite phase.
 TEST(RefractedReceiverPairPatches, ReceiversExchangePlaces) {
   const Setting s = scattered(3);
   const WaterColumn column = column_of({1500 - 180, 60, s.absorption_db_per_m});
@@ -168,15 +169,15 @@ TEST(RefractedReceiverPairPatches, ReceiversExchangePlaces) {
     for (std::size_t k = 0; k < a.upper_j.size(); ++k) {
       EXPECT_NEAR(b.upper_j[k], a.lower_j[k], 1e-9 * most) << order << ' ' << k;
       EXPECT_NEAR(b.lower_j[k], a.upper_j[k], 1e-9 * most) << order << ' ' << k;
-      // Both are reported in the plane as the upper one sees it, and cut into parts there.
+      // Both results are in the plane as the upper receiver sees it, and are cut into parts there.
       EXPECT_LT(std::abs(product(b, k) - std::conj(product(a, k))), 2e-3 * most) << order << ' ' << k;
     }
   }
 }
 
-// Each end receives what a receiver there would, whose seabed appears from its own place, but for the
-// baseline times the gradient over the speed of sound, which both together do not have; and what that would
-// send to the transmitter, but for the square of the speed of sound at each.
+// Each end receives the energy of a single receiver at its position, whose apparent seabed is computed from
+// there. The difference is of the order of baseline times gradient over sound speed. After an exchange with
+// the transmitter, energies differ by the square of the ratio of the sound speeds at the ends.
 TEST(RefractedReceiverPairPatches, EitherEndIsAReceiverThereAndSoundComesBack) {
   Setting s = scattered(2, 0.3);
   s.receive = around({-0.25, -0.5, -3.5}, -89.99, 20, 3, 60, 4);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two receivers on a receiver pair that receive over mirrors in refracting water: against isovelocity water,
-// rays of one gradient in closed form and in steps to both ends, and a gradient that goes to zero.
+// Tests a receiver pair that receives over mirrors in stratified water. The comparisons are isovelocity
+// water, rays of one gradient in closed form and in steps to both receivers, and a gradient that tends to
+// zero.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +31,7 @@ TEST(RefractedReceiverPairPaths, IsovelocityWaterIsTheStraightEngine) {
     const ReceiverPairPathEcho straight = received_by_receiver_pair(s, receiver_pair),
                                refracted = received_by_receiver_pair(s, receiver_pair, &water);
     EXPECT_EQ(refracted.arrivals, straight.arrivals);
-    EXPECT_EQ(straight.arrivals, apart ? 2u : 0u);  // by the surface, to both ends
+    EXPECT_EQ(straight.arrivals, apart ? 2u : 0u);  // over the surface, to both receivers
     for (std::size_t order = apart ? 1 : 2; order < straight.by_order.size(); ++order) {
       const ReceiverPairEcho &a = straight.by_order[order], &b = refracted.by_order[order];
       const double peak = *std::ranges::max_element(a.upper_j);
@@ -41,7 +42,8 @@ TEST(RefractedReceiverPairPaths, IsovelocityWaterIsTheStraightEngine) {
         const double error = 5e-6 * std::max(a.upper_j[k], a.lower_j[k]) + 1e-8 * peak;
         EXPECT_NEAR(b.upper_j[k], a.upper_j[k], error);
         EXPECT_NEAR(b.lower_j[k], a.lower_j[k], error);
-        // Ends of the plate's windows are elsewhere by the grid's rounding, and the phase with them.
+        // Ends of the visible polygons of the plate differ by the rounding to the grid, and so does the
+        // phase.
         EXPECT_LT(std::abs(product(b, k) - product(a, k)), 10 * error);
         turned = std::max(turned, std::abs(product(a, k).imag()));
       }
@@ -50,8 +52,8 @@ TEST(RefractedReceiverPairPaths, IsovelocityWaterIsTheStraightEngine) {
   }
 }
 
-// To first order: half of the gradient moves energies and products half as far from those of isovelocity
-// water.
+// The deviation is of first order: half of the gradient moves energies and products half as far from those
+// of isovelocity water.
 TEST(RefractedReceiverPairPaths, AGradientThatGoesToZeroLeavesIsovelocityWater) {
   Setting s = under_surface(3);
   s.mesh = FacetMesh();
@@ -80,8 +82,8 @@ TEST(RefractedReceiverPairPaths, AGradientThatGoesToZeroLeavesIsovelocityWater) 
     }
 }
 
-// Places all over a flat seabed, joined to the transmitter and to both ends by rays of one gradient in closed
-// form: nothing is taken from the receiver pair's middle.
+// Rays of one gradient in closed form connect points of a flat seabed to the transmitter and to both
+// receivers. The comparison uses no value of the middle of the receiver pair.
 TEST(RefractedReceiverPairPaths, PointsOfAFlatSeabedWithRaysToBothEnds) {
   for (const double g : {-0.6, 0.5})
     for (const bool apart : {false, true}) {
@@ -104,7 +106,7 @@ TEST(RefractedReceiverPairPaths, PointsOfAFlatSeabedWithRaysToBothEnds) {
       for (int n = 0; n < rings; ++n) {
         const double width = 56.0 / rings;
         for (int turn = 0; turn < around_it; ++turn) {
-          // Each azimuth has rings of its own, so that no ring falls into one sample as a whole.
+          // Each azimuth has its own rings, so that no whole ring falls into one range bin.
           const double x = (n + (turn * 7 % around_it + 0.5) / around_it) * width,
                        area = pi * x * width / around_it, angle = pi * ((turn + 0.5) / around_it - 0.5);
           const std::array<Circles::Ray, 2> tx{circles.to(x, 5, chains[0], 20),
@@ -144,8 +146,8 @@ TEST(RefractedReceiverPairPaths, PointsOfAFlatSeabedWithRaysToBothEnds) {
     }
 }
 
-// What comes unscattered over surface and seabed, to ends that are at another speed of sound than ranges are
-// told by.
+// Unscattered sound arrives over surface and seabed at ends where the sound speed differs from the
+// reference speed of the ranges.
 TEST(RefractedReceiverPairPaths, ArrivalsHaveThePhaseOfTheirTimes) {
   Setting s;
   add_quad(s.mesh, {-2, -5, -20}, {45, -5, -20}, {45, 5, -20}, {-2, 5, -20});
@@ -196,8 +198,8 @@ TEST(RefractedReceiverPairPaths, ArrivalsHaveThePhaseOfTheirTimes) {
   }
 }
 
-// Rays that are stepped through the water and reflected; each place that they light is joined to both ends by
-// rays in closed form, which are stepped, too, to see what hides them.
+// Rays are integrated in steps through the water and reflected. Rays in closed form connect each insonified
+// point to both receivers. The test also integrates these rays in steps, to find what hides them.
 TEST(RefractedReceiverPairPaths, AgreeWithBruteForceRays) {
   Setting s = furnished(true);
   s.paths.direct = false;
@@ -222,11 +224,11 @@ TEST(RefractedReceiverPairPaths, AgreeWithBruteForceRays) {
   struct Back {
     double energy = 0, way_m = 0;
   };
-  /// From a place that a ray met to an end, over mirrors at these depths.
+  /// Connects a point that a ray met to an end, over mirrors at these depths.
   const auto back_to = [&](const Stepped::Meeting& lit, glm::dvec3 end, const std::vector<double>& chain) {
     const glm::dvec3 way = lit.at - end;
     const Circles::Ray back = circles.to(std::hypot(way.x, way.y), -end.z, chain, -lit.at.z);
-    double elevation = back.launch;  // up, if the way begins so
+    double elevation = back.launch;  // up, if the leg begins so
     if (chain.empty() ? way.z < 0 : chain.front() == 15) elevation = -elevation;
     const double angle = std::atan2(way.y, way.x);
     if (std::abs(elevation) > 86 * pi / 180) return Back{};
@@ -247,7 +249,7 @@ TEST(RefractedReceiverPairPaths, AgreeWithBruteForceRays) {
     if (in * out <= 0) return Back{};
     return Back{passes * std::abs(out) / back.area_back, c_ref * rx.back().t};
   };
-  // All samples together: sums, and of each ray's own the squares.
+  // Sums over all range bins, and sums of the squares of each ray's contribution.
   std::array<Complex, 4> cross{};
   std::array<double, 4> upper{}, upper2{}, cross2{};
   for (int n = 0; n < count; ++n) {
@@ -295,7 +297,7 @@ TEST(RefractedReceiverPairPaths, AgreeWithBruteForceRays) {
     EXPECT_LT(error, 0.1 * upper[order]) << order;
     EXPECT_NEAR(energy, upper[order], 4.5 * error + 2e-3 * upper[order]) << order;
     EXPECT_LT(std::abs(both - cross[order]), 4.5 * cross_error + 2e-3 * upper[order]) << order;
-    EXPECT_GT(std::abs(cross[order]), 8 * cross_error) << order;  // there is a phase to know
+    EXPECT_GT(std::abs(cross[order]), 8 * cross_error) << order;  // there is a phase to compare
   }
 }
 

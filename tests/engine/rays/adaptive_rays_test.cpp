@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where adaptive rays go, and that it costs no bias: a cell's own pilot has no say in how many rays it gets.
+// Tests the distribution of adaptive rays. The rays are unbiased: the pilot of a cell has no influence on
+// the number of rays of that cell.
 #include "engine/rays/adaptive_rays.hpp"
 
 #include <gtest/gtest.h>
@@ -34,7 +35,7 @@ struct Fan {
   }
 };
 
-/// What the pilots of cells met, at random.
+/// Draws random echoes for the pilots of the cells.
 std::vector<PilotEcho> drawn(std::int64_t cells, std::mt19937_64& random) {
   std::uniform_real_distribution<float> uniform;
   std::vector<PilotEcho> met;
@@ -57,7 +58,8 @@ struct Ray {
   std::uint32_t tube;
 };
 
-/// Pilots first, which are now one of their cell's rays each, then the others, taken in parts of so many.
+/// Returns the pilots first, each of which is one of the rays of its cell. The other rays follow, in
+/// portions of `part` rays.
 std::vector<Ray> rays_of(const AdaptiveRays& rays, std::int64_t part, bool pilots_only = false) {
   std::vector<Ray> all;
   RayPacket packet;
@@ -125,7 +127,7 @@ TEST(AdaptiveRays, ACellsOwnPilotHasNoSayInItsNumber) {
     }
     met[cell] = own;
   }
-  EXPECT_GT(moved, 100);  // but in those of others
+  EXPECT_GT(moved, 100);  // but in the counts of other cells
 }
 
 TEST(AdaptiveRays, WeightsSumToSolidAnglesOnAverage) {
@@ -158,7 +160,7 @@ TEST(AdaptiveRays, RaysOfACellAreANetThatItsPilotIsOneOf) {
     alone.deal(std::vector<PilotEcho>(1));
     EXPECT_EQ(rays_of(rays, 9).front().direction, rays_of(alone, 9).front().direction);
   }
-  // Twenty-five cells: those that got 2^k rays have one in each of 2^a x 2^(k - a) parts.
+  // Twenty-five cells: those with 2^k rays have one ray in each of 2^a x 2^(k - a) parts.
   std::mt19937_64 random(3);
   int nets = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -191,7 +193,7 @@ TEST(AdaptiveRays, RaysGoWhereNeighboursDifferAndNoCellIsStarved) {
   const TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, 20 * degree, 20 * degree);
   AdaptiveRays rays(tubes, adaptive(2048), {}, &guide);
   ASSERT_EQ(rays.pilots(), 1024);
-  // The echo is even but for where half of the fan has nothing behind it.
+  // The echo is uniform except where half of the fan has no facet.
   std::vector<PilotEcho> met;
   const std::vector<Ray> pilots = rays_of(rays, 2048, true);
   for (std::size_t k = 0; k < 1024; ++k)
@@ -206,7 +208,7 @@ TEST(AdaptiveRays, RaysGoWhereNeighboursDifferAndNoCellIsStarved) {
   EXPECT_GT(*std::min_element(at_border.begin(), at_border.end()),
             8 * *std::max_element(elsewhere.begin(), elsewhere.end()));
   EXPECT_GE(*std::min_element(elsewhere.begin(), elsewhere.end()), 1);
-  // All alike: all get the same.
+  // If all pilots agree, all cells get the same number of rays.
   rays.deal(std::vector<PilotEcho>(1024, PilotEcho{10.5f, 1}));
   for (const std::int64_t count : counts_of(rays)) EXPECT_EQ(count, 2);
   rays.deal(std::vector<PilotEcho>(1024));
@@ -223,7 +225,7 @@ FacetMesh quay() {
   return mesh;
 }
 
-/// A ball over a seabed, in facets.
+/// A sphere of facets over a seabed.
 FacetMesh ball() {
   FacetMesh mesh = flat_seabed(4, 60);
   const int n = 12;

@@ -17,26 +17,27 @@
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
 
-// The measures of footprints against Embree's rays: solid angles against directions drawn uniformly from the
-// tube, areas against points drawn uniformly from the facets. The sampling is the test's own, and so are
-// Embree's scenes: coordinates relative to the apex, in grid units, as floats. Bounds are those of the
-// binomial and chi-square distributions at five sigma for all comparisons together.
+// Compares the measures of footprints with Embree's rays. Solid angles are compared with directions drawn
+// uniformly from the tube, and areas with points drawn uniformly from the facets. The test has its own
+// sampling and its own Embree scenes, with coordinates relative to the apex, in grid units, as floats.
+// Bounds are those of the binomial and chi-square distributions at five sigma for all comparisons together.
 namespace tubefoot {
 namespace {
 
 using namespace test;
 
 constexpr double five_sigma = 5.7e-7;  // both tails of the normal distribution
-/// More comparisons than the test makes: each gets its share of the error probability (Bonferroni).
+/// More comparisons than the test makes. Each comparison gets its share of the error probability
+/// (Bonferroni).
 constexpr double most_comparisons = 1e6;
-/// A float misplaces an edge, and a ray, by some 1e-7 rad: a share is uncertain by about that times the
-/// length of its border over the tube's solid angle. Shares are taken to be uncertain by this much.
+/// A float displaces an edge and a ray by about 1e-7 rad. The uncertainty of a share is about that, times
+/// the length of its border over the solid angle of the tube. The test takes this value.
 constexpr double float_leak = 2e-6;
 
 glm::dvec3 vector_of(GridPoint p) { return {p.x, p.y, p.z}; }
 
-/// Embree's view of a mesh from an apex. Facets whose plane holds the apex are left out: they subtend
-/// nothing.
+/// Embree's scene of a mesh from an apex. It omits facets whose plane contains the apex, because they
+/// subtend nothing.
 class Rays {
  public:
   Rays(const FacetMesh& mesh, GridPoint apex) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
@@ -104,7 +105,7 @@ class Directions {
     if (lowest_ <= 0) throw std::domain_error("a tube that no cap smaller than a half-space holds");
     side_ = glm::normalize(
         glm::cross(axis_, std::abs(axis_.z) < 0.7 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
-    // Girard: the sum of the angles between neighbouring walls, less two right angles.
+    // Girard: the sum of the angles between adjacent walls, minus two right angles.
     solid_angle_ = -2 * std::numbers::pi;
     for (int k = 0; k < 4; ++k) {
       const glm::dvec3 a = glm::normalize(wall_[k]), b = glm::normalize(wall_[(k + 1) % 4]);
@@ -117,7 +118,8 @@ class Directions {
   }
   double solid_angle() const { return solid_angle_; }
 
-  /// Uniform in solid angle: of the cap about the axis that holds the tube (Archimedes), what is in the tube.
+  /// Draws uniformly in solid angle: from the cap about the axis that contains the tube (Archimedes), it
+  /// takes the directions in the tube.
   glm::dvec3 draw(Random& random) const {
     std::uniform_real_distribution<double> height(lowest_, 1), turn(0, 2 * std::numbers::pi);
     for (;;) {
@@ -133,7 +135,8 @@ class Directions {
   double lowest_ = 1, solid_angle_ = 0;
 };
 
-/// The first facet in the same plane, for each: of coplanar facets that overlap, Embree reports any.
+/// Returns the first facet in the same plane, for each facet. For coplanar facets that overlap, Embree
+/// reports any of them.
 std::vector<FacetId> plane_leaders(const FacetMesh& mesh, GridPoint apex) {
   std::vector<FacetId> leader(mesh.facets.size());
   std::vector<FacetCone> cones(mesh.facets.size());
@@ -149,7 +152,7 @@ std::vector<FacetId> plane_leaders(const FacetMesh& mesh, GridPoint apex) {
   return leader;
 }
 
-/// Footprints of one tube, measured, with the grid's unit for the metre.
+/// Returns the footprints of one tube with measures in grid units instead of metres.
 std::vector<Footprint> footprints_of(const Scene& scene, const SceneTree& tree, std::uint32_t tube) {
   VisibilityScratch scratch;
   TubeVisibility seen;
@@ -160,7 +163,8 @@ std::vector<Footprint> footprints_of(const Scene& scene, const SceneTree& tree, 
   return set.footprints;
 }
 
-/// Whether so many hits in so many rays are likely for that share, to five sigma over all comparisons.
+/// Returns whether so many hits in so many rays are likely for that share, at five sigma over all
+/// comparisons.
 bool plausible(std::int64_t hits, std::int64_t rays, double share) {
   using boost::math::cdf;
   using boost::math::complement;
@@ -172,7 +176,7 @@ bool plausible(std::int64_t hits, std::int64_t rays, double share) {
   return hits == 0 || cdf(complement(binomial(share + float_leak), static_cast<double>(hits - 1))) > least;
 }
 
-/// Chi-square of hits against shares, places with few rays put together.
+/// Chi-square of hits against shares. Facets with few rays are combined.
 struct ChiSquare {
   double sum = 0, freedom = 0;
 
@@ -195,10 +199,10 @@ struct ChiSquare {
       }
     }
     if (few_expected >= 20) cell(few_expected, few_hits);
-    if (rest_expected >= 20)  // open water, or what the few left over
+    if (rest_expected >= 20)  // the unobstructed region, or the combined few
       sum += (rest_hits - rest_expected) * (rest_hits - rest_expected) / rest_expected;
     else
-      freedom -= freedom > 0;  // no rest: one of the cells follows from the others
+      freedom -= freedom > 0;  // without a rest, one of the cells follows from the others
   }
   double upper_tail() const {
     return boost::math::cdf(
@@ -252,7 +256,7 @@ TEST(EmbreeOracle, SolidAnglesAreSharesOfRays) {
   RecordProperty("compared", static_cast<int>(compared));
   EXPECT_GT(compared, 4000 / one_in);
   EXPECT_LT(compared, most_comparisons);
-  // Also not too good to be true, which would be a sampling that is not independent.
+  // The fit is also not too good, which would indicate a sampling that is not independent.
   EXPECT_GT(all.upper_tail(), five_sigma) << all.sum << " for " << all.freedom;
   EXPECT_LT(all.upper_tail(), 1 - five_sigma) << all.sum << " for " << all.freedom;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The sampling engine against the exact one: unbiased, and converging at the orders that theory gives its
-// samplings. Each verifies the other.
+// Compares the ray engine with the exact engine: the rays are unbiased and converge at the theoretical
+// order of each sampling. Each engine verifies the other.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -15,7 +15,7 @@ using Per = RaySettings::Per;
 
 constexpr std::array<std::int64_t, 7> counts{1000, 2154, 4642, 10000, 21544, 46416, 100000};
 
-/// Slope of log error against log number of rays, least squares.
+/// Least-squares slope of log error against log number of rays.
 double order(const std::function<double(std::int64_t)>& error) {
   double x = 0, y = 0, xx = 0, xy = 0;
   for (const std::int64_t n : counts) {
@@ -47,7 +47,7 @@ TEST(RayConvergence, TheMeanOverSeedsIsTheExactEnergy) {
     }
     int lit = 0;
     for (std::size_t k = 0; k < statistics.size(); ++k) {
-      // A sample that is met by less than one ray in all the seeds' has no statistics.
+      // A range bin that receives less than one ray over all seeds has no statistics.
       if (ping.exact.energy[k] < 1e-3 * ping.total()) continue;
       ++lit;
       EXPECT_NEAR(statistics[k].mean(), ping.exact.energy[k], 4.5 * statistics[k].sigma_of_mean())
@@ -70,9 +70,9 @@ TEST(RayConvergence, OrdersOnAFlatSeabed) {
   const double regular = of(binned, RaySampling::regular, 1);
   EXPECT_NEAR(random, -0.5, 0.05);
   EXPECT_NEAR(random_whole, -0.5, 0.1);
-  EXPECT_NEAR(stratified, -0.75, 0.06);    // range samples' borders are jumps of the integrand
-  EXPECT_NEAR(stratified_whole, -1, 0.1);  // without: smooth
-  EXPECT_NEAR(regular, -0.75, 0.2);        // no chance in it: the order wavers
+  EXPECT_NEAR(stratified, -0.75, 0.06);    // borders of range bins are discontinuities of the integrand
+  EXPECT_NEAR(stratified_whole, -1, 0.1);  // without borders the integrand is smooth
+  EXPECT_NEAR(regular, -0.75, 0.2);        // not random: the order varies
 }
 
 TEST(RayConvergence, SobolRaysMeetStraightBordersMoreEvenly) {
@@ -85,7 +85,7 @@ TEST(RayConvergence, SobolRaysMeetStraightBordersMoreEvenly) {
   EXPECT_LT(ratio(binned, 1024), 0.6);
   EXPECT_LT(ratio(binned, 4096), 0.6);
   EXPECT_LT(ratio(rough, 1024), 0.95);  // borders at every angle
-  // A smooth integrand: N^-3/2 by Owen's theorem, against N^-1 of one ray a cell.
+  // For a smooth integrand the error falls as N^-3/2 by Owen's theorem, against N^-1 for one ray per cell.
   const double few = whole.error({RaySampling::sobol, 64, Per::beam}, 60),
                many = whole.error({RaySampling::sobol, 4096, Per::beam}, 60);
   EXPECT_NEAR(std::log(many / few) / std::log(64.0), -1.5, 0.25);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the ray engine: ray weights, ranges and grazing angles of hits, hidden facets, reproducibility for
+// any number of threads, and rejected input.
+
 #include "engine/rays/ray_engine.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +35,7 @@ TEST(RayEngine, WeightsAddUpToTheTubesSolidAngle) {
   const FacetMesh seabed = flat_seabed(10);
   const RayScene scene(seabed, grid);
   for (const std::int64_t rays : {1, 2, 3, 7, 100, 1001, 40000}) {
-    // Wholly on the seabed, wide, oblique: from a sliver of a tube to a square one.
+    // The tube lies wholly on the seabed, wide and oblique: from a sliver to a square.
     for (const double width : {0.1, 5.0, 30.0}) {
       const TubeSet tubes = pyramid({1, 2, 0}, {1, 0.2, -1.2}, width * degree, 20 * degree);
       const History history = trace_rays(scene, tubes, grid.unit_m(), {RaySampling::regular, rays});
@@ -45,7 +48,7 @@ TEST(RayEngine, WeightsAddUpToTheTubesSolidAngle) {
   }
 }
 
-// A process has 1024 keys for values of threads (PTHREAD_KEYS_MAX), and each device of Embree takes one.
+// A process has 1024 keys for thread-specific values (PTHREAD_KEYS_MAX), and each Embree device takes one.
 TEST(RayEngine, KeepsMoreScenesThanAProcessHasKeysOfThreads) {
   const FacetMesh seabed = flat_seabed(10);
   const TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, 5 * degree, 5 * degree);
@@ -55,7 +58,7 @@ TEST(RayEngine, KeepsMoreScenesThanAProcessHasKeysOfThreads) {
     EXPECT_EQ(trace_rays(*scene, tubes, grid.unit_m(), {RaySampling::regular, 10}).hits.size(), 10u);
 }
 
-// What stops one thread's build stops no other's, and leaves nothing to the next build of its thread.
+// A stop of the build in one thread affects no other build, and not the next build of the same thread.
 TEST(RayEngine, ABuildThatIsStoppedLeavesOthersAlone) {
   const FacetMesh seabed = flat_seabed(10);
   std::atomic<bool> stop = true, done = false;
@@ -88,7 +91,7 @@ TEST(RayEngine, RaysAreSharedOutBySolidAngleAndEveryTubeGetsOne) {
   const FacetMesh seabed = flat_seabed(10);
   const RayScene scene(seabed, grid);
   TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, 30 * degree, 20 * degree);
-  // Cut in two at a quarter of the width, plus one tiny tube in the middle.
+  // The tube is cut in two at a quarter of the width, and a tiny tube is added in the middle.
   const glm::dvec3 c0 = as_vector(tubes.rays[0]), c1 = as_vector(tubes.rays[1]),
                    c2 = as_vector(tubes.rays[2]), c3 = as_vector(tubes.rays[3]);
   tubes.rays.push_back(ray_towards(0.75 * c0 + 0.25 * c1));
@@ -182,7 +185,7 @@ TEST(RayEngine, SolidAngleOfASphere) {
     statistics.add(total_weight(history));
     for (const RayHit& hit : history.hits) {
       ASSERT_GT(hit.slant_range_m, 8.99);
-      ASSERT_LT(hit.slant_range_m, 10.05);  // facets across the silhouette reach a little behind it
+      ASSERT_LT(hit.slant_range_m, 10.05);  // facets across the silhouette extend a little behind it
     }
   }
   // The facets lie inside the sphere: its silhouette loses up to 1 - cos(pi / n) of its area.
@@ -214,8 +217,8 @@ TEST(RayEngine, FacetsInAPlaneThroughTheApexAreTransparent) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> gauss;
   for (int i = 0; i < 40; ++i) {
-    // A facet in a plane that holds the apex exactly, on the grid; in float it does not, and for a third of
-    // such facets Embree reports some rays of this narrow tube as hits.
+    // A facet in a plane that contains the apex exactly, on the grid. In floats the plane misses the apex.
+    // Embree reports some rays of this narrow tube as hits for a third of such facets.
     const GridPoint p = grid.snap({gauss(random), gauss(random), -5.1});
     const GridPoint q = grid.snap({gauss(random), gauss(random), -4.3});
     FacetMesh mesh = flat_seabed(10);
@@ -272,7 +275,7 @@ bool same(const History& a, const History& b) {
                     });
 }
 
-/// A wavy seabed below, its facets' edges at every angle.
+/// A wavy seabed below, with facet edges at every angle.
 FacetMesh waves() {
   FacetMesh mesh;
   for (int x = -30; x < 30; ++x)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sixteen rays at once have the digits of one after the other.
+// Tests that lanes of sixteen rays give the same bits as single rays: directions, weights, plane
+// intersections, echoes, and the exponential decay.
 #include "engine/rays/ray_lanes.hpp"
 
 #include <gtest/gtest.h>
@@ -68,7 +69,7 @@ TEST(RayLanes, PlanesAreMetAsByOneRay) {
       RayHit hit;
       hit.facet = facet[k];
       planes.meet(apex, d, 1, hit);
-      embree[k] = k % 5 == 0 ? 3.0f : float(hit.slant_range_m);  // a fifth tell something else
+      embree[k] = k % 5 == 0 ? 3.0f : float(hit.slant_range_m);  // a fifth have another range
     }
     MetPlanes met;
     planes.meet(apex, rays, facet, embree.data(), met);
@@ -110,7 +111,7 @@ TEST(RayLanes, EchoesOfHitsTogetherAreThoseOfHitsAlone) {
         RayHit hit;
         hit.facet = FacetId(random() % 4);
         hit.tube = std::uint32_t(random() % 3);
-        hit.slant_range_m = 10 * uniform(random);  // some before the first sample, some behind the last
+        hit.slant_range_m = 10 * uniform(random);  // some before the first range bin, some behind the last
         hit.sine_grazing = k % 11 == 7 ? 0 : uniform(random);
         hit.solid_angle_sr = 1e-4 * uniform(random);
         hit.direction = {0, 0, -1};

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the sampling of rays in tubes: random, regular, stratified, Sobol and column rays, their weights,
+// and their counts per beam or per ping.
+
 #include "engine/rays/ray_sampling.hpp"
 
 #include <gtest/gtest.h>
@@ -42,7 +45,7 @@ std::vector<Ray> rays_of(const TubeSet& tubes, const RaySettings& settings,
   return rays;
 }
 
-/// Beams of a camera that looks ahead: `slices` x `rows` tubes each.
+/// Beams of a camera that looks ahead, with `slices` x `rows` tubes each.
 struct Fan {
   TubeSet tubes;
   std::vector<std::uint32_t> beam_of_tube;
@@ -106,8 +109,8 @@ TEST(RaySampling, DrawnWeightsSumToSolidAnglesOnAverage) {
     }
 }
 
-/// (u, v) of a direction in a pyramid of half angles (w, h): its corner rays have equal lengths, so that its
-/// patch is a flat rectangle.
+/// Returns (u, v) of a direction in a pyramid of half angles (w, h). The corner rays have equal lengths, so
+/// that the patch is a flat rectangle.
 std::array<double, 2> place(glm::dvec3 d, double w, double h) {
   return {(d.x / -d.z / std::tan(w) + 1) / 2, (d.y / -d.z / std::tan(h) + 1) / 2};
 }
@@ -136,7 +139,7 @@ TEST(RaySampling, EveryCellHasOneStratifiedRay) {
     const int rows = std::max(1, int(std::round(std::sqrt(count))));
     std::vector<int> begin;
     for (int r = 0; r <= rows; ++r) begin.push_back(r * count / rows);
-    // Which side of the square tube is the first row is the engine's business.
+    // The engine may start with either side of the square tube.
     const auto fits = [&](bool turned, bool mirrored) {
       std::set<std::pair<int, int>> cells;
       for (const Ray& ray : rays_of(tubes, stratified(count, 5))) {
@@ -154,8 +157,8 @@ TEST(RaySampling, EveryCellHasOneStratifiedRay) {
 }
 
 TEST(RaySampling, EveryElementaryIntervalHasOneSobolRay) {
-  // Places in the tube's (u, v) whose patch is a rectangle; a sequence's parts are nets as well: the first 64
-  // of 100 rays, and the next 32.
+  // Positions in (u, v) of the tube, whose patch is a rectangle. Parts of a sequence are nets as well: the
+  // first 64 of 100 rays, and the next 32.
   const double w = 20 * degree, h = 7 * degree;
   const TubeSet tubes = pyramid({0, 0, 0}, {0, 0, -1}, w, h);
   for (const int count : {1, 2, 16, 64, 100, 1024})
@@ -174,8 +177,8 @@ TEST(RaySampling, EveryElementaryIntervalHasOneSobolRay) {
         }
         first += size;
       }
-      // And all of them are the first points of one sequence: none has a column twice before each has it
-      // once.
+      // All rays are also the first points of one sequence: each column has one ray before any column has
+      // two.
       for (const int side : {0, 1})
         for (int columns = 1; columns <= count; columns *= 2) {
           std::vector<int> in_column(columns);
@@ -203,14 +206,14 @@ TEST(RaySampling, RaysAreTheSameHoweverThePlanIsCut) {
   const Fan fan(5, 1, 2, 1.5, 40);
   for (const auto sampling : all_samplings)
     for (const std::int64_t count : {7, 300, 20000}) {
-      if (sampling == RaySampling::adaptive) continue;  // adaptive_rays_test.cpp
+      if (sampling == RaySampling::adaptive) continue;  // see adaptive_rays_test.cpp
       const RayPlan plan(fan.tubes, {sampling, count, Per::ping, 9}, fan.beam_of_tube);
       std::vector<Ray> whole = rays_of(plan, 0, plan.rays()), cut;
       for (std::int64_t first = 0; first < plan.rays(); first += 7)
         for (const Ray& ray : rays_of(plan, first, std::min(first + 7, plan.rays()))) cut.push_back(ray);
       ASSERT_EQ(whole.size(), cut.size());
       const auto by_key = [](const Ray& a, const Ray& b) { return a.key() < b.key(); };
-      if (sampling == RaySampling::random) {  // which come sorted by place
+      if (sampling == RaySampling::random) {  // random rays are sorted by position
         std::sort(whole.begin(), whole.end(), by_key);
         std::sort(cut.begin(), cut.end(), by_key);
       }
@@ -231,7 +234,7 @@ TEST(RaySampling, RandomRaysFallIntoTubesByChance) {
   }
   for (const Statistics& s : in_tube) {
     EXPECT_NEAR(s.mean(), n / 8.0, 4.5 * s.sigma_of_mean());
-    // Binomial: independent rays, not shares.
+    // The counts are binomial: rays are independent, not shares.
     EXPECT_NEAR(s.sigma_of_mean() * std::sqrt(399.0), std::sqrt(n * 7 / 64.0), 1.6);
   }
 }
@@ -244,8 +247,9 @@ TEST(RaySampling, AColumnIsTheBeamsMiddle) {
         const Fan fan(3, slices, rows, 2, 20, right_handed);
         const auto rays = rays_of(fan.tubes, {RaySampling::column, count, Per::beam}, fan.beam_of_tube);
         ASSERT_EQ(int(rays.size()), 3 * count);
-        // Upper and lower wall are planes through rays at +-10 degrees; halfway between them they lie further
-        // out (tan e' = tan e / cos(w / 2)), and a column between two slices lies on such a ray.
+        // The upper and the lower wall are planes through rays at +-10 degrees. Halfway between the rays
+        // the walls lie further out (tan e' = tan e / cos(w / 2)). A column between two slices lies on such
+        // a ray.
         const double slice = 2 * degree / slices;
         const double half =
             slices % 2 == 1 ? std::atan(std::tan(10 * degree) / std::cos(slice / 2)) : 10 * degree;
@@ -257,11 +261,12 @@ TEST(RaySampling, AColumnIsTheBeamsMiddle) {
           const int beam = int(std::lround(azimuth / (2 * degree))) + 1;
           const int k = int(std::lround((elevation + half) / step - 0.5));
           ASSERT_TRUE(beam >= 0 && beam < 3 && k >= 0 && k < count);
-          // Integer rays are within 1e-9 of where they should be.
+          // Integer rays are accurate to 1e-9.
           EXPECT_NEAR(azimuth, (beam - 1) * 2 * degree, 3e-9);
           EXPECT_NEAR(elevation, -half + (k + 0.5) * step, 3e-9);
           EXPECT_EQ(fan.beam_of_tube[ray.tube], std::uint32_t(beam));
-          // Between cones of constant elevation; tubes have planes there, w^2 / 8 of the tangent apart.
+          // The solid angle is that between cones of constant elevation. Tubes have planes there, at a
+          // relative distance of w^2 / 8 of the tangent.
           const double between =
               2 * degree * (std::sin(elevation + step / 2) - std::sin(elevation - step / 2));
           EXPECT_NEAR(ray.weight / between, 1, 5e-4);
@@ -272,7 +277,7 @@ TEST(RaySampling, AColumnIsTheBeamsMiddle) {
 }
 
 TEST(RaySampling, AColumnRunsAlongTheLongerSideOfAFan) {
-  // A sidescan's fan: 24 slices of the angle of depression (the grid's azimuth), half a degree across.
+  // A sidescan fan: 24 slices of the depression angle (the azimuth of the grid), half a degree across.
   Fan fan(1, 24, 1, 36, 0.5);
   const auto rays = rays_of(fan.tubes, {RaySampling::column, 11, Per::beam}, fan.beam_of_tube);
   ASSERT_EQ(rays.size(), 11u);

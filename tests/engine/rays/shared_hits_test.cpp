@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A separate receiver by rays, against the engine of tubes and against what rays have of one apex.
+// Tests ray hits with a separate receiver. The comparisons are the tube engine and the ray hits of a
+// monostatic sonar.
 #include "engine/rays/shared_hits.hpp"
 
 #include <gtest/gtest.h>
@@ -53,7 +54,7 @@ TubeSet fan(glm::dvec3 apex_m, int across, int along, double width_deg, double h
   return tubes;
 }
 
-/// A transmitter of two fans and a receiver of three beams a fan, apart.
+/// A transmitter of two fans and a separate receiver of three beams per fan.
 struct Apart {
   FacetMesh mesh = wavy_seabed();
   SceneTree tree{mesh};
@@ -98,7 +99,8 @@ struct Apart {
   }
 };
 
-/// Means over seeds within six of their standard errors, bin by bin, and not so wide that nothing is said.
+/// Means over seeds agree within six standard errors, bin by bin. The standard errors are small enough for
+/// a significant check.
 void expect_mean(const Echo& exact, int seeds, double least_said,
                  const std::function<Echo(std::uint64_t)>& sampled) {
   std::vector<Statistics> bins(exact.energy.size());
@@ -155,7 +157,7 @@ TEST(SharedHits, ErrorsFallWithTheNumberOfRays) {
     }
     return std::sqrt(squares / 12) / total(exact);
   };
-  // Sixteen times the rays: a quarter of the error, or less where cells of directions are even.
+  // Sixteen times the rays give a quarter of the error, or less where cells of directions are uniform.
   EXPECT_NEAR(error(RaySampling::random, 1000) / error(RaySampling::random, 16000), 4, 0.8);
   EXPECT_GT(error(RaySampling::stratified, 1000) / error(RaySampling::stratified, 16000), 5);
   EXPECT_LT(error(RaySampling::regular, 300000), 0.01);
@@ -180,7 +182,7 @@ TEST(SharedHits, InOnePlaceTheyAreTheHitsOfOneApex) {
 }
 
 TEST(SharedHits, AWallHidesWhatEitherOfThemCannotSee) {
-  // As BistaticEcho has it: shadows of 6 m on both sides.
+  // The scene is that of the test of BistaticEcho: shadows of 6 m on both sides.
   for (const double wall_m : {0.0, 3.0, 5.0}) {
     FacetMesh mesh;
     add_rectangle(mesh, {-16, 2, -4}, {32, 0, 0}, {0, 16, 0});
@@ -221,7 +223,8 @@ TEST(SharedHits, ThreadsChangeNoBit) {
   EXPECT_EQ(with(1), with(4));
 }
 
-// Each of the two sees the seabed elsewhere, and rays are carried from the one's facets to the other's.
+// Each end sees the seabed at other apparent positions. Rays transfer from the apparent facets of one end
+// to those of the other.
 TEST(SharedHits, InRefractingWaterTheMeanIsWhatTubesShare) {
   Apart apart;
   const WaterColumn water{SoundSpeedProfile({{0, 1500}, {60, 1500 - 60 * 8.0}}), {}};

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests bounds of the height and slope that a triangle mesh leaves out of a relief map. It also tests their
+// root mean squares over equilateral triangles.
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -20,7 +23,7 @@ using Triangle = std::array<glm::dvec2, 3>;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// What a triangle's plane misses at a place: height, and slope (differences over a small step).
+/// Error of the plane of a triangle at one point: height, and slope by differences over a small step.
 struct Miss {
   double height_m, slope;
 };
@@ -46,7 +49,7 @@ bool no_angle_over_120(const Triangle& t) {
   return true;
 }
 
-/// A ridge of one node, a step, and noise: unlike anything a spectrum gives.
+/// A ridge of one node, a step, and noise, which no spectrum produces.
 std::shared_ptr<const SplineSurface> odd_map(bool periodic) {
   HeightMap map{37, 50, 3, -2, 0.2, 0.3, periodic, std::vector<double>(37 * 50)};
   std::mt19937_64 random(4);
@@ -77,7 +80,7 @@ TEST(LeftOut, BoundsHoldOnTrianglesOfAllShapes) {
         Triangle t;
         double longest = 0;
         for (glm::dvec2& p : t) p = glm::dvec2(unit(random), unit(random));
-        if (n % 3 == 0) t[2] = t[0] + (t[1] - t[0]) * unit(random) + 0.01 * t[2];  // slivers too
+        if (n % 3 == 0) t[2] = t[0] + (t[1] - t[0]) * unit(random) + 0.01 * t[2];  // slivers, too
         for (int i = 0; i < 3; ++i) longest = std::max(longest, glm::length(t[i] - t[(i + 1) % 3]));
         for (glm::dvec2& p : t) p = corner + p * (edge / longest * (1 - 1e-9));
         double a = unit(random), b = unit(random);
@@ -97,8 +100,8 @@ TEST(LeftOut, BoundsHoldOnTrianglesOfAllShapes) {
 }
 
 TEST(LeftOut, BoundOfLongEdgesSeesBothEndsOfATriangle) {
-  // Smooth hollows of 1 at the corners of a triangle and a hill of 1 at its middle: its plane misses 2, and
-  // no window that is much smaller sees both.
+  // Smooth hollows of 1 at the corners of a triangle and a hill of 1 at the middle: the error of the plane
+  // is 2. No window that is much smaller contains both.
   constexpr int n = 160;
   for (const double edge : {32.0, 64.0})
     for (const int shift : {0, 1, 3, 7, 90}) {

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the cubic spline surface through a height map. It interpolates the nodes, is smooth across seams,
+// and falls to zero outside of a map without repetition.
+
 #include "engine/relief/map_surface.hpp"
 
 #include <gtest/gtest.h>
@@ -38,7 +41,8 @@ TEST(MapSurface, GoesThroughItsNodes) {
 }
 
 TEST(MapSurface, BetweenNodesItIsTheCardinalSpline) {
-  // The cubic spline that is 1 at one integer and 0 at all others: coefficients sqrt(3) (sqrt(3) - 2)^|k|.
+  // The cubic spline that is 1 at one integer and 0 at all others has the coefficients sqrt(3) (sqrt(3) -
+  // 2)^|k|.
   const auto cardinal = [](double x) {
     const auto spline = [](double t) {
       t = std::abs(t);
@@ -74,7 +78,7 @@ TEST(MapSurface, EndsInHeightZeroUnlessRepeated) {
   EXPECT_EQ(surface->height_m({102, -50 + 29 * 0.25 + border_y, 0}), 0);
   EXPECT_EQ(surface->height_m({1e9, -1e12, 0}), 0);
   EXPECT_EQ(surface->height_m({std::nan(""), HUGE_VAL, 0}), 0);
-  // The neighbours of the outermost nodes are 0 like all beyond.
+  // The neighbours of the outermost nodes are 0, like all nodes farther out.
   EXPECT_NEAR(surface->height_m({100.25 - 0.5, -48, 0}), 0, 1e-6);
   EXPECT_NEAR(surface->height_m({102.25, -50 - 3 * 0.25, 0}), 0, 1e-6);
 }
@@ -86,7 +90,7 @@ TEST(MapSurface, IsSmoothAcrossNodesSeamsAndItsEnd) {
     const auto surface = make_surface(random_map(20, 30, periodic));
     const double curvature = surface->left_out(1e-3).largest_height_m * 6 / 1e-6;
     for (int n = 0; n < 2000; ++n) {
-      // On a line of nodes, of which the seam and the padded map's end are some.
+      // The points lie on a line of nodes. Some of these lines are the seam or the end of the padded map.
       const double x = 100.25 + 0.5 * (n % 80 - 30), y = -55 + 20 * at(random);
       const glm::dvec3 here(n % 2 == 0 ? x : 90 + 30 * at(random),
                             n % 2 == 0 ? y : -50 + 0.25 * (n % 90 - 30), 0);

@@ -19,7 +19,8 @@
 #include "engine/relief/fourier.hpp"
 #include "engine/relief/portable_random.hpp"
 
-// Section 6 of the physics sheet, from which the tolerances are.
+// Tests random relief from spectra: spectral exponent, structure function, isotropy, ripple direction, and
+// identical bits on every machine. The formulas and tolerances are those of section 6 of the physics sheet.
 namespace tubefoot {
 namespace {
 
@@ -58,7 +59,8 @@ class Power {
   std::vector<std::complex<long double>> waves_;
 };
 
-/// From the slope of the mean |A|^2 of rings over wavenumbers 4 to n / 4, in logarithms.
+/// Estimates the Hurst exponent from the slope of the mean |A|^2 of rings over wavenumbers 4 to n / 4, in
+/// logarithms.
 double hurst_of(const std::vector<double>& heights, int n) {
   const Power power(heights, n);
   std::vector<double> sum(n), count(n);
@@ -79,8 +81,8 @@ double hurst_of(const std::vector<double>& heights, int n) {
 struct StructureTensor {
   double coherence, direction_deg;  ///< compass direction across the crests, 0 to 180
 };
-/// Of a surface with nodes 1 m apart. Slopes by short steps: a step of whole nodes turns short waves'
-/// directions.
+/// Computes the structure tensor of a surface with nodes 1 m apart. Slopes use short steps, because steps
+/// of whole nodes turn the directions of short waves.
 StructureTensor structure_tensor(const SplineSurface& surface) {
   double xx = 0, xy = 0, yy = 0;
   constexpr double step = 0.01;
@@ -109,8 +111,8 @@ TEST(FractalRelief, RadialSpectrumGivesBackTheHurstExponent) {
   }
 }
 
-/// 2 sum of the ensemble's |A|^2 (1 - cos K r) over the tile's wavenumbers, by APL-UW's spectrum in
-/// centimetres.
+/// Returns 2 sum of the ensemble's |A|^2 (1 - cos K r) over the wavenumbers of the tile, for the APL-UW
+/// spectrum in centimetres.
 double ensemble_structure(const FractalRelief& relief, double x_m, double y_m) {
   const int n = static_cast<int>(relief.nodes());
   const double step_per_cm = 2 * kPi / (relief.tile_m * 100);
@@ -168,8 +170,8 @@ TEST(FractalRelief, AplSpectraGiveTheStructureFunctionsOfTheirClosedForm) {
           mean_cm2 += d * d * 1e4 / (n * n * seeds);
         }
     }
-    // Not on the tile: waves shorter than two nodes, of which 1 - cos is 1 in the mean, and those longer than
-    // the circle in place of wavenumber 0, of which it is (K r)^2 / 4.
+    // The tile lacks waves shorter than two nodes, for which the mean of 1 - cos is 1. It also lacks waves
+    // longer than the circle in place of wavenumber 0, for which 1 - cos is (K r)^2 / 4.
     const double shortest = kPi / node_cm, longest = 2 * std::sqrt(kPi) / (n * node_cm);
     const double missing = 4 * kPi * w2 * std::pow(shortest, 2 - gamma2) / (gamma2 - 2) +
                            kPi * w2 * r_cm * r_cm * std::pow(longest, 4 - gamma2) / (4 - gamma2);
@@ -235,7 +237,7 @@ TEST(FractalRelief, FinerNodesAddDetailToTheSameSeabed) {
 }
 
 TEST(RippleRelief, PeakCentroidAndDirectionAreTheWantedOnes) {
-  // The sheet's example: 20 waves one way and 12 the other on 256 nodes, H = 0.9.
+  // The example of the physics sheet: 20 waves in one direction and 12 in the other on 256 nodes, H = 0.9.
   constexpr int n = 256;
   for (int seed = 1; seed <= 8; ++seed) {
     RippleRelief relief{{n, 1, static_cast<std::uint64_t>(seed)}, n / std::hypot(20, 12), 59.036, 0.9, 0.1};
@@ -298,8 +300,8 @@ TEST(SpectralRelief, APlaceHasOneHeightInAnyOrderOnAnyThread) {
   EXPECT_EQ(one_way, many);
 }
 
-// Not from the specification: these bits were computed once, and have to come out of every machine and
-// compiler.
+// These bits are not from the specification. They were computed once, and each machine and compiler must
+// reproduce them.
 TEST(SpectralRelief, HeightsAreTheSameOnEveryMachine) {
   const auto fractal = make_surface(FractalRelief{{20, 0.1, 2026}, 0.7, 0.2});
   const auto ripples = make_surface(RippleRelief{{20, 0.1, 2026}, 1, 20, 0.9, 0.02});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Beam patterns against the physics sheet (4.2), and their integrals over footprints against quadrature that
-// shares nothing with the engine's: triangles in space, adaptive, no slabs and no arcs.
+// Compares beam patterns with the physics sheet (4.2). Integrals of beam patterns over footprints are
+// compared with independent quadrature: triangles in space, adaptive, without slabs and arcs.
 #include "engine/scattering/beam_pattern.hpp"
 
 #include <gtest/gtest.h>
@@ -86,7 +86,7 @@ TEST(BeamPattern, TableGoesThroughItsRowsWithoutOvershoot) {
       EXPECT_GE(value, std::min(level[k], level[k + 1]) - 1e-9);
       EXPECT_LE(value, std::max(level[k], level[k + 1]) + 1e-9);
     }
-  // Continuous with its slope across the rows.
+  // The levels are continuous across the rows, and so is their slope.
   for (const double a : angle)
     EXPECT_NEAR((table.level_db(a + 1e-7) - table.level_db(a)),
                 (table.level_db(a) - table.level_db(a - 1e-7)), 2e-7);
@@ -112,7 +112,7 @@ Echo echo_of(const History& history, const RangeSamples& samples, double absorpt
                         EchoModel{material_mu, one_facet, absorption_db_per_m, patterns, tolerance});
 }
 
-/// Energy from a polygon at ranges first to last, triangle by triangle in space.
+/// Returns the energy of a polygon at ranges first to last, triangle by triangle in space.
 double quadrature(const FacetPlane& plane, const Polygon2& p, double absorption_db_per_m,
                   const std::function<double(glm::dvec3)>& gain, double first, double last) {
   using boost::math::quadrature::gauss_kronrod;
@@ -169,7 +169,7 @@ TEST(PatternIntegral, AgreesWithQuadratureInSpace) {
     transmit.axis = glm::normalize(glm::dvec3(turn(random), turn(random), turn(random)));
     receive.axis = glm::normalize(glm::dvec3(turn(random), turn(random), turn(random)));
     const FacetPlane plane = test::random_plane(random, distance(random));
-    // Every fourth polygon lies about the foot point, so that whole circles are in it.
+    // Every fourth polygon contains the foot point, so that whole circles lie in it.
     const glm::dvec2 centre = i % 4 ? glm::dvec2(place(random), place(random)) : glm::dvec2(0.2, -0.1);
     const Polygon2 p = test::random_convex(random, centre, 2.5, 1.5);
     History history;
@@ -185,8 +185,8 @@ TEST(PatternIntegral, AgreesWithQuadratureInSpace) {
 }
 
 TEST(PatternIntegral, FlatSeabedUnderALineArrayIsASingleIntegral) {
-  // Straight below, H over the seabed, array along x: sinc^2(size x / r) over the whole ring, azimuth by
-  // azimuth.
+  // The sonar is at height H over the seabed with an array along x. The integrand is sinc^2(size x / r)
+  // over the whole ring, integrated over azimuth.
   const double height = 10, size = 40, r1 = 13, r2 = 13.2;
   Polygon2 seabed;
   for (int i = 0; i < 5; ++i)
@@ -272,7 +272,7 @@ TEST(PatternIntegral, RayHitsAreWeighedInTheirOwnDirection) {
               gaussian(0.5).gain(direction) * line(2).gain(direction), 1e-6);
 }
 
-/// Footprints of about a beam's width in front of the sonar, each a tube of its own.
+/// Footprints of about one beam width ahead of the sonar, with one tube each.
 History rough_seabed(unsigned seed, std::uint32_t footprints) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> across(-2.5, 2.5), ahead(4, 9), size(0.02, 0.4);
@@ -315,7 +315,8 @@ TEST(PatternIntegral, BeamsSentAtOnceAddUp) {
   const Directivity across = line(30, 0.1);
   Directivity upright = gaussian(0.3);
   upright.axis = {0, 0, 1};
-  // Along the array of the receivers, along another, both, and with one that is everywhere.
+  // The cases are transmit beams along the array of the receivers, transmit beams along other axes, and a
+  // mix with an omnidirectional beam.
   for (const auto& sent : {std::vector{line(25, -0.2), across, line(30, 0.3)},
                            std::vector{upright, piston(4)}, std::vector{across, upright, Directivity()}})
     for (const auto& received : {std::vector{line(30)}, std::vector{line(30), line(30, 0.2), line(30, -0.2)}})
@@ -389,7 +390,7 @@ TEST(PatternIntegral, TablesAreAsGoodAsTheirCornersAllow) {
   for (std::size_t k = 0; k < beams.size(); ++k) beams[k].centre = 0.1 * double(k) - 0.15;
   double off = 0;
   for (std::uint32_t tube = 0; tube < tubes; ++tube) {
-    // One footprint at a time, by brute force: a fine grid of its fan of triangles.
+    // One footprint at a time, by brute force: a fine grid on its fan of triangles.
     History one;
     const Footprint& f = history.footprints.footprints[tube];
     const Piece piece = history.footprints.pieces[f.first_piece];

@@ -20,7 +20,7 @@ TEST(Philox, KnownAnswersOfItsAuthors) {  // the three philox4x32 10 lines of Ra
 }
 
 TEST(SampleRandom, TakesTheTop52BitsOfTwoWordsAndAHalf) {
-  // Of the first known answer: sample, beam, ping, purpose, draw and seed all zero.
+  // Values of the first known answer: range bin, beam, ping, purpose, draw and seed are all zero.
   const auto pair = SampleRandom(0, 0, 0, 0).uniform_pair(Purpose::speckle);
   EXPECT_EQ(pair[0], (double(0xe169c58d6627e8d5 >> 12) + 0.5) / double(1ull << 52));
   EXPECT_EQ(pair[1], (double(0x9b00dbd8bc57ac4c >> 12) + 0.5) / double(1ull << 52));

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests levels of beam patterns: the peak of a two-way pattern, receive gains below their peak, and the
+// directions of a given gain.
+
 #include "engine/scattering/pattern_levels.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +16,7 @@ namespace {
 using Kind = Directivity::Kind;
 constexpr double degree = std::numbers::pi / 180;
 
-/// Off the plane across the axis.
+/// A pattern whose centre is `centre_deg` off the plane perpendicular to the axis.
 Directivity pattern(Kind kind, glm::dvec3 axis, double size, double centre_deg = 0) {
   Directivity made;
   made.kind = kind;
@@ -42,7 +45,8 @@ TEST(TwoWayPeak, IsOneWhereBothPatternsHaveTheirPeak) {
               1e-9);
 }
 
-// Of two Gaussians of one width the product is largest half way between them, where each has lost the same.
+// The product of two Gaussians of the same width has its maximum half way between them, where both have the
+// same loss.
 TEST(TwoWayPeak, IsThatOfTheProduct) {
   const double width = 10 * degree, apart = 8 * degree;
   const double product = std::exp(-4 * std::numbers::ln2 * 2 * std::pow(apart / 2 / width, 2));
@@ -51,7 +55,7 @@ TEST(TwoWayPeak, IsThatOfTheProduct) {
   const glm::dvec3 ahead(0, 1, 0), aside(std::sin(apart), std::cos(apart), 0);
   EXPECT_NEAR(two_way_peak(about(Kind::gaussian, ahead, width), about(Kind::gaussian, aside, width)), product,
               1e-6);
-  // Beams that are sent at once add up.
+  // Simultaneously transmitted beams add up.
   const Directivity one = pattern(Kind::gaussian, across, width, 4);
   EXPECT_NEAR(two_way_peak(TransmitPattern(std::vector{one, one}), one), 2, 1e-9);
 }

@@ -30,7 +30,7 @@ TEST(Perlin, IsNothingAtTheLatticeAndSmoothAcrossIt) {
     EXPECT_EQ(noise(i, j, k), 0);
     const double y = j + at(random), z = k + at(random), h = 1e-4;
     const double below = noise(i - h, y, z), on = noise(i, y, z), above = noise(i + h, y, z);
-    // The second derivative is continuous, so the second difference is small of second order.
+    // The second derivative is continuous, so that the second difference is of second order.
     EXPECT_NEAR(above - 2 * on + below, 0, 1e-6);
     EXPECT_NEAR(above, below, 10 * h);
   }

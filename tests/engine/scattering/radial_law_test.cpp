@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What of a Lambert echo depends on range alone is made once for a sensor's samples, whoever asks, and what
-// is kept is what would be made anew.
+// Tests the range-dependent factors of a Lambert echo. They are computed once for the range bins of a
+// sensor and shared. Stored values equal new ones.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ TEST(RadialModel, IsMadeOnceAndIsWhatWouldBeMadeAnew) {
   expect_same(*first, made_anew(samples, 0.06));
 }
 
-// Each of what it is made from counts, to the last bit.
+// The key contains each input of the computation, to the last bit.
 TEST(RadialModel, IsThatOfItsOwnSamplesAndAbsorption) {
   const RangeSamples samples{2, 0.05, 300};
   const auto one = lambert_radial_integral(samples, 0.06);

@@ -37,7 +37,7 @@ double loss_db(const FluidSediment& seabed, double grazing_deg) {
 }
 
 TEST(Reflection, PublishedLosses) {
-  // Coarse, medium and fine sand and silt, with the inputs that were published with them.
+  // Coarse, medium and fine sand and silt, with their published parameters.
   const FluidSediment coarse{2.231, 1.2503, .01638}, medium{1.845, 1.1782, .01624},
       fine{1.451, 1.1072, .01602}, silt{1.149, .9873, .00386};
   const struct {
@@ -66,9 +66,10 @@ TEST(Reflection, NeverReturnsMoreThanComesInAndAllOfItAtGrazing) {
     ASSERT_GE(energy, 0);
     ASSERT_NEAR(reflection_coefficient(seabed, 0).real(), -1, 1e-12);
   }
-  // Along a fluid that is as fast as water, too.
+  // This includes a fluid with the sound speed of water, at grazing incidence.
   EXPECT_EQ(reflection_coefficient({1.2, 1, 0}, 0), -1.0);
-  // Beyond the critical angle a seabed without loss reflects all; at the angle of intromission nothing.
+  // Beyond the critical angle a lossless seabed reflects all sound. At the angle of intromission it
+  // reflects none.
   const FluidSediment sand = fluid_sediment(1.9, 1.1, 0);
   const double critical = std::acos(1 / 1.1);
   EXPECT_NEAR(reflected_energy(sand, 0.9 * critical), 1, 1e-12);
@@ -76,7 +77,7 @@ TEST(Reflection, NeverReturnsMoreThanComesInAndAllOfItAtGrazing) {
   const double m = 1.5, n = 1 / 0.98;  // sin^2 = (n^2 - 1) / (m^2 - 1)
   EXPECT_NEAR(reflected_energy(fluid_sediment(m, 1 / n, 0), std::asin(std::sqrt((n * n - 1) / (m * m - 1)))),
               0, 1e-24);
-  // A loss of 1 is a decay of e^-2 pi in amplitude over a wavelength.
+  // A loss of 1 is a decay of the amplitude by e^-2 pi per wavelength.
   EXPECT_NEAR(fluid_sediment(1, 1, 2 * std::numbers::pi * 20 / std::numbers::ln10).loss, 1, 1e-12);
   EXPECT_THROW(fluid_sediment(0, 1, 0), std::invalid_argument);
   EXPECT_THROW(fluid_sediment(1, -1, 0), std::invalid_argument);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Micro-texture: definition, mean, bounds, cells.
+// Tests reflectivity textures (micro-texture): the definition of Perlin noise and of maps, means, bounds,
+// and the cells in which the factor is smooth.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +20,7 @@ using Settings = PerlinReflectivity::Settings;
 using Field = std::shared_ptr<const ReflectivityField>;
 
 TEST(PerlinReflectivity, HasThePublishedNoise) {
-  // Wavelength 2, reference permutation: places are twice the published ones.
+  // The wavelength is 2, with the reference permutation: coordinates are twice the published ones.
   const PerlinReflectivity field({.wavelength_m = 2, .seed = 0});
   EXPECT_NEAR(field.factor({6.28, 84, 14}), 1 + 0.25 * 0.13691995878400012, 1e-15);
   EXPECT_NEAR(field.factor({-8.40, 20, 12}), 1 + 0.25 * 0.14208000000000043, 1e-15);
@@ -122,7 +123,7 @@ TEST(MapReflectivity, ATileRepeatsWithTheMeanOne) {
       sum += map.factor(p);
       EXPECT_NEAR(map.factor(p), map.factor(p + 7.0 * right - 4.0 * up), 1e-6);
     }
-  // Midpoints of an even number of parts a cell: exact for what is bilinear there.
+  // Midpoints of an even number of parts per cell are exact for a bilinear function.
   EXPECT_NEAR(sum / (n * n), 1, 1e-6);
 }
 
@@ -148,7 +149,7 @@ std::vector<std::pair<std::string, Field>> fields() {
           {"layers", std::make_shared<LayeredReflectivity>(std::vector{octaves, map})}};
 }
 
-/// Which cell of each family a place lies in.
+/// Returns the cell of each family that contains a position.
 std::vector<double> cell_of(const ReflectivityField& field, glm::dvec3 p) {
   std::vector<double> cell;
   for (const CellPlanes& planes : field.cells())
@@ -205,7 +206,7 @@ TEST(ReflectivityFields, ChangeBoundsThePolynomialOfACellAtComplexPlacesToo) {
           largest, 0.5 * std::abs(cell(p.x + z * d.x, p.y + z * d.y, p.z + z * d.z) - cell(p.x, p.y, p.z)));
     }
     EXPECT_LE(largest, field.change(away)) << away;
-    // and is no idle bound
+    // the bound is not far too large
     EXPECT_GE(largest, field.change(away) / 100) << away;
   }
 }

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests scattering models: GSAB, tables and Lambert's law, their albedo by quadrature, and published levels
+// of sediments (physics sheet 3.3).
+
 #include "engine/scattering/scattering_model.hpp"
 
 #include <gtest/gtest.h>
@@ -57,9 +60,9 @@ TEST(ScatteringModel, TablesReproduceTheirNodesAndAreLinearInDecibelsBetween) {
     for (const double share : {0.1, 0.5, 0.9})
       EXPECT_NEAR(db(model.cross_section((angle[k] + share * (angle[k + 1] - angle[k])) * degree)),
                   level[k] + share * (level[k + 1] - level[k]), 1e-12);
-  EXPECT_NEAR(db(model.cross_section(90 * degree)), -6, 1e-12);  // held
+  EXPECT_NEAR(db(model.cross_section(90 * degree)), -6, 1e-12);  // constant beyond the last node
   EXPECT_NEAR(model.cross_section(2 * degree) / model.cross_section(4 * degree),
-              std::pow(std::sin(2 * degree) / std::sin(4 * degree), 2), 1e-13);  // Lambert's below
+              std::pow(std::sin(2 * degree) / std::sin(4 * degree), 2), 1e-13);  // Lambert's law below
   EXPECT_FALSE(model.is_pointed());
   EXPECT_TRUE(ScatteringModel::table(std::vector{10.0, 90.0}, std::vector{-30.0, -20.0}).is_pointed());
   EXPECT_NEAR(db(ScatteringModel::table(std::vector{90.0}, std::vector{-20.0}).cross_section(30 * degree)),
@@ -112,7 +115,8 @@ TEST(ScatteringModel, PiecesMeetAndCoverAllAngles) {
   }
 }
 
-/// What is scattered over what is received, by a quadrature that knows nothing of pieces.
+/// Returns the ratio of scattered to incident energy, by a quadrature that does not use the pieces of the
+/// model.
 double albedo_by_quadrature(const ScatteringModel& model, double grazing) {
   const auto ring = [&](double s) {
     return 2 * pi * std::cos(s) * std::sqrt(model.cross_section(grazing) * model.cross_section(s));
@@ -144,8 +148,8 @@ TEST(ScatteringModel, AlbedoIsWhatAQuadratureFinds) {
     EXPECT_GT(model->largest_albedo().value, largest * (1 - 1e-7));
     EXPECT_NEAR(model->albedo(model->largest_albedo().grazing_rad), model->largest_albedo().value, 1e-12);
   }
-  // An exponent below Lambert's scatters more the lower the sound comes in: 2 pi C / (1 + D / 2) sin^(D/2 -
-  // 1).
+  // An exponent below Lambert's gives a larger albedo at lower grazing angles: 2 pi C / (1 + D / 2)
+  // sin^(D/2 - 1).
   const ScatteringModel flat = ScatteringModel::gsab({.oblique = 0.01, .oblique_exponent = 1});
   EXPECT_NEAR(flat.albedo(0.02), 2 * pi * 0.01 / 1.5 / std::sqrt(std::sin(0.02)), 1e-6);
   EXPECT_NEAR(flat.largest_albedo().grazing_rad, 0.1 * degree, 1e-9);

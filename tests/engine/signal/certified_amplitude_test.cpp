@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Near-field amplitudes in balls, against the surface integral itself in 30 digits, by a product of Gauss's
-// rules over triangles that have no edge form in them.
+// Compares near-field amplitudes in ball arithmetic with the surface integral in 30 digits. The integral
+// uses a product of Gauss rules over triangles and no edge form.
 #include "engine/signal/certified_amplitude.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ std::vector<CertifiedPolygon::Point> points(const Polygon2& polygon) {
   return result;
 }
 
-/// The integral of the normal's derivative of e^{ikr}/r e^{iks}/s over 4 pi, R = 1.
+/// The integral of the normal derivative of e^{ikr}/r e^{iks}/s over 4 pi, R = 1.
 std::pair<Real, Real> surface_integral(const Polygon2& polygon, double height, double rx_height,
                                        glm::dvec2 foot, double k) {
   const Real h(height), g(rx_height), wave(k);
@@ -68,8 +68,8 @@ double width(const ComplexBall& ball) {
   return std::max(ball.real().hi() - ball.real().lo(), ball.imaginary().hi() - ball.imaginary().lo());
 }
 
-// Law Q11. Far from the place of shortest path, about it, and under grazing angles of a degree or less; one
-// end and two; needles.
+// Law Q11. The polygons lie far from the point of the shortest path, about it, and at grazing angles of a
+// degree or less. The cases include one end, two ends, and needles.
 TEST(CertifiedAmplitude, HoldsTheSurfaceIntegral) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -88,8 +88,8 @@ TEST(CertifiedAmplitude, HoldsTheSurfaceIntegral) {
   }
 }
 
-// With reflection and roughness, where angles change: doubles of SmoothAmplitude are no farther than they
-// say.
+// With reflection and roughness, where angles vary, the doubles of `SmoothAmplitude` lie within their
+// stated error.
 TEST(CertifiedAmplitude, HoldsDoublesOfSurfaces) {
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -97,7 +97,7 @@ TEST(CertifiedAmplitude, HoldsDoublesOfSurfaces) {
                                        SmoothSurface{1, FluidSediment{1.9, 1.2, 0}, 0},
                                        SmoothSurface{1, FluidSediment{1.5, 0.95, 0.02}, 1e-3}})
     for (int n = 0; n < 12; ++n) {
-      // Every third is about the place of shortest path.
+      // Every third polygon contains the point of the shortest path.
       const Polygon2 polygon = test::random_convex(
           random, n % 3 == 0 ? glm::dvec2(0) : glm::dvec2(8 * unit(random) - 4, 8 * unit(random) - 4), .3,
           .2);
@@ -118,7 +118,8 @@ TEST(CertifiedAmplitude, HoldsDoublesOfSurfaces) {
     }
 }
 
-// Corners that are not known well make it wide, and true; a tolerance that cannot be kept is no answer.
+// Uncertain corners make a wide interval that contains the true value. If the tolerance cannot be met,
+// there is no result.
 TEST(CertifiedAmplitude, IsAsWideAsItsCorners) {
   const Polygon2 square{{-.1, -.1}, {.1, -.1}, {.1, .1}, {-.1, .1}};
   const ApexOverPlane end{Ball(1.0), Ball(0.0), Ball(0.0)};

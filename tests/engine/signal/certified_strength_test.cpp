@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Backscattering lengths in balls, against 50 digits: Gordon's sum over the edges of what is seen, with
-// visible polygons that need no engine (convex bodies, and a plate before another).
+// Compares backscattering lengths in ball arithmetic with values in 50 digits. The comparison is Gordon's
+// sum over the edges of visible polygons that need no engine: convex bodies, and a plate before another.
 #include "engine/signal/certified_strength.hpp"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ struct Point {
 };
 using Polygon = std::vector<Point>;
 
-/// Right, up and towards the sonar.
+/// Unit vectors to the right, upwards and towards the sonar.
 struct View {
   Point u, v, w;
   View(double azimuth_deg, double elevation_deg) {
@@ -61,7 +61,8 @@ Real cross(const Point& o, const Point& a, const Point& b) {
   return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
 }
 
-/// Heights over the plane across the line of sight: z = c + x gx + y gy; none for what is seen from the edge.
+/// Heights over the plane perpendicular to the line of sight: z = c + x gx + y gy. There is none for a
+/// facet that is seen edge-on.
 struct Plane {
   Real c = 0, gx = 0, gy = 0;
   explicit Plane(const Polygon& p) {
@@ -75,7 +76,8 @@ struct Plane {
   Real at(const Point& p) const { return c + gx * p.x + gy * p.y; }
 };
 
-/// Integral of e^{-2ikz} over a polygon across the line of sight, z on the plane; positive counter-clockwise.
+/// Integral of e^{-2ikz} over a polygon perpendicular to the line of sight, with z on the plane; positive
+/// counter-clockwise.
 Complex50 integral(const Polygon& p, const Plane& plane, const Real& k) {
   const Real qx = -2 * k * plane.gx, qy = -2 * k * plane.gy, square = qx * qx + qy * qy;
   const std::size_t n = p.size();
@@ -95,7 +97,7 @@ Complex50 integral(const Polygon& p, const Plane& plane, const Real& k) {
   return sum * Complex50{0, -1 / square};
 }
 
-/// What of a convex polygon lies in another one, both counter-clockwise.
+/// Returns the intersection of two convex polygons, both counter-clockwise.
 Polygon common(Polygon p, const Polygon& other) {
   for (std::size_t j = 0; j < other.size(); ++j) {
     const Point &a = other[j], &b = other[(j + 1) % other.size()];
@@ -136,8 +138,8 @@ Complex50 length_of(const Complex50& silhouette, const Real& k) {
   return silhouette * Complex50{0, -k / (2 * boost::math::constants::pi<Real>())};
 }
 
-/// Of a closed convex body whose facets turn about their normals outwards, or of one sheet that is seen from
-/// both sides.
+/// Computes the length of a closed convex body whose facets are counter-clockwise about their outward
+/// normals. With `sheet` it is one open surface that is visible from both sides.
 Complex50 convex_50(const ComponentMesh& mesh, bool sheet, const View& view, const SmoothSurface& surface,
                     double hertz) {
   const Real k = wave_number(hertz);
@@ -159,7 +161,7 @@ double off(const CertifiedLength& certified, const Complex50& truth) {
   return static_cast<double>(Real(sqrt(x * x + y * y)));
 }
 
-/// How much of the bound is used, over all that was asked of.
+/// Share of the bound that the error uses, over all requests.
 struct Use {
   int requested = 0, by_rounding_alone = 0;
   double most = 0;
@@ -204,7 +206,7 @@ ComponentMesh disc(std::uint32_t sides, double radius) {
   return mesh;
 }
 
-/// Of four random corners, facets outwards.
+/// Makes a tetrahedron of four random corners with facets that face outwards.
 ComponentMesh tetrahedron(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   ComponentMesh mesh;
@@ -218,8 +220,8 @@ ComponentMesh tetrahedron(std::mt19937_64& random) {
 
 const std::vector<double> ten_octaves{100, 1e3, 7e3, 30e3, 100e3, 400e3};
 
-// Law Q10, over random directions and those that are special to a body: along its axes, along its plane, and
-// as near to that as can be written.
+// Law Q10, over random and special directions of a body: along its axes, in its plane, and as close to the
+// plane as doubles permit.
 TEST(CertifiedStrength, HoldsConvexBodies) {
   std::mt19937_64 random(24);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -236,7 +238,7 @@ TEST(CertifiedStrength, HoldsConvexBodies) {
     expect_within(sphere_facets({0.2}, 0.05, {}), false, azimuth, elevation, {}, ten_octaves, use);
   }
   EXPECT_EQ(use.requested, 25 * 5 * 6);
-  // The bound is made of the grid, and some of it is needed.
+  // The bound comes from the grid, and the errors use some of it.
   EXPECT_LT(use.by_rounding_alone, use.requested / 3);
   EXPECT_GT(use.most, 0.02);
 }
@@ -246,7 +248,7 @@ TEST(CertifiedStrength, HoldsFluidAndRoughSurfaces) {
   std::uniform_real_distribution<double> unit(-1, 1);
   Use use;
   const std::vector<double> hertz{1e3, 30e3, 100e3};
-  // Without loss there is total reflection; the third is no other than the water but for its loss.
+  // Without loss there is total reflection. The third material differs from water only in its loss.
   for (const SmoothSurface& surface :
        {SmoothSurface{1, FluidSediment{1.9, 1.2, 0}, 0},
         SmoothSurface{1, FluidSediment{1.5, 0.95, 0.02}, 2e-3},
@@ -261,7 +263,7 @@ TEST(CertifiedStrength, HoldsFluidAndRoughSurfaces) {
     }
 }
 
-// A tilted plate before another hides what lies behind it along the line of sight.
+// A tilted plate before another hides the plate behind it along the line of sight.
 TEST(CertifiedStrength, HoldsWhatIsHidden) {
   std::mt19937_64 random(26);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -273,7 +275,8 @@ TEST(CertifiedStrength, HoldsWhatIsHidden) {
       const auto first = static_cast<std::uint32_t>(mesh.points_m.size());
       for (const glm::dvec2 p : {glm::dvec2(-1, -1), glm::dvec2(1, -1), glm::dvec2(1, 1), glm::dvec2(-1, 1)})
         mesh.points_m.push_back(middle + glm::dvec3(half * p.x, half * p.y, tilt * half * p.x));
-      // Exactly planar facets: two triangles of four corners of a parallelogram are, but for roundings.
+      // Facets are exactly planar: two triangles of four corners of a parallelogram are planar except for
+      // rounding.
       mesh.triangles.push_back({first, first + 1, first + 2});
       mesh.triangles.push_back({first, first + 2, first + 3});
     };
@@ -311,7 +314,8 @@ TEST(CertifiedStrength, HoldsWhatIsHidden) {
   EXPECT_GT(hidden, 100);
 }
 
-// Without the grid's part, what is left are the corners' roundings: nothing that anybody could measure.
+// Without the contribution of the grid, the bound contains only the rounding of the corners, which is too
+// small to measure.
 TEST(CertifiedStrength, BoundsAreNarrow) {
   const ComponentMesh sphere = sphere_facets({1.0}, 2e-2, {});
   const std::vector<double> hertz{1e3, 10e3, 100e3};
@@ -325,7 +329,7 @@ TEST(CertifiedStrength, BoundsAreNarrow) {
     EXPECT_LT(c.bound_m, 1e-7 * k * (k + 1));
     EXPECT_GT(c.bound_m, 0);
   }
-  // Of a plate that is seen broadside only the borders move.
+  // For a plate seen broadside only the borders move.
   const ComponentMesh plate = rectangle(2, 2);
   const auto broadside =
       CertifiedStrength(plate.points_m, plate.triangles).towards(0, 90, {}, sound_speed, hertz);
@@ -333,8 +337,8 @@ TEST(CertifiedStrength, BoundsAreNarrow) {
   EXPECT_LT(broadside.lengths[2].bound_m / broadside.lengths[1].bound_m, 10.1);
 }
 
-// A slope turns a way across into a way along: seen five degrees from its plane, a plate is off by far more
-// than its corners' heights are.
+// A slope converts a lateral displacement into one along the line of sight. Five degrees from the plane of
+// a plate, the error far exceeds the height errors of its corners.
 TEST(CertifiedStrength, SlopesCount) {
   const ComponentMesh plate = rectangle(2, 2);
   const double hertz = 400e3, k = 2 * std::numbers::pi * hertz / sound_speed;

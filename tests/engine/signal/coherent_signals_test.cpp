@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests coherent signals of rough surfaces: quadrature rules, pulse bandwidths, covariances of elements,
+// their low-rank factors, and signals of a fixed field of scatterers.
+
 #include "engine/signal/coherent_signals.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +23,7 @@ using test::SignalView;
 
 constexpr double pi = std::numbers::pi, sound_speed = 1500;
 
-/// Four elements across, a displaced one, all with one transmitter.
+/// Four elements across, one of them displaced, with a common transmitter.
 CoherentReceiver receiver_at(glm::dvec3 place_m, double carrier_hz = 30e3, double sigma_s = 1e-4) {
   CoherentReceiver receiver;
   for (const double x : {-0.06, -0.02, 0.02, 0.06})
@@ -48,23 +51,23 @@ TEST(GaussRule, ItsErrorIsBounded) {
 }
 
 TEST(BasebandPulse, ItsWeighedBandIsThatOfItsSpectrum) {
-  // A Gaussian's frequencies are Gaussian: E|x|^12 = 10395.
+  // The frequencies of a Gaussian pulse are Gaussian: E|x|^12 = 10395.
   const double sigma_s = 1e-4;
   const double wide = weighed_bandwidth_hz(gaussian_pulse(sigma_s), 12);
   EXPECT_NEAR(wide, 2 * std::pow(10395, 1.0 / 12) / (2 * pi * sigma_s), 1e-3 * wide);
   EXPECT_LT(wide, 0.5 * gaussian_pulse(sigma_s).bandwidth_hz);
-  // A rectangular spectrum: (integral of x^12)^(1/12) of its half.
+  // For a rectangular spectrum the result is (integral of x^12)^(1/12) over its half.
   const BasebandPulse even{[](double t) { return t == 0 ? 1 : std::sin(pi * 1e4 * t) / (pi * 1e4 * t); },
                            -0.05, 0.05, 1e4};
   EXPECT_NEAR(weighed_bandwidth_hz(even, 12), 1e4 * std::pow(13, -1.0 / 12), 100);
 }
 
-// E|x|^24 of a normal x is 23!!; short flanks have tails, which finer tolerances ask for.
+// E|x|^24 of a normal x is 23!!. Short flanks have tails, which finer tolerances include.
 TEST(BasebandPulse, ItsResolvedBandLeavesTheTolerance) {
   const double sigma_s = 1e-4, sigma_hz = 1 / (2 * std::sqrt(2.0) * pi * sigma_s);
   const double wide = 2 * sigma_hz * std::pow(316234143225.0, 1.0 / 24);
   EXPECT_NEAR(resolved_bandwidth_hz(gaussian_pulse(sigma_s), 12, 1e-6), wide, 1e-3 * wide);
-  // Where the tolerance is coarse, errors of tails count no more than twice what they are.
+  // For a coarse tolerance, errors of tails count at most twice.
   const double coarse = resolved_bandwidth_hz(gaussian_pulse(sigma_s), 12, 1e-2);
   EXPECT_LT(coarse, wide);
   EXPECT_GT(coarse, 0.9 * wide);
@@ -75,7 +78,7 @@ TEST(BasebandPulse, ItsResolvedBandLeavesTheTolerance) {
     EXPECT_GE(band, before) << tolerance;
     before = band;
   }
-  EXPECT_LE(before, 16e3);  // as far as is looked
+  EXPECT_LE(before, 16e3);  // the limit of the search
 }
 
 // Law Y1.
@@ -145,7 +148,7 @@ TEST(SeabedScatterers, TheirWeightsAreThePatchesAreas) {
 }
 
 TEST(SignalCovariances, OverAllTimeTheyAreEnergies) {
-  // The integral of E|y|^2 over time is that of sigma A^2 dA: what all range samples have together.
+  // The integral of E|y|^2 over time is that of sigma A^2 dA, the sum over all range bins.
   const test::SignalScene scene = test::signal_scenes()[1];
   const SignalView view(scene, {0.0, 0.0, 0.0});
   CoherentReceiver receiver = receiver_at(view.apex_m);
@@ -166,7 +169,7 @@ TEST(SignalCovariances, AreHermitianPositiveAndAsExactAsRequested) {
   for (const test::SignalScene& scene : test::signal_scenes()) {
     const SignalView view(scene, {0.0, 0.0, 0.0});
     CoherentReceiver receiver = receiver_at(view.apex_m);
-    // Another ping from elsewhere, of which nothing is hidden that the first one sees.
+    // Another ping from another position, from which everything is visible that the first ping sees.
     receiver.channels.push_back(
         {view.apex_m + glm::dvec3(0.1, 0, 0.02), view.apex_m + glm::dvec3(0.1, 0.03, 0)});
     receiver.channels.back().receive = {Directivity::Kind::line, {1, 0, 0}, false, 0, 3};
@@ -187,7 +190,8 @@ TEST(SignalCovariances, AreHermitianPositiveAndAsExactAsRequested) {
           ASSERT_EQ(r.at(a, b), std::conj(r.at(b, a)));
         }
       EXPECT_LT(worst, 3 * tolerance * loudest) << scene.name << ' ' << tolerance;
-      EXPECT_LE(low_rank_factor(r, 1e-10).rest, 1e-10) << scene.name;  // throws if it is not semi-definite
+      // throws if the matrix is not semi-definite
+      EXPECT_LE(low_rank_factor(r, 1e-10).rest, 1e-10) << scene.name;
     }
   }
 }
@@ -270,7 +274,7 @@ TEST(LowRankFactor, AnArraysRankIsItsSpaceBandwidthProduct) {
   EXPECT_LE(factor.rank, 14u);
 }
 
-/// The direct sum over the field's scatterers.
+/// The direct sum over the scatterers of the field.
 ChannelSignals by_every_scatterer(const VisiblePolygons& seen, const CoherentReceiver& receiver,
                                   const EchoModel& model, const SurfaceField& field) {
   ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
@@ -328,7 +332,7 @@ TEST(ElementSignals, AreTheSumOverAllScatterersOfTheField) {
   }
 }
 
-// Pulses with flanks of any length, and without.
+// Pulses with flanks of any length, and without flanks.
 TEST(ElementSignals, AreThatSumForFlanksOfAnyLength) {
   const test::SignalScene scene = test::signal_scenes()[1];
   const SignalView view(scene, {0.0, 0.0, 0.0});
@@ -372,7 +376,7 @@ TEST(ElementSignals, TheSamePoseHasTheSameBitsForAnyThreads) {
             drawn_signals(again.patches(), receiver, again.model, 1, 0).value);
 }
 
-/// Covariances of draws against those expected, in units of their own statistical errors.
+/// Compares covariances of draws with expected ones, in units of their statistical errors.
 class DrawnCovariances {
  public:
   explicit DrawnCovariances(std::size_t size) : size_(size), sum_(size * size) {}
@@ -381,7 +385,7 @@ class DrawnCovariances {
     for (std::size_t a = 0; a < size_; ++a)
       for (std::size_t b = 0; b < size_; ++b) sum_[a * size_ + b] += y[a] * std::conj(y[b]);
   }
-  /// The largest |difference| over sqrt(R_aa R_bb / draws).
+  /// Returns the largest |difference| over sqrt(R_aa R_bb / draws).
   double worst(const CovarianceMatrix& expected, double least_share) const {
     double loudest = 0, most = 0;
     for (std::size_t a = 0; a < size_; ++a) loudest = std::max(loudest, expected.at(a, a).real());
@@ -401,8 +405,8 @@ class DrawnCovariances {
   int draws_ = 0;
 };
 
-// Three routes to one covariance: the field of the surface, rules with amplitudes of their own, and R = L
-// L^H.
+// Compares three methods for the same covariance: the field of the surface, quadrature rules with random
+// amplitudes, and R = L L^H.
 TEST(ElementSignals, FieldRulesAndFactorsDrawTheSameCovariances) {
   const std::uint64_t seed = 20261124;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -430,14 +434,15 @@ TEST(ElementSignals, FieldRulesAndFactorsDrawTheSameCovariances) {
     by_rule.add(picked(drawn_signals(seen, receiver, view.model, seed, std::uint32_t(n), 1e-3)));
     by_factor.add(drawn_samples(factor, seed, std::uint32_t(n)));
   }
-  // |difference|^2 draws / (R_aa R_bb) is exponential with mean 1 (a = b: chi squared of 1): 256 of them.
+  // |difference|^2 draws / (R_aa R_bb) is exponential with mean 1 (a = b: chi squared of 1), for 256
+  // values.
   EXPECT_LT(by_field.worst(expected, 1e-3), 5.5);
   EXPECT_LT(by_rule.worst(expected, 1e-3), 5.5);
   EXPECT_LT(by_factor.worst(expected, 1e-3), 5.5);
   EXPECT_GT(by_field.worst(expected, 1e-3), 1);
 }
 
-// Another pose has the coherence that covariances say, of what both see.
+// Signals at another pose have the coherence that the covariances state, for the commonly visible part.
 TEST(ElementSignals, AnotherPoseSeesTheSameSurface) {
   const std::uint64_t seed = 77;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -481,7 +486,7 @@ TEST(ElementSignals, AnotherPoseSeesTheSameSurface) {
     drawn.add(row);
   }
   EXPECT_LT(drawn.worst(expected, 1e-3), 5);
-  // The poses are neither the same nor strangers.
+  // The poses are neither the same nor uncorrelated.
   const double coherence =
       std::abs(expected.at(0, 4)) / std::sqrt(expected.at(0, 0).real() * expected.at(4, 4).real());
   EXPECT_GT(coherence, 0.3);
@@ -494,7 +499,7 @@ TEST(ElementSignals, OfNothingAreSilence) {
   for (const Complex& v : element_signals({}, receiver, {}, {}).value) EXPECT_EQ(v, 0.0);
   for (const Complex& v : drawn_signals({}, receiver, {}, 1, 0).value) EXPECT_EQ(v, 0.0);
   for (const Complex& v : signal_covariances({}, receiver, samples, {}).value) EXPECT_EQ(v, 0.0);
-  // So they are where nobody listens yet, and behind a plate.
+  // Signals are also zero before the first echo and behind a plate.
   const test::SignalScene scene = test::signal_scenes()[0];
   const SignalView view(scene, {0.0, 0.0, 0.0});
   CoherentReceiver early = receiver_at(view.apex_m);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where an occluder's shadow ends on a smooth plane: the echo that Kirchhoff's approximation makes of that
-// border, and what Kirchhoff's approximation of second order has instead (docs/smooth-surfaces.md, "False
+// Tests the echo of a shadow border on a smooth plane. Kirchhoff's approximation gives the border an echo.
+// Kirchhoff's approximation of second order has other echoes instead (docs/smooth-surfaces.md, "False
 // edges").
 #include <gtest/gtest.h>
 
@@ -22,33 +22,34 @@ constexpr double pi = std::numbers::pi;
 double db(double ratio) { return 20 * std::log10(ratio); }
 Complex phasor(double phase) { return {std::cos(phase), std::sin(phase)}; }
 
-/// A sonar above a plane, and before that, parallel to it, a half-plane that covers all places of x >
-/// `edge`.
+/// A sonar above a plane. Between them lies a half-plane parallel to the plane, which covers all positions
+/// x > `edge`.
 struct Occluder {
   double height_m = 1;     ///< of the sonar
   double above_m = 0.3;    ///< of the half-plane, over the plane
-  double angle_rad = 0.5;  ///< of the ray by its edge, off the vertical
+  double angle_rad = 0.5;  ///< of the ray to its edge, from the vertical
 
   double to_edge_m() const { return (height_m - above_m) / std::cos(angle_rad); }
   double to_border_m() const { return height_m / std::cos(angle_rad); }
   double edge_m() const { return (height_m - above_m) * std::tan(angle_rad); }
-  /// From the edge by the plane to the sonar.
+  /// Distance from the edge over the plane to the sonar.
   double rx_m() const { return std::hypot(edge_m(), height_m + above_m); }
   double rx_angle_rad() const { return std::atan(edge_m() / (height_m + above_m)); }
-  /// What the way over the border is longer than the way by the edge and the plane.
+  /// Difference between the path over the border and the path over the edge and the plane.
   double detour_m() const { return 2 * to_border_m() - to_edge_m() - rx_m(); }
 };
 
-/// What a straight edge makes of a wave that it turns by an angle: times e^{ik(r + s)} / sqrt(r s (r + s)) of
-/// a point source, / sqrt(r s) where everything is even along the edge. (Kirchhoff's; Keller 1962 has the
-/// form.)
+/// Returns the factor that a straight edge gives to a wave that it turns by an angle. A point source has
+/// the further factor e^{ik(r + s)} / sqrt(r s (r + s)). A source that is uniform along the edge has /
+/// sqrt(r s). (Kirchhoff's approximation; Keller 1962 has the form.)
 double edge_factor(double turned_rad, double k) {
   return 0.5 / std::tan(turned_rad / 2) / std::sqrt(2 * pi * k);
 }
 
-// ---- What the engine computes
+// ---- The result of the engine
 
-/// The echo over paths of a Gaussian pulse about k0, of what a sonar sees through one tube.
+/// Computes the echo over path lengths of a Gaussian pulse about k0, for the facets that a sonar sees
+/// through one tube.
 class SeenEcho {
  public:
   SeenEcho(const Occluder& scene, double k0) : k0_(k0), width_(k0 / 8) {
@@ -92,8 +93,8 @@ class SeenEcho {
   std::vector<Complex> spectrum_;
 };
 
-// The border of the shadow echoes as loud as the occluder's own edge does, but for the way; 3 dB an octave
-// below the plane's own echo.
+// The echo of the shadow border is as strong as that of the edge of the occluder, except for the path
+// length. It is 3 dB per octave below the echo of the plane.
 TEST(FalseEdges, AreAsLoudAsTrueOnes) {
   for (const Occluder& scene : {Occluder{2, 0.6, 0.45}, Occluder{2, 1.1, 0.35}, Occluder{2, 0.3, 0.7}})
     for (const double k : {200.0, 400.0, 800.0}) {
@@ -111,8 +112,8 @@ TEST(FalseEdges, AreAsLoudAsTrueOnes) {
     }
 }
 
-// Where the second order has an echo: by the occluder's edge, the plane, and home, or the other way round.
-// The occluder's integral between the sonar and its image, by the engine's edge form.
+// The second order has an echo over the edge of the occluder, the plane and the sonar, or in reverse order.
+// The engine computes the integral of the occluder between the sonar and its image in edge form.
 TEST(FalseEdges, AreByTheEdgeAndThePlaneInSecondOrder) {
   const Occluder scene{2, 0.6, 0.45};
   const double to = 40, edge = scene.edge_m();
@@ -121,7 +122,8 @@ TEST(FalseEdges, AreByTheEdgeAndThePlaneInSecondOrder) {
     std::vector<double> k;
     for (int n = 0; n < 400; ++n) k.push_back(k0 / 8 * (8.0 * (n + 0.5) / 400 - 4) + k0);
     std::vector<Complex> blocked(k.size());
-    // The image, mirrored by the occluder's plane: the same integral, on one side of it.
+    // The test mirrors the image at the plane of the occluder, which gives the same integral with both ends
+    // on one side.
     SmoothAmplitude(k, 0).add(plate, {scene.height_m + scene.above_m, {0, 0}}, {}, blocked);
     const auto at = [&](double path_m) {
       Complex sum = 0;
@@ -137,17 +139,17 @@ TEST(FalseEdges, AreByTheEdgeAndThePlaneInSecondOrder) {
     const double model =
         edge_factor(scene.angle_rad + scene.rx_angle_rad(), k0) / std::sqrt(tx * rx * (tx + rx));
     EXPECT_NEAR(db(at(tx + rx) / model), 0, 0.15);
-    EXPECT_LT(db(at(2 * scene.to_border_m()) / model), -50);  // nothing at the false edge's time
-    // It comes twice, and is louder than what stands for it.
+    EXPECT_LT(db(at(2 * scene.to_border_m()) / model), -50);  // nothing at the time of the false edge
+    // The echo arrives twice, and is stronger than the false edge that represents it.
     const double border = scene.to_border_m(),
                  false_edge = edge_factor(2 * scene.angle_rad, k0) / std::sqrt(2 * std::pow(border, 3));
     EXPECT_GT(db(2 * model / false_edge), 6);
   }
 }
 
-// ---- Second order, everything even along the edge
+// ---- Second order, uniform along the edge
 
-/// Hankel functions of the first kind, by their asymptotic series: for x above 10 within 1e-8.
+/// Hankel functions of the first kind, by their asymptotic series: accurate to 1e-8 for x above 10.
 struct Hankel {
   Complex h0, h1;
   explicit Hankel(double x) : h0(series(0, x)), h1(series(1, x)) {}
@@ -161,7 +163,8 @@ struct Hankel {
   }
 };
 
-/// The wave of a line source, i/4 H0(kr), and its derivatives by heights: of the place, and of both ends.
+/// The wave of a line source, i/4 H0(kr), and its derivatives by the height of the point and by the heights
+/// of both ends.
 struct LineWave {
   Complex value, by_place, by_both;
   LineWave(double k, double x, double up) {
@@ -175,17 +178,17 @@ struct LineWave {
   }
 };
 
-/// Echoes of the plane without its image's, e^{2ikh}: as the exact polygon of what is lit has them, and in
-/// second order. There the wave on the plane is what Kirchhoff's integral leaves behind the occluder, out and
-/// home. By images, and with u(x) the wave at a place, of which the occluder keeps u_P off,
-///     integral of d/dn (u - u_P)^2 = image - 2 u_P(image) + u_PP'(image),
-/// P' the occluder's image, which keeps u_PP' off what P did.
+/// Echoes of the plane minus the echo of its image, e^{2ikh}: for the exact insonified polygon, and in
+/// second order. In second order, the wave on the plane is the Kirchhoff integral behind the occluder, on
+/// both legs. With images, and with u(x) the wave at a position, from which the occluder removes u_P,
+/// integral of d/dn (u - u_P)^2 = image - 2 u_P(image) + u_PP'(image).
+/// P' is the image of the occluder, which removes u_PP' from the wave of P.
 struct PlaneEcho {
   Complex image, sharp, second;
 };
 
-/// The occluder goes from its edge outwards (the foot is lit) or beyond the foot (it is hidden); the other
-/// end fades away over many wavelengths, so that it has no edge there.
+/// The occluder extends from its edge outwards (the foot point is insonified) or over the foot point (it is
+/// hidden). The other end fades over many wavelengths, so that it is not an edge.
 PlaneEcho plane_echo(const Occluder& scene, double k, bool foot_is_lit) {
   const double edge = scene.edge_m(), wave_m = 2 * pi / k, h = scene.height_m, up = scene.above_m;
   const double even_m = foot_is_lit ? 0.25 : 0.25 + 2 * edge, fade_m = std::max(0.6, 30 * wave_m);
@@ -210,7 +213,8 @@ PlaneEcho plane_echo(const Occluder& scene, double k, bool foot_is_lit) {
     const LineWave lit(k, scale * x[n], -h);
     shadow += scale * w[n] * 2.0 * lit.value * lit.by_place;
     tx.emplace_back(k, x[n], up - h);  // from the sonar to the occluder
-    rx.emplace_back(k, x[n], up + h);  // from its image to the occluder; to P', with its sign, below
+    // from the image of the sonar to the occluder, and to P' with its sign below
+    rx.emplace_back(k, x[n], up + h);
     once += w[n] * (rx[n].value * tx[n].by_place - tx[n].value * rx[n].by_place);
   }
   for (std::size_t m = 0; m < x.size(); ++m) {
@@ -228,14 +232,14 @@ PlaneEcho plane_echo(const Occluder& scene, double k, bool foot_is_lit) {
   return {image, whole - shadow, whole - 2.0 * once + twice};
 }
 
-// An occluder that covers everything keeps everything off, in either order.
+// An occluder that covers everything blocks all sound, in either order.
 TEST(FalseEdges, NothingIsLeftBehindAWideOccluder) {
   const PlaneEcho echo = plane_echo({1, 0.3, 1.2}, 100, false);
   EXPECT_LT(std::abs(echo.sharp), 0.01 * std::abs(echo.image));
   EXPECT_LT(std::abs(echo.second), 0.01 * std::abs(echo.image));
 }
 
-// Where the detour is many radians each echo is by itself, and edges say what it is.
+// For a detour of many radians the echoes are separate, and the edge formulas give their strengths.
 TEST(FalseEdges, AreNothingOfTheSecondOrderWhereTheDetourIsLong) {
   for (const double k : {200.0, 600.0})
     for (const Occluder& scene : {Occluder{1, 0.3, pi / 6}, Occluder{1, 0.1, pi / 4}}) {
@@ -250,16 +254,18 @@ TEST(FalseEdges, AreNothingOfTheSecondOrderWhereTheDetourIsLong) {
       const PlaneEcho lit = plane_echo(scene, k, true), hidden = plane_echo(scene, k, false);
       EXPECT_NEAR(db(std::abs(lit.sharp) / false_edge), 0, 0.2);
       EXPECT_NEAR(db(std::abs(hidden.sharp) / false_edge), 0, 0.2);
-      // The foot is lit: two echoes by the edge and the plane, and one by the edge twice, which is fainter.
+      // If the foot point is insonified, there are two echoes over the edge and the plane, and a weaker one
+      // over the edge twice.
       EXPECT_LT(std::abs(std::abs(lit.second) - 2 * once), 1.2 * twice);
       EXPECT_GT(db(std::abs(lit.second) / false_edge), 5);
-      // It is hidden: only the last one, which falls by 6 dB an octave.
+      // If the foot point is hidden, only the last echo remains, which falls by 6 dB per octave.
       EXPECT_NEAR(db(std::abs(hidden.second) / twice), 0, 0.5);
       EXPECT_LT(db(std::abs(hidden.second) / false_edge), -10);
     }
 }
 
-// Where it is a fraction of a radian they are one, and the exact polygon has it: the better, the shorter.
+// For a detour of a fraction of a radian the echoes coincide, and the exact polygon has their sum. The
+// agreement improves with shorter detours.
 TEST(FalseEdges, AreTheSecondOrderWhereTheDetourIsShort) {
   const double k = 200;
   double before = 1;

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests covariances of signal channels within range bins. The comparisons are the energies of the echo
+// engines, closed forms of van Cittert and Zernike, and sums over points.
+
 #include "engine/signal/gated_covariance.hpp"
 
 #include <gtest/gtest.h>
@@ -27,7 +30,7 @@ const std::vector<std::uint16_t> one_material{0};
 
 EchoModel isovelocity_model() { return {one_mu, one_material}; }
 
-/// A polygon on the plane z = -height, in (x, y).
+/// Returns a polygon on the plane z = -height, in (x, y).
 VisiblePolygons surface_apex(double height, const Polygon2& polygon) {
   VisiblePolygons seen;
   for (const glm::dvec2 p : polygon) seen.corners_m.push_back({p, -height});
@@ -57,7 +60,7 @@ TEST(GatedCovariance, OneChannelWithItselfIsTodaysEnergy) {
       EXPECT_EQ(own.at(k, k).imag(), 0);
       EXPECT_EQ(own.at(k, k + 1), 0.0);
     }
-    // So is the limit of two channels.
+    // The limit of two coincident channels agrees, too.
     const SignalChannel other{view.apex_m, view.apex_m + glm::dvec3(1e-13, 0, 0)};
     const SampleCovariances both =
         gated_covariances(view.patches(), channel, other, samples, 100, model, 1e-13);
@@ -145,8 +148,8 @@ TEST(GatedCovariance, ReceiversOfAReceiverPairAreItsEcho) {
   }
 }
 
-// A flat seabed 10 m below, a receiver pair tilted by 30 degrees with the transmitter at its lower end, 250
-// kHz, the sample of 75 mm from 30 m on.
+// A flat seabed 10 m below, and a receiver pair tilted by 30 degrees with the transmitter at its lower end.
+// The frequency is 250 kHz, and the range bin of 75 mm starts at 30 m.
 TEST(GatedCovariance, FootprintsThatAreShiftedDecorrelate) {
   const double step = 0.075, baseline = 0.06, range = 30, k = 2 * pi * 250e3 / 1500;
   const VisiblePolygons strip = surface_apex(10, rectangle(5, 40, -5e-4, 5e-4));
@@ -159,7 +162,8 @@ TEST(GatedCovariance, FootprintsThatAreShiftedDecorrelate) {
                                   gated_covariances(strip, other, other, samples, k, model).at(0, 0).real());
     return std::abs(gated_covariances(strip, one, other, samples, k, model).at(0, 0)) / size;
   };
-  // The spread of phases alone: what gates shift out of one sample is in its neighbours.
+  // Only the spread of phases remains: energy that the gates shift out of one range bin lies in its
+  // neighbours.
   const RangeSamples three{range - step, step, 3};
   const auto all = [&](double wavenumber) {
     const SampleCovariances r = gated_covariances(strip, {{}, receiver_pair}, {}, three, wavenumber, model);
@@ -167,9 +171,10 @@ TEST(GatedCovariance, FootprintsThatAreShiftedDecorrelate) {
   };
   EXPECT_NEAR(all(k) / all(0), 0.999875684, 2e-8);
   EXPECT_NEAR(coherence(receiver_pair, {}, range), 0.927009, 3e-6);
-  // With the transmitter in the receiver pair's middle and the sample about 30 m: docs/sensors.md.
+  // The transmitter is in the middle of the receiver pair and the range bin about 30 m: see
+  // docs/sensors.md.
   EXPECT_NEAR(coherence(receiver_pair / 2.0, -receiver_pair / 2.0, range - step / 2), 0.926810, 2e-6);
-  // The closed form, for which energy is even over a sample.
+  // The closed form assumes uniform energy over a range bin.
   const auto delta = [&](double r) { return baseline * std::sin(std::asin(10 / r) - pi / 6); };
   const double kappa = k * std::abs(delta(range + step / 2) - delta(range - step / 2)) / step,
                shift = std::abs(delta(range)) / 2;
@@ -177,12 +182,12 @@ TEST(GatedCovariance, FootprintsThatAreShiftedDecorrelate) {
               std::sin((step - shift) * kappa / 2) / (step * kappa / 2), 5e-6);
 }
 
-// Van Cittert and Zernike: a footprint a wide at range r, elements D apart.
+// Van Cittert and Zernike: a footprint of width a at range r, and elements at a distance D.
 TEST(GatedCovariance, AnEvenFootprintsCoherenceIsASinc) {
   const double a = 0.5, r = 20, apart = 0.02, k = 2 * pi * 455e3 / 1500;
   const auto sinc = [](double x) { return std::sin(x) / x; };
   EXPECT_NEAR(sinc(k * apart * a / (2 * r)), 0.962589148, 5e-10);
-  // One element over the footprint's middle, the other beside it.
+  // One element lies over the middle of the footprint, the other next to it.
   const auto further = [&](double x) { return std::hypot(r, x) - std::hypot(r, x - apart); };
   const auto mean = [&](const auto& f) {
     return gauss_kronrod<double, 61>::integrate([&](double x) { return f(x); }, -a / 2, a / 2, 8, 1e-13) / a;
@@ -190,7 +195,7 @@ TEST(GatedCovariance, AnEvenFootprintsCoherenceIsASinc) {
   EXPECT_NEAR(std::hypot(mean([&](double x) { return std::cos(k * further(x)); }),
                          mean([&](double x) { return std::sin(k * further(x)); })),
               0.962592637, 5e-10);
-  // A thin strip under the sonar, with what ranges and grazing angles make of its amplitudes.
+  // A thin strip under the sonar, with amplitudes that depend on ranges and grazing angles.
   const VisiblePolygons strip = surface_apex(r, rectangle(-a / 2, a / 2, -1e-5, 1e-5));
   const SignalChannel over{}, beside{{}, {apart, 0, 0}};
   const RangeSamples whole{19, 3, 1};
@@ -209,15 +214,15 @@ TEST(GatedCovariance, AnEvenFootprintsCoherenceIsASinc) {
       std::sqrt(mean([&](double x) { return weight(x, -6, 0); }) *
                 mean([&](double x) { return weight(x, -3, -3); }));
   EXPECT_NEAR(both / size, expected, 1e-9);
-  EXPECT_NEAR(both / size, 0.962592637, 1e-5);  // amplitudes fall off towards the ends
-  // First zero at lambda r / a.
+  EXPECT_NEAR(both / size, 0.962592637, 1e-5);  // amplitudes decrease towards the ends
+  // The first zero is at lambda r / a.
   const double zero = 2 * pi / k * r / a;
   const SignalChannel far_left{{}, {-zero / 2, 0, 0}}, far_right{{}, {zero / 2, 0, 0}};
   EXPECT_LT(std::abs(gated_covariances(strip, far_left, far_right, whole, k, model).at(0, 0)) / size, 2e-4);
 }
 
 TEST(GatedCovariance, DisplacedPhaseCentresFollowABSpline) {
-  // Apertures of L on both sides, both displaced by D along themselves: B3(2 D / L) / B3(0).
+  // Transmit and receive apertures of length L, both displaced by D along themselves: B3(2 D / L) / B3(0).
   const auto b3 = [](double x) {
     x = std::abs(x);
     return x < 1 ? 2.0 / 3 - x * x + x * x * x / 2 : x < 2 ? std::pow(2 - x, 3) / 6 : 0;
@@ -246,9 +251,9 @@ TEST(GatedCovariance, DisplacedPhaseCentresFollowABSpline) {
       EXPECT_LT(std::abs(both.imag()), 1e-5 * size);
     }
   }
-  // The pattern on one side only: a triangle.
+  // The pattern on one leg only gives a triangle.
   const double length = 0.4;
-  const VisiblePolygons strip = strip_for(length / 2);  // side lobes fall off as their square only
+  const VisiblePolygons strip = strip_for(length / 2);  // side lobes decrease with their square only
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, length / wavelength};
   const auto channel = [&](double x) { return SignalChannel{{x, 0, 0}, {x, 0, 0}, line, {}}; };
   const double size = gated_covariances(strip, channel(0), channel(0), whole, k, model, 1e-7).at(0, 0).real();
@@ -257,7 +262,7 @@ TEST(GatedCovariance, DisplacedPhaseCentresFollowABSpline) {
   EXPECT_NEAR(both.real() / size, 1 - 2 * 0.1 / length, 8e-3);
 }
 
-/// Sums over a lattice of points: the definition.
+/// Sums over a lattice of points, by definition.
 TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
   const unsigned seed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -326,7 +331,7 @@ TEST(GatedCovariance, DisplacedTransmittersAgreeWithSumsOverPoints) {
   }
 }
 
-// Transmitter and receiver in each other's place: all ellipses of the one are ellipses of the other.
+// Transmitter and receiver are exchanged: all ellipses of one channel are ellipses of the other.
 TEST(GatedCovariance, OfAPathAndTheSamePathBackIsItsEnergy) {
   const VisiblePolygons seen = surface_apex(3, {{-1, 0.5}, {2, 1}, {1.5, 3}, {-0.5, 2.5}});
   const glm::dvec3 here(0.2, -0.1, 0.3), there(-0.4, 0.3, -0.2);
@@ -342,7 +347,7 @@ TEST(GatedCovariance, OfAPathAndTheSamePathBackIsItsEnergy) {
       EXPECT_LT(std::abs(both.at(k, j) - own.at(k, j)), 1e-9 * all) << k << ' ' << j;
 }
 
-/// Polygons in parts, samples in parts, tubes in parts: the sums stand.
+/// Divides polygons, range bins and tubes into parts: the sums stay the same.
 TEST(GatedCovariance, PartsAddUp) {
   const test::SignalScene scene = test::signal_scenes()[0];
   const SignalView view(scene, {0.0, 0.0, 0.0});

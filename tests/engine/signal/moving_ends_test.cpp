@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Channels whose ends move while sound is in progress, against sums over every scatterer whose times of
-// sending are found by bisection.
+// Tests channels whose ends move during propagation. The comparison is a sum over each scatterer, whose
+// transmit times come from bisection.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -24,7 +24,8 @@ constexpr double pi = std::numbers::pi, c = 1500;
 PlatformMotion straight(glm::dvec3 start_m, glm::dvec3 velocity_m_s) {
   return [=](double t) { return start_m + velocity_m_s * t; };
 }
-/// A vehicle that goes on, turns and heaves; an end that sits some way from its middle.
+/// Motion of one end of a vehicle that advances, turns and heaves. The end has a lever arm from the middle
+/// of the vehicle.
 PlatformMotion turning(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double rad_s, glm::dvec3 lever_m) {
   return [=](double t) {
     const double w = rad_s * t;
@@ -33,7 +34,7 @@ PlatformMotion turning(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double rad_s
                       std::sin(w) * lever_m.x + std::cos(w) * lever_m.y, lever_m.z + 0.05 * std::sin(7 * t));
   };
 }
-/// From pose to pose, with a bend at each.
+/// Motion from pose to pose, with a change of velocity at each pose.
 PlatformMotion refracted(glm::dvec3 start_m, glm::dvec3 velocity_m_s, double interval_s) {
   return [=](double t) {
     const double n = std::floor(t / interval_s), share = t / interval_s - n;
@@ -48,7 +49,7 @@ PlatformMotion way_of(const PlatformMotion& motion, glm::dvec3 place_m) {
   return motion ? motion : [=](double) { return place_m; };
 }
 
-/// When what arrives at t was sent, by bisection.
+/// Returns the transmit time of the sound that arrives at t, by bisection.
 double sent_at(double t, glm::dvec3 x, const PlatformMotion& transmit, const PlatformMotion& receive) {
   const double there = t - glm::distance(x, receive(t)) / c;
   double low = there - 0.2, high = there;
@@ -59,7 +60,8 @@ double sent_at(double t, glm::dvec3 x, const PlatformMotion& transmit, const Pla
   return (low + high) / 2;
 }
 
-/// Lambert's law, spreading, absorption and patterns, the ends being there.
+/// Returns the amplitude from Lambert's law, spreading, absorption and patterns, for the ends at these
+/// positions.
 double amplitude_of(glm::dvec3 x, glm::dvec3 normal, double mu, double db_per_m, glm::dvec3 from,
                     glm::dvec3 to, const SignalChannel& channel) {
   const glm::dvec3 tx = from - x, rx = to - x;
@@ -70,7 +72,7 @@ double amplitude_of(glm::dvec3 x, glm::dvec3 normal, double mu, double db_per_m,
          amplitude_pattern(channel.transmit, -tx / r) * amplitude_pattern(channel.receive, -rx / s);
 }
 
-/// Every scatterer to every channel and sample.
+/// Sums each scatterer for each channel and sample.
 ChannelSignals by_every_scatterer(const VisiblePolygons& seen, const CoherentReceiver& receiver,
                                   const EchoModel& model, const SurfaceField& field) {
   ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
@@ -87,7 +89,7 @@ ChannelSignals by_every_scatterer(const VisiblePolygons& seen, const CoherentRec
                              receive = way_of(channel.receive_motion, channel.receive_m);
         for (std::size_t m = 0; m < all.samples; ++m) {
           const double t = receiver.times.time_s(m);
-          // Far from any echo of the place.
+          // The sample is far from any echo of the scatterer.
           const double about = t - (glm::distance(x, transmit(0)) + glm::distance(x, receive(t))) / c;
           if (about < 1.1 * receiver.pulse.begin_s - 1e-4 || about > 1.1 * receiver.pulse.end_s + 1e-4)
             continue;
@@ -161,7 +163,7 @@ TEST(MovingEnds, HearTheSumOverAllScatterersOfTheField) {
       const ChannelSignals direct = by_every_scatterer(seen, receiver, model, field);
       const double loudest = loudest_of(direct);
       ASSERT_GT(loudest, 0);
-      // They are not those of ends at rest.
+      // The signals differ from those of ends at rest.
       EXPECT_GT(worst_of(element_signals(seen, receiver_on(view.apex_m, {}), model, field), direct),
                 0.03 * loudest);
       double before = 1;
@@ -187,7 +189,8 @@ TEST(MovingEnds, OneEndMayMoveAndTheOtherRest) {
   const ChannelSignals direct = by_every_scatterer(seen, receiver, view.model, field);
   const ChannelSignals moving = element_signals(seen, receiver, view.model, field, 1e-6);
   EXPECT_LT(worst_of(moving, direct), 3e-6 * loudest_of(direct));
-  // Channel 2 is at rest beside them: the same as if all were, to what tables of pulses leave.
+  // Channel 2 is at rest, and the others move. It equals the channel of a receiver at rest, to the error of
+  // the pulse tables.
   const ChannelSignals fixed = element_signals(seen, receiver_on(view.apex_m, {}), view.model, field, 1e-6);
   for (std::size_t n = 0; n < fixed.samples; ++n)
     EXPECT_LT(std::abs(fixed.at(2, n) - moving.at(2, n)), 5e-6 * loudest_of(direct));
@@ -207,7 +210,7 @@ TEST(MovingEnds, AtRestHearTheSameBits) {
                        drawn = drawn_signals(seen, fixed, view.model, 1, 0);
   EXPECT_EQ(at_rest.value, element_signals(seen, still, view.model, field).value);
   EXPECT_EQ(drawn.value, drawn_signals(seen, still, view.model, 1, 0).value);
-  // A tenth of a micrometre a second goes the other way through the program.
+  // A velocity of a tenth of a micrometre per second takes another path through the program.
   EXPECT_LT(worst_of(at_rest, element_signals(seen, creeping, view.model, field)),
             5e-6 * loudest_of(at_rest));
   EXPECT_LT(worst_of(drawn, drawn_signals(seen, creeping, view.model, 1, 0)), 5e-6 * loudest_of(drawn));
@@ -228,7 +231,7 @@ TEST(MovingEnds, HaveTheSameBitsForAnyThreads) {
   EXPECT_EQ(two.value, drawn_signals(seen, receiver, view.model, 1, 0).value);
 }
 
-/// One scatterer: a patch below the field's spacing, facing up.
+/// One scatterer: a square smaller than the spacing of the field, facing upwards.
 struct OnePlace {
   explicit OnePlace(glm::dvec3 about_m) {
     const double spacing = 0.05;
@@ -261,12 +264,13 @@ struct OnePlace {
   Complex z;
 };
 
-/// Of one frequency, even.
+/// A pulse of one frequency with constant amplitude.
 BasebandPulse even_pulse(double duration_s) {
   return {[=](double) { return Complex(1 / std::sqrt(duration_s)); }, 0, duration_s, 40 / duration_s};
 }
 
-// A wavelength is a turn: 1e-9 of it, and of amplitudes, over pulses of up to 50 ms.
+// A wavelength is one turn. Phases are accurate to 1e-9 of a turn and amplitudes to 1e-9, over pulses of up
+// to 50 ms.
 TEST(MovingEnds, KeepPhasesToABillionthOfAWavelength) {
   const OnePlace place({1, 9, -4});
   const glm::dvec3 start(0.1, 0.2, -0.3);
@@ -319,7 +323,7 @@ TEST(MovingEnds, ShiftFrequenciesAsDopplerSays) {
   const double carrier_hz = 100e3, duration_s = 20e-3;
   for (const double speed : {-20.0, -2.0, 0.5, 5.0, 20.0})
     for (const double angle : {0.0, 0.6, 1.3}) {
-      // At an angle with the way to the place.
+      // The motion is at an angle to the direction of the scatterer.
       const glm::dvec3 towards = glm::normalize(place.x),
                        across = glm::normalize(glm::cross(towards, glm::dvec3(0, 0, 1))),
                        velocity = speed * (std::cos(angle) * towards + std::sin(angle) * across);
@@ -331,7 +335,7 @@ TEST(MovingEnds, ShiftFrequenciesAsDopplerSays) {
       const ChannelSignals received = element_signals(place.seen, receiver, place.model(), place.field);
       const auto power = [&](double frequency_hz) {
         Complex sum = 0;
-        // e^{-i omega t}: what is higher turns the other way.
+        // With e^{-i omega t}, higher frequencies turn in the opposite direction.
         for (std::size_t n = 0; n < received.samples; ++n)
           sum += received.at(0, n) * std::polar(1.0, 2 * pi * frequency_hz * receiver.times.time_s(n));
         return std::norm(sum);
@@ -342,7 +346,7 @@ TEST(MovingEnds, ShiftFrequenciesAsDopplerSays) {
       for (; step > 1e-3; step /= 2)
         for (const double f : {best - step, best + step})
           if (power(f) > power(best)) best = f;
-      // The ends come nearer at v cos, and the angle opens a little on the way.
+      // The ends approach at v cos, and the angle increases slightly during propagation.
       const double closing = speed * std::cos(angle), exact = carrier_hz * 2 * closing / (c - closing);
       const double turned = std::abs(speed * speed * std::sin(angle) * std::sin(angle)) / 30 * 0.05;
       EXPECT_NEAR(best, exact, 0.05 + 2.5 * carrier_hz / c * turned) << speed << ' ' << angle;
@@ -351,7 +355,8 @@ TEST(MovingEnds, ShiftFrequenciesAsDopplerSays) {
     }
 }
 
-// What A sends at s and B receives at t, B sends at -t and A receives at -s, on ways that are gone backwards.
+// For each sound that A transmits at s and B receives at t, B transmits at -t and A receives at -s. The
+// paths are traversed backwards.
 TEST(MovingEnds, AreReciprocalBackwardsInTime) {
   const OnePlace place({1, 9, -4});
   const PlatformMotion a = turning({0.1, 0.2, -0.3}, {6, 9, 0}, 1.5, {1, 0.5, 0}),
@@ -366,7 +371,7 @@ TEST(MovingEnds, AreReciprocalBackwardsInTime) {
     const double s = sent_at(t, place.x, a, b);
     ASSERT_GT(s, 0);
     ASSERT_LT(s, 2e-3);
-    // The clock goes backwards from a time within the second pulse.
+    // The clock runs backwards from a time within the second pulse.
     const double zero = t + 1e-3;
     CoherentReceiver back = receiver;
     back.channels[0].transmit_motion = [=](double time) { return b(zero - time); };
@@ -378,7 +383,8 @@ TEST(MovingEnds, AreReciprocalBackwardsInTime) {
   }
 }
 
-// Law Y1 of ends that move: the channels' phases at one sample, less that of the way to the middle of all.
+// Law Y1 for moving ends: the phases of the channels at one sample, minus the phase of the path to the
+// middle of all channels.
 TEST(MovingEnds, PhasesChangeOverPiecesByLessThanTheirBounds) {
   const unsigned seed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << seed);

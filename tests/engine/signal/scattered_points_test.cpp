@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Covariances against many draws of dense scatterers, which know nothing of polygons: places on the facets,
-// rays between them and the sonar, one sum.
+// Compares covariances with many draws of dense scatterers. The draws use no polygons: they take points on
+// the facets, rays between the points and the sonar, and one sum.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -22,7 +22,7 @@ const RangeSamples gates{4, 0.25, 10};
 constexpr double sigma_s = 1.5e-4, first_s = 5.6e-3, interval_s = 4e-4;
 constexpr std::size_t times = 7;
 
-/// A place's echo by a channel: way and amplitude, by Lambert's law.
+/// The echo of a scatterer in a channel: path length and amplitude, by Lambert's law.
 struct Reception {
   double way_m = 0, amplitude = 0;
 };
@@ -79,9 +79,9 @@ TEST(ScatteredPoints, HaveTheCovariancesOfThePolygonsTheyLieOn) {
     const test::ScatteredPlaces places(scene);
     const double area = places.area_m2();
 
-    // Draws: fresh places each time, circular amplitudes.
+    // Each draw has new positions and circular amplitudes.
     constexpr int draws = 300, each = 4000;
-    // Denser than whoever looks over the sector's width by gates of this length can tell apart.
+    // The scatterers are denser than the resolution of the sector width and of these range gates.
     const double wavelength = sound_speed / carrier_hz, bandwidth_hz = sound_speed / (2 * gates.step_m);
     ASSERT_GT(each / area, 2 * bandwidth_hz / sound_speed * (2 * SignalView::width / wavelength))
         << scene.name;
@@ -157,7 +157,8 @@ TEST(ScatteredPoints, HaveTheCovariancesOfThePolygonsTheyLieOn) {
       for (std::size_t b = 0; b <= a; ++b) compare(by_time, a, b, r.at(a, b), loudest(by_time, timed));
   }
   EXPECT_GT(compared, 1000);
-  EXPECT_LT(over_three, 0.02 * compared);  // off^2 is about exponential: e^-9, or less where real
+  // off^2 is approximately exponential: e^-9, or less for real values
+  EXPECT_LT(over_three, 0.02 * compared);
   RecordProperty("compared", compared);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Coherent amplitudes of smooth polygons: plane waves with their bound, the edges, and what an engine sees.
+// Tests coherent amplitudes of smooth polygons. The comparisons are plane waves with their bound, edge
+// sums, and the visible polygons of the engine.
 #include "engine/signal/smooth_amplitude.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ Complex amplitude(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, 
   return sum;
 }
 
-// Law Q6, and the bound: never exceeded, and not far from what it bounds.
+// Law Q6, and the bound: it is never exceeded, and is close to the error.
 TEST(FarAmplitude, IsWithinItsBoundOfTheEdges) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -60,15 +61,15 @@ TEST(FarAmplitude, ErrorFallsWithRange) {
         std::abs(far.pressure - amplitude(polygon, {range, {0, 0}}, k_100khz, 0)) / std::abs(far.pressure);
     EXPECT_LT(off, before / 7);
     before = off;
-    // The plate's cross-section, p = f e^{2ikR} / R^2.
+    // The cross-section of the plate, p = f e^{2ikR} / R^2.
     if (range == 5000) {
       EXPECT_NEAR(std::abs(far.pressure) * range * range, 0.4, 1e-5);
     }
   }
 }
 
-// The signals sheet's k D^2 / 4R of 0.05, as lengths, and that plane waves are that good there: across a
-// square of this diameter, on its axis and off it.
+// The table of the signals sheet gives lengths for k D^2 / 4R of 0.05. Plane waves have this accuracy
+// there, across a square of this diameter, on its axis and off it.
 TEST(FarAmplitude, IsGoodAsFarAsTheSheetSays) {
   for (const auto& [hertz, range, millimetres] :
        {std::array{100e3, 20.0, 98.0}, {455e3, 10.0, 32.0}, {1.8e6, 5.0, 11.5}}) {
@@ -87,8 +88,8 @@ TEST(FarAmplitude, IsGoodAsFarAsTheSheetSays) {
   }
 }
 
-// The signals sheet's price of the world's grid, 2k times half a unit: 0.007 rad at 1.8 MHz for a unit of
-// 2^-20 m.
+// The signals sheet states the phase error of the grid of the scene, 2k times half a unit. It is 0.007 rad
+// at 1.8 MHz for a unit of 2^-20 m.
 TEST(SmoothAmplitude, TheWorldsGridTurnsPhasesAsTheSheetSays) {
   const double k = 2 * pi * 1.8e6 / 1500, unit = 0x1p-20;
   EXPECT_NEAR(2 * k * 0.48e-6, 0.007, 5e-4);
@@ -104,7 +105,7 @@ TEST(SmoothAmplitude, TheWorldsGridTurnsPhasesAsTheSheetSays) {
   EXPECT_GT(most, 0.9 * 0.007);
 }
 
-// Two apexes far away: the sheet's bistatic value, -0.0306517890946051 i.
+// Two apexes far away: the bistatic value of the signals sheet is -0.0306517890946051 i.
 TEST(FarAmplitude, IsTheSymmetricFormBetweenTwoDirections) {
   const double range = 1e7, degree = pi / 180;
   const auto at = [&](double theta, double phi) {
@@ -147,7 +148,7 @@ TEST(SmoothAmplitude, ReflectionAndRoughnessAreFactors) {
   EXPECT_LT(std::abs(amplitude(polygon, rx, 300, 0, {.fluid = sand}) -
                      reflection_coefficient(sand, std::asin(sine)) * rigid),
             1e-15);
-  // Where the wave is reflected as by a mirror, the mean sine is that of either way.
+  // At the specular point the mean sine is that of either leg.
   const PlanarPolygon at_mirror = planar({{.5, -.1}, {.7, -.1}, {.7, .1}, {.5, .1}}, 3);
   EXPECT_NEAR(mean_sine(at_mirror, rx), 5 / std::sqrt(26.0), 1e-14);
 }
@@ -160,7 +161,7 @@ TEST(SmoothAmplitude, RefusesWaveNumbersThatAreNone) {
   EXPECT_THROW(SmoothAmplitude(std::span(&k, 1), NAN), std::invalid_argument);
 }
 
-// Law Q7: a flat seabed of many facets, cut by the walls of many tubes, is one plane; from one apex.
+// Law Q7: a flat seabed of many facets, cut by the walls of many tubes, is one plane for one apex.
 TEST(SmoothAmplitude, TubesAndFacetsMakeNoEdges) {
   const WorldGrid grid(20, glm::dvec3(0));
   const auto history_of = [&](int facets, int tubes) {
@@ -200,17 +201,17 @@ TEST(SmoothAmplitude, TubesAndFacetsMakeNoEdges) {
         history, [&](FacetId) { return &rigid; }, sum);
     return sum;
   };
-  // The outer walls of one tube are planes through its corner rays, not those of many: what is seen differs
-  // there, so only facets and tubes of the same walls are compared.
+  // The outer walls of one tube are planes through its corner rays, and differ from those of many tubes.
+  // The visible polygons differ there. The test thus compares only facets and tubes with the same walls.
   const std::vector<Complex> one = of(history_of(2, 1), 0), fine = of(history_of(16, 1), 0);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(std::abs(one[i] - fine[i]), 1e-12) << i;
-  // Fine facets by plane waves are within the tolerance of all that may return.
+  // With plane waves, fine facets are within the tolerance of the largest possible return.
   const std::vector<Complex> far = of(history_of(128, 1), 0.05);
   EXPECT_LT(std::abs(far[0] - one[0]), 0.05 * 50 / 4 * 1.5);
   EXPECT_LT(std::abs(far[0] - one[0]), 0.02 * std::abs(one[0]));
 }
 
-// A pulse of all times is its spectrum: one frequency of a long pulse.
+// One frequency of a long pulse: a pulse of infinite length equals its spectrum.
 TEST(PulseEcho, OfALongPulseIsTheAmplitude) {
   const PlanarPolygon polygon = planar({{-.1, -.1}, {.3, -.1}, {.1, .2}}, 1);
   const PathCutter::Receiver rx{1.5, {.2, .1}};

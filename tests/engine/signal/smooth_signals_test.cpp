@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What channels receive of smooth facets: pulses along the edges, the image, a sphere, and laws.
+// Tests channel signals of smooth facets. The comparisons are pulses along the edges, the image of a large
+// plane, the target strength of a sphere, and laws.
 #include "engine/signal/smooth_signals.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ using Complex = std::complex<double>;
 using test::Polygon2;
 constexpr double pi = std::numbers::pi, sound_speed = 1500;
 
-/// Adds a polygon of a plane that the patches' origin sees, as test::on_plane() has it.
+/// Adds a polygon of a plane that the origin of the visible polygons sees, as test::on_plane() places it.
 void add_patch(VisiblePolygons& seen, FacetId facet, const FacetPlane& plane, const Polygon2& polygon) {
   VisiblePolygon patch{facet, plane.normal, plane.distance_m};
   patch.first_corner = std::uint32_t(seen.corners_m.size());
@@ -49,7 +50,7 @@ CoherentReceiver receiver_of(const std::vector<SignalChannel>& channels, double 
   return receiver;
 }
 
-/// Times that hold all echoes of patches, for the first channel.
+/// Sets the times to contain all echoes of the visible polygons for the first channel.
 void listen(CoherentReceiver& receiver, const VisiblePolygons& seen) {
   double shortest = 1e9, longest = 0;
   for (const SignalChannel& channel : receiver.channels)
@@ -81,7 +82,8 @@ PlanarPolygon polygon_of(const VisiblePolygons& seen, const VisiblePolygon& patc
   return polygon;
 }
 
-/// By add_pulse_echo(), rigid, of the first channel. `wave`: entire, of the pulse at the carrier.
+/// Computes the first channel by add_pulse_echo(), for rigid surfaces. `wave`: entire function of the pulse
+/// at the carrier.
 std::vector<Complex> by_edges(const VisiblePolygons& seen, const CoherentReceiver& receiver,
                               const TransmittedPulse& wave) {
   std::vector<double> times;
@@ -129,7 +131,8 @@ double peak_of(const ChannelSignals& signals) {
   return most;
 }
 
-// Law Q8, near and far, with one apex and two, of polygons that need one node and that must be cut.
+// Law Q8, near and far, with one apex and two, for polygons that need one node and for polygons that must
+// be cut.
 TEST(SmoothSignals, AreThePulseAlongTheEdges) {
   const unsigned seed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -154,13 +157,13 @@ TEST(SmoothSignals, AreThePulseAlongTheEdges) {
       const ChannelSignals signals = smooth_signals(seen, receiver, model, all_rigid, tolerance);
       const double off = largest_difference(signals, exact);
       EXPECT_LE(off, (tolerance + 3e-6) * most) << size << ' ' << height;
-      // What interferes away has no error either.
+      // Echoes that cancel also have no error.
       EXPECT_LE(off, (4 * tolerance + 2e-5) * peak_of(signals)) << size << ' ' << height;
     }
   }
 }
 
-// The edges come later than the image.
+// The echoes of the edges come later than that of the image.
 TEST(SmoothSignals, OfALargePlaneAreItsImage) {
   const double height = 1.5, sigma = 3e-5;
   const VisiblePolygons seen = patches_of(test::flat_seabed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});
@@ -188,7 +191,7 @@ TEST(SmoothSignals, OfALargePlaneAreItsImage) {
   }
 }
 
-/// What a pulse that is longer than a body makes of the amplitude at the carrier.
+/// Returns the amplitude at the carrier from a pulse that is longer than the body.
 Complex at_carrier(const ChannelSignals& signals, const CoherentReceiver& receiver, std::size_t channel = 0) {
   Complex received = 0, sent = 0;
   for (std::size_t k = 0; k < signals.samples; ++k) received += signals.at(channel, k);
@@ -200,7 +203,7 @@ Complex at_carrier(const ChannelSignals& signals, const CoherentReceiver& receiv
   return received / receiver.times.rate_hz / sent;
 }
 
-// ka 20: Kirchhoff's sphere has |f| = 0.491128297 a, its facets somewhat more or less.
+// ka 20: Kirchhoff's sphere has |f| = 0.491128297 a. The value of its facets is slightly different.
 TEST(SmoothSignals, OfASphereOfManyFacetsAreItsTargetStrength) {
   const WorldGrid grid(20, glm::dvec3(0));
   const double radius = 0.1, range = 30;
@@ -289,7 +292,7 @@ TEST(SmoothSignals, HaveTheSameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(of(3), one);
 }
 
-// A sweep as it is sent, against the edges; and its matched filter finds the plate where it is.
+// Compares a transmitted sweep with the edges. Its matched filter finds the plate at its position.
 TEST(SmoothSignals, OfASweepAreCompressedByItsFilter) {
   const double sigma = 3e-4, sweep = 1.5e7, height = 3;
   const VisiblePolygons seen = patches_of(test::flat_seabed(height), {{0.6, -0.4}, {1.1, -0.3}, {0.8, 0.5}});
@@ -318,7 +321,7 @@ TEST(SmoothSignals, OfASweepAreCompressedByItsFilter) {
     return sum;
   };
   const double delay = 2 * far / sound_speed, step = 1 / receiver.times.rate_hz;
-  // |f| = A / lambda = 0.4 m; the quadratic phase over the plate takes 1 % of it.
+  // |f| = A / lambda = 0.4 m; the quadratic phase over the plate reduces it by 1 %.
   EXPECT_NEAR(std::abs(compressed(delay)), 0.4 / (far * far), 0.02 * 0.4 / (far * far));
   EXPECT_GT(std::abs(compressed(delay)), std::abs(compressed(delay + step / 4)));
   EXPECT_GT(std::abs(compressed(delay)), std::abs(compressed(delay - step / 4)));
@@ -341,13 +344,13 @@ TEST(SmoothSignals, OfRoughFacetsAreSilent) {
   EXPECT_NEAR(split.smooth.area_m2() + split.rough.area_m2(), seen.area_m2(), 1e-15);
   EXPECT_EQ(smooth_signals(split.smooth, receiver, {}, all_rigid).value,
             smooth_signals(seen, receiver, {}, second).value);
-  // From behind nothing is seen.
+  // Nothing is visible from behind.
   receiver.channels[0].receive_m = {0, 0, -10};
   EXPECT_EQ(peak_of(smooth_signals(seen, receiver, {}, all_rigid)), 0);
 }
 
-// A pattern is that of the place of reflection, and pieces as small as patterns ask for leave little of
-// borders.
+// The pattern takes effect in the direction of the specular point. Pieces that are as small as the patterns
+// require leave little of their borders.
 TEST(SmoothSignals, PatternsWeighTheImage) {
   const double height = 1.5;
   const VisiblePolygons seen = patches_of(test::flat_seabed(height), {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}});

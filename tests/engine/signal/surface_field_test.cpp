@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the random field of scatterers on surfaces: variance per area, independence of facets and layers,
+// scatterer density, and the intensity statistics of textures.
+
 #include "engine/signal/surface_field.hpp"
 
 #include <gtest/gtest.h>
@@ -76,7 +79,7 @@ TEST(SurfaceField, ASquareMetreHasVarianceOneOnEverySlopeAndWall) {
       EXPECT_NEAR(areas / n, plate.area(), 5 * error) << plate.name << ' ' << spacing;
       const double per_draw = std::sqrt(2.0 / n) * (1 + 2 * spacing);
       EXPECT_NEAR(many / n / plate.area(), 1, 5 * per_draw) << plate.name << ' ' << spacing;
-      // Circular: neither a mean nor E[y y].
+      // The field is circular: the mean and E[y y] are zero.
       EXPECT_LT(std::abs(sum) / n, 5 * std::sqrt(plate.area() / n)) << plate.name;
       EXPECT_LT(std::abs(twice) / n, 7 * plate.area() * per_draw) << plate.name;
     }
@@ -91,7 +94,7 @@ TEST(SurfaceField, DoesNotDependOnFacetsOrOnWhoCutsThem) {
     const Places whole = places_of(field, plate.corners(), plate.normal());
     ASSERT_GT(whole.size(), 500u);
     EXPECT_EQ(whole, places_of(field, plate.corners(), plate.normal()));
-    // The other turn, from the other side: the same ground.
+    // The opposite orientation, from the other side, has the same scatterers.
     auto reversed = plate.corners();
     std::reverse(reversed.begin(), reversed.end());
     EXPECT_EQ(whole.size(), places_of(field, reversed, -plate.normal()).size());
@@ -141,8 +144,8 @@ TEST(SurfaceField, DensityIsWhatTheSheetAsksFor) {
   EXPECT_THROW(surface_spacing_m(0, 1, 1, 1), std::invalid_argument);
 }
 
-// Of a resolution cell within one cell of texture: E[I^2] / E[I]^2 = 2 (1 + 1 / shape), and the texture's own
-// moments; of one that holds many, less.
+// In a resolution cell within one cell of texture, E[I^2] / E[I]^2 = 2 (1 + 1 / shape) with the moments of
+// the texture. In a cell that contains many texture cells the value is less.
 TEST(SurfaceField, TexturesHaveTheirMoments) {
   const std::uint64_t seed = 31;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -162,15 +165,15 @@ TEST(SurfaceField, TexturesHaveTheirMoments) {
       const double variance = texture == SurfaceTexture::none ? 0 : 1 / shape;
       EXPECT_NEAR(statistics::mean(factors), 1, 5 * std::sqrt(variance / draws) + 1e-15);
       EXPECT_NEAR(statistics::variance(factors), variance, 0.25 * variance + 1e-15);
-      // 25 cells: places alone make 1 / 25 of it or less.
+      // 25 cells: random positions alone make 1 / 25 of it or less.
       EXPECT_NEAR(statistics::scintillation(intensities), 2 * (1 + variance), 0.35)
           << int(texture) << ' ' << shape;
       EXPECT_NEAR(statistics::mean(intensities), 0.01, 0.01 * 5 * std::sqrt((1 + 2 * variance) / draws));
     }
 }
 
-// Not only their moments: intensities over their mean are exponential, or of the K law, by Kolmogorov's
-// distance. P(I > x) = 2 / Gamma(nu) (nu x)^(nu/2) K_nu(2 sqrt(nu x)).
+// Tests distributions in addition to moments: intensities over their mean are exponential or K-distributed,
+// by Kolmogorov's distance. P(I > x) = 2 / Gamma(nu) (nu x)^(nu/2) K_nu(2 sqrt(nu x)).
 TEST(SurfaceField, GammaTexturesMakeIntensitiesOfTheKLaw) {
   const std::uint64_t seed = 5000;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -203,8 +206,8 @@ TEST(SurfaceField, GammaTexturesMakeIntensitiesOfTheKLaw) {
   }
 }
 
-// E[I^2] / E[I]^2 of N scatterers of one strength is 2 - 1/N, which the field's own, of circular amplitudes,
-// is not: it is 2 for any number of them.
+// E[I^2] / E[I]^2 of N scatterers of equal strength is 2 - 1/N. The scatterers of the field have circular
+// amplitudes, so that the value is 2 for any number.
 TEST(SurfaceField, FewScatterersAreAsManyForTheSecondMoment) {
   const std::uint64_t seed = 77;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -232,8 +235,8 @@ TEST(SurfaceField, FewScatterersAreAsManyForTheSecondMoment) {
   }
 }
 
-/// Of a field seen to one focus: E[I^2] / E[I]^2 by draws of places alone, amplitudes being circular and
-/// Gaussian, and by draws of both.
+/// E[I^2] / E[I]^2 of a field at one focus: by draws of positions alone with circular Gaussian amplitudes,
+/// and by draws of both.
 struct FocusedSpeckle {
   double by_places, by_draws;
 
@@ -266,8 +269,8 @@ struct FocusedSpeckle {
   }
 };
 
-// At the spacing that runs take where the scene gives none, fully focused speckle has the moments of circular
-// Gaussian signals: 2 to 0.02, on level seabeds and on slopes, of square cells and of long ones.
+// At the default spacing of runs, fully focused speckle has the moments of circular Gaussian signals: 2 to
+// 0.02. This holds on level seabeds and on slopes, for square cells and for long ones.
 TEST(SurfaceField, DefaultSpacingHasTheSecondMomentOfSpeckle) {
   const std::uint64_t seed = 20261127;
   std::cout << "seed " << seed << '\n';
@@ -285,7 +288,7 @@ TEST(SurfaceField, DefaultSpacingHasTheSecondMomentOfSpeckle) {
                              {0, 0, 1}, seed, many);
   // Four standard errors of 2 / sqrt(draws).
   EXPECT_NEAR(drawn.by_draws, 2, 0.02 + 8 / std::sqrt(many));
-  // The density that whiteness alone asks for is too low.
+  // The density that follows from whiteness alone is too low.
   const FocusedSpeckle white(surface_spacing_m(c / (2 * across), wavelength, c, look), across, across,
                              {0, 0, 1}, seed, draws);
   EXPECT_GT(white.by_places, 2.08);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Target strengths against closed forms of Kirchhoff's integral, and against what spheres truly return.
+// Compares target strengths with closed forms of Kirchhoff's integral, and with exact series for spheres
+// and cylinders.
 #include "engine/signal/target_strength.hpp"
 
 #include <gtest/gtest.h>
@@ -35,8 +36,8 @@ double kirchhoff_sphere(double k) {
   return std::abs(Complex(1, 2 * k) * Complex(std::cos(2 * k), -std::sin(2 * k)) - 1.0) / (4 * k);
 }
 
-/// What a sphere returns: sum (-1)^n (2n + 1) b_n / (ik), b_n = -j_n' / h_n' (rigid) or -j_n / h_n (soft);
-/// Anderson 1950, Jech et al. 2015.
+/// Exact backscattering of a sphere: sum (-1)^n (2n + 1) b_n / (ik), b_n = -j_n' / h_n' (rigid) or -j_n /
+/// h_n (soft). Sources: Anderson 1950, Jech et al. 2015.
 double true_sphere(double ka, bool rigid) {
   Complex sum = 0;
   for (unsigned n = 0; n < 2 * ka + 30; ++n) {
@@ -51,7 +52,7 @@ double true_sphere(double ka, bool rigid) {
 }
 
 double struve_1(double x) {
-  if (x > 30) {  // what it is above Neumann's function: a series that falls to 1e-17 before it grows
+  if (x > 30) {  // its difference from Neumann's function: a series that falls to 1e-17 before it grows
     double term = 2 / pi, sum = 0;
     for (int k = 0; std::abs(term) > 1e-17; ++k) {
       sum += term;
@@ -59,7 +60,7 @@ double struve_1(double x) {
     }
     return sum + boost::math::cyl_neumann(1, x);
   }
-  // Its own; loses digits of e^x.
+  // The series of the function itself loses digits of e^x.
   long double term = 2.0L * x * x / (3 * std::numbers::pi_v<long double>), sum = 0;
   for (int n = 0; std::abs(term) > 1e-20L; ++n) {
     sum += term;
@@ -70,7 +71,7 @@ double struve_1(double x) {
 
 double db(double ratio) { return 20 * std::log10(std::abs(ratio)); }
 
-// Law O5: a convex body has half its surface's projection, whatever the direction.
+// Law O5: in each direction, the projected area of a convex body is half of its projected surface area.
 TEST(FarView, PartsMakeTheSilhouette) {
   const ComponentMesh box = box_facets({{1, 2, 3}}, {});
   for (const glm::dvec3 raw : {glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0), glm::dvec3(3, 4, 12),
@@ -79,7 +80,7 @@ TEST(FarView, PartsMakeTheSilhouette) {
     const FarView view = far_view(box.points_m, box.triangles, w);
     const double silhouette = 6 * std::abs(w.x) + 3 * std::abs(w.y) + 2 * std::abs(w.z);
     EXPECT_NEAR(view.area_m2(), silhouette, 2e-7);
-    // No corner is farther than the box's own.
+    // No corner is farther than that of the box.
     for (const double towards_m : view.towards_m)
       EXPECT_LE(std::abs(towards_m), glm::length(glm::dvec3(1, 2, 3)) / 2 + 1e-7);
   }
@@ -93,7 +94,7 @@ TEST(FarView, RefusesWhatHasNoSize) {
   EXPECT_TRUE(far_view({}, {}, {0, 0, 1}).parts.empty());
 }
 
-// The signals sheet's rectangle, to the grid's unit.
+// The rectangle of the signals sheet, to the unit of the grid.
 TEST(TargetStrength, RectangleHasTheSheetsDigits) {
   const double k = 2 * pi * 100e3 / 1500;
   ComponentMesh plate;
@@ -111,7 +112,7 @@ TEST(TargetStrength, RectangleHasTheSheetsDigits) {
   EXPECT_LT(std::abs(length(plate, {0, 0, 1}, k, {.roughness_m = 1e-3}) -
                      Complex(0, -0.4) * std::exp(-change * change / 2)),
             1e-7);
-  // From behind it is the same; moved, the phase is another.
+  // From behind the length is the same. A displacement changes the phase.
   EXPECT_LT(std::abs(length(plate, {0, 0, -1}, k) - Complex(0, -0.4)), 1e-7);
   for (glm::dvec3& point : plate.points_m) point.z += 0.01;
   EXPECT_LT(std::abs(length(plate, {0, 0, 1}, k) -
@@ -119,12 +120,12 @@ TEST(TargetStrength, RectangleHasTheSheetsDigits) {
             1e-6);
 }
 
-// On axis k a^2 / 2, off axis with 2 J_1(x) / x, x = 2 k a sin theta.
+// On axis the length is k a^2 / 2, off axis times 2 J_1(x) / x, x = 2 k a sin theta.
 TEST(TargetStrength, DiscHasItsClosedForm) {
   ComponentMesh disc;
   const std::uint32_t n = 3000;
   disc.points_m.emplace_back(0, 0, 0);
-  // Corners outside of the circle: of the same area.
+  // The corners lie outside of the circle, so that the area is the same.
   const double radius = 0.3 * std::sqrt(2 * pi / n / std::sin(2 * pi / n));
   for (std::uint32_t i = 0; i < n; ++i) {
     disc.points_m.emplace_back(radius * std::cos(2 * pi * i / n), radius * std::sin(2 * pi * i / n), 0);
@@ -138,9 +139,10 @@ TEST(TargetStrength, DiscHasItsClosedForm) {
   }
 }
 
-// The sphere's closed form, and that it is what facets go to; then where Kirchhoff ends: the true sphere.
+// The facets converge to the closed form of the sphere. The test then compares Kirchhoff's approximation
+// with the exact sphere.
 TEST(TargetStrength, SphereGoesToItsClosedFormAndNearTheTrueOne) {
-  // The signals sheet.
+  // From the signals sheet.
   EXPECT_NEAR(kirchhoff_sphere(5), 0.535160175, 1e-9);
   EXPECT_NEAR(kirchhoff_sphere(20), 0.491128297, 1e-9);
   EXPECT_NEAR(true_sphere(5, true), 0.519904767, 1e-9);
@@ -159,13 +161,13 @@ TEST(TargetStrength, SphereGoesToItsClosedFormAndNearTheTrueOne) {
     EXPECT_LT(std::abs(off), 0.05) << k[i];
     EXPECT_LT(std::abs(off), 0.4 * std::abs(db(std::abs(coarse[i]) / kirchhoff_sphere(k[i]))) + 0.005);
   }
-  // Kirchhoff itself is off by 0.25 dB at ka 5, by 0.07 at 20, far more below 1.
+  // The error of Kirchhoff's approximation is 0.25 dB at ka 5, 0.07 dB at 20, and far more below 1.
   EXPECT_NEAR(db(kirchhoff_sphere(5) / true_sphere(5, true)), 0.251, 1e-3);
   EXPECT_NEAR(db(kirchhoff_sphere(20) / true_sphere(20, true)), 0.071, 1e-3);
   EXPECT_GT(db(kirchhoff_sphere(0.2) / true_sphere(0.2, true)), 9);
 }
 
-/// A sphere of radius 1 whose corners lie on it: an icosahedron's facets cut in four, again and again.
+/// A sphere of radius 1 whose corners lie on it. The facets of an icosahedron are repeatedly cut in four.
 ComponentMesh icosphere(int cuts) {
   const double t = (1 + std::sqrt(5.0)) / 2;
   std::vector<std::array<glm::dvec3, 3>> facets;
@@ -193,9 +195,9 @@ ComponentMesh icosphere(int cuts) {
   return mesh;
 }
 
-// The signals sheet's table of what facets do to a sphere. It does not say from where; there are directions
-// from which all six figures are as printed, this is one, and 16 times the facets take most of each away from
-// any.
+// The table of the signals sheet lists the effect of facets on a sphere. The table does not name the
+// direction. For some directions, including this one, all six figures are as printed. With 16 times the
+// facets most of the effect vanishes in each direction.
 TEST(TargetStrength, FacetsOfASphereAreAsFarOffAsTheSheetSays) {
   const std::vector<double> k{5, 20, 50};
   const ComponentMesh coarse = icosphere(3), fine = icosphere(5);
@@ -221,13 +223,14 @@ TEST(TargetStrength, FacetsOfASphereAreAsFarOffAsTheSheetSays) {
           << k[i];
 }
 
-// Jech et al. 2015 (doi 10.1121/1.4937607), dB re 1 m^2 to 0.01, as the echoSMs project publishes the
-// benchmark (Benchmark_Frequency_TS.csv): a sphere of 10 mm in water of 1477.4 m/s, rigid and soft; and a
-// soft cylinder of 10 mm and 70 mm, broadside.
+// Jech et al. 2015 (doi 10.1121/1.4937607), in dB re 1 m^2 to 0.01, from the benchmark that the echoSMs
+// project publishes (Benchmark_Frequency_TS.csv). One case is a sphere of 10 mm in water of 1477.4 m/s,
+// rigid and soft. The other is a soft cylinder of 10 mm and 70 mm, broadside.
 TEST(TargetStrength, JechsBenchmark) {
   struct Row {
     double khz, rigid_sphere, soft_sphere, soft_cylinder;
-    double rigid_off, soft_off, cylinder_off;  ///< Kirchhoff's error, as docs/smooth-surfaces.md has it
+    /// error of Kirchhoff's approximation, from docs/smooth-surfaces.md
+    double rigid_off, soft_off, cylinder_off;
   };
   const ComponentMesh ball = sphere_facets({0.01}, 4e-6, {}), rod = cylinder_facets({0.01, 0.07}, 2e-6, {});
   for (const Row& row :
@@ -263,7 +266,8 @@ TEST(TargetStrength, CylinderBroadsideHasItsClosedForm) {
   EXPECT_NEAR(std::abs(got[1]) / extent, 1.261537882, 3e-3);
 }
 
-// A plate in front of another hides the part behind it: the sum of what is seen, with the phases of both.
+// A plate in front of another hides part of it. The result is the sum of the visible parts, with the phases
+// of both.
 TEST(TargetStrength, HiddenPartsReturnNothing) {
   ComponentMesh plates;
   const auto add = [&](double half, double z) {
@@ -278,11 +282,11 @@ TEST(TargetStrength, HiddenPartsReturnNothing) {
   const double k = 7;
   const Complex front = Complex(std::cos(0.6 * k), -std::sin(0.6 * k));
   EXPECT_LT(std::abs(length(plates, {0, 0, 1}, k) - Complex(0, -k / (2 * pi)) * (3.0 + front)), 1e-6);
-  // From below the larger one hides all of the smaller one.
+  // From below the larger plate hides the whole smaller plate.
   EXPECT_LT(std::abs(length(plates, {0, 0, -1}, k) - Complex(0, -k / (2 * pi)) * 4.0), 1e-6);
 }
 
-/// The integral over what is nearest to the viewer, by a raster of n places across the larger side: knows no
+/// Integrates over the facets nearest to the viewer, by a raster of n cells across the larger side, without
 /// polygons.
 std::vector<Complex> by_raster(const ComponentMesh& mesh, glm::dvec3 towards, std::span<const double> k,
                                int n) {
@@ -323,7 +327,7 @@ std::vector<Complex> by_raster(const ComponentMesh& mesh, glm::dvec3 towards, st
   return sums;
 }
 
-// Bodies that hide parts of themselves and of each other, and go through each other, from all around.
+// Bodies that hide parts of themselves and of each other, and intersect, seen from all directions.
 TEST(TargetStrength, OfBodiesThatHideEachOtherIsWhatARasterSees) {
   ComponentMesh bodies;
   const auto add = [&](const ComponentMesh& mesh, glm::dvec3 at, double turn) {

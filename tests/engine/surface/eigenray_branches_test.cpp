@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several rays to the seabed: under a thermocline that turns rays back down every place beyond some 310 m is
-// reached by three. One gradient above the sonar and isovelocity water below it leave all in closed form by
-// launch angle; rays are fanned out over that and binned by where and when they land.
+// Tests several eigenrays to the seabed. Under a thermocline that turns rays downwards, three eigenrays
+// reach each point beyond about 310 m. One gradient above the sonar and isovelocity water below give closed
+// forms by launch angle. The test traces a fan of rays over launch angles and bins them by position and
+// time on the seabed.
 #include "engine/surface/eigenray_branches.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +30,7 @@ using namespace test;
 constexpr double pi = std::numbers::pi, degree = pi / 180, mu = 1e-3;
 constexpr double half_fan = 1 * degree;
 
-/// A strip of the seabed, in cells; the apex is the origin.
+/// A strip of the seabed, in cells. The apex is the origin.
 FacetMesh strip(double from_m, double to_m, double cell_m) {
   std::vector<std::array<glm::dvec3, 3>> facets;
   for (double x = from_m; x < to_m; x += cell_m)
@@ -41,7 +42,7 @@ FacetMesh strip(double from_m, double to_m, double cell_m) {
   return mesh_of(facets);
 }
 
-/// Tubes of one azimuth, each its own beam; elevations from the horizontal up.
+/// Tubes of one azimuth, one beam per tube, with elevations from the horizontal upwards.
 TubeSet tubes_of(const std::vector<double>& elevations_deg) {
   AngularGrid angles;
   angles.azimuth_edges_rad = {pi / 2 - half_fan, pi / 2 + half_fan};
@@ -102,22 +103,23 @@ std::vector<double> solid_angles(const Seen& seen) {
 
 const std::vector<double> elevations{-5, -4, -3.4, 4, 5, 6, 7, 7.2, 7.6, 8, 9, 10, 11, 12, 13, 14};
 
-// Every direction is one ray, and every one that lands does so on one sheet: nothing is missing at the
-// caustic, where two sheets meet, and nothing is there twice.
+// Each direction is one ray, and each ray that reaches the seabed does so on one branch. Nothing is missing
+// or double at the caustic, where two branches meet.
 TEST(EigenrayBranches, WhatIsSentIsWhatLands) {
   const FacetMesh seabed = strip(200, 440, 40);
   const Seen seen = see(seabed, tubes_of(elevations), {0, 500, 1}, fine());
   const std::vector<double> found = solid_angles(seen);
   for (std::size_t k = 0; k + 1 < elevations.size(); ++k) {
-    if (elevations[k] == -3.4) continue;  // in between rays go over the strip
-    // Azimuth edges are planes; chords of sheets cut corners where they end.
+    if (elevations[k] == -3.4) continue;  // between these, rays pass over the strip
+    // Azimuth edges are planes. Chords of branches cut corners at their ends.
     EXPECT_NEAR(found[k] / solid_angle(elevations[k], elevations[k + 1]), 1, 3e-4) << elevations[k];
   }
   EXPECT_GT(seen.surface_mesh.facets_of_several, 0u);
   EXPECT_GT(seen.surface_mesh.facets_folded, 0u);
 }
 
-// Energy a beam and sample: what is sent, scattered once, by the area of the tube back.
+// The energy per beam and range bin is the transmitted energy, scattered once, times the area of the tube
+// on the receive leg.
 TEST(EigenrayBranches, EnergiesAreThoseOfAFanOfRays) {
   const FacetMesh seabed = strip(200, 440, 40);
   const RangeSamples samples{0, 5, 100};
@@ -142,7 +144,7 @@ TEST(EigenrayBranches, EnergiesAreThoseOfAFanOfRays) {
       sum += found;
       EXPECT_NEAR(found, wanted[std::size_t(k)], 0.03 * all) << elevations[beam] << ' ' << k;
     }
-    // One factor a facet, and beams end on them.
+    // There is one factor per facet, and beams end on facets.
     EXPECT_NEAR(sum / all, 1, 0.03) << elevations[beam];
     if (elevations[beam] < 0) continue;
     later += sum;
@@ -151,7 +153,7 @@ TEST(EigenrayBranches, EnergiesAreThoseOfAFanOfRays) {
   EXPECT_NEAR(later / wanted_later, 1, 0.01);
 }
 
-/// Rays to a place, launch angles positive down, as long as the fan sends them.
+/// Returns the rays to a point with launch angles positive downwards, in the range of the fan.
 std::vector<double> launches_to(double x) {
   std::vector<double> launch{std::atan(TurningWater::seabed_m / x)};
   const double a = 2 * TurningWater::c / TurningWater::g, root2 = x * x - 4 * a * TurningWater::seabed_m;
@@ -164,7 +166,7 @@ std::vector<double> launches_to(double x) {
   return launch;
 }
 
-// Out along one ray and home along another, both ways: places of the seabed, one by one.
+// The transmit leg is one ray and the receive leg another, in both orders, point by point on the seabed.
 TEST(EigenrayBranches, MixedEigenraysAreThoseBetweenAllRaysToAPlace) {
   const FacetMesh seabed = strip(200, 440, 40);
   const RangeSamples samples{0, 5, 100};
@@ -206,7 +208,7 @@ TEST(EigenrayBranches, MixedEigenraysAreThoseBetweenAllRaysToAPlace) {
   for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], wanted[k], 0.05 * most) << k;
 }
 
-// Where one ray leads, nothing is changed by asking for more.
+// If one ray leads to the seabed, a larger number of requested rays changes nothing.
 TEST(EigenrayBranches, OneRayIsOneSheet) {
   const FacetMesh seabed = strip(80, 280, 40);
   ApparentMapSettings one = fine();
@@ -219,12 +221,12 @@ TEST(EigenrayBranches, OneRayIsOneSheet) {
   EXPECT_EQ(all.echo.energy, first.echo.energy);
 }
 
-// Rays as many as a fine fan finds, crossed where the fan turns back.
+// The finder has as many rays as a fine fan, with a caustic crossed where the fan turns back.
 TEST(EigenrayBranches, FamiliesAreThoseOfAFineFan) {
   const WaterColumn water = TurningWater::column();
   const ApparentMap apparent_map(water, glm::dvec3(0), TurningWater::sonar_depth_m);
   for (double x = 250.5; x < 440; x += 7) {
-    std::vector<std::pair<double, bool>> fan;  // launch, crossed: from the highest
+    std::vector<std::pair<double, bool>> fan;  // launch angle, caustic crossed: from the highest
     constexpr int rays = 200000;
     const double steepest = TurningWater::steepest_rad;
     TurningWater::Landing before{};
@@ -251,12 +253,12 @@ TEST(EigenrayBranches, FamiliesAreThoseOfAFineFan) {
   }
 }
 
-/// A sound channel, its axis at 50 m, and a sonar 10 m above that.
+/// A sound channel with its axis at 50 m, and a sonar 10 m above the axis.
 WaterColumn channel() { return {SoundSpeedProfile({{0, 1550}, {50, 1500}, {100, 1550}}), {}}; }
 constexpr double channel_sonar_m = 40, wall_m = 600;
 
-// Rays that turn up to four times before they come to a wall across the channel: as many as a fan traced
-// apart finds at each depth, and all that is sent arrives.
+// Rays turn up to four times before they reach a wall across the channel. At each depth there are as many
+// as a separately traced fan has, and all transmitted energy arrives.
 TEST(EigenrayBranches, AWallAcrossAChannelIsSeenByManyTurns) {
   const WaterColumn water = channel();
   EigenrayOptions options;
@@ -275,7 +277,7 @@ TEST(EigenrayBranches, AWallAcrossAChannelIsSeenByManyTurns) {
     std::size_t wanted = 0;
     for (int i = 0; i < rays; ++i)
       wanted += (depth[std::size_t(i)] - z) * (depth[std::size_t(i) + 1] - z) <= 0;
-    std::size_t found = 0;  // of those, and steeper ones fall or rise all the way
+    std::size_t found = 0;  // of those, and steeper ones fall or rise along the whole path
     for (const ApparentPoint& point : apparent_map.all_apparent({wall_m, 0, channel_sonar_m - z}))
       found += std::abs(point.ray.launch_sine) < std::sin(steepest);
     EXPECT_EQ(found, wanted) << z;
@@ -305,7 +307,7 @@ TEST(EigenrayBranches, AWallAcrossAChannelIsSeenByManyTurns) {
     EXPECT_NEAR(found[k] / solid_angle(edges[k], edges[k + 1]), 1, 1e-3) << edges[k];
 }
 
-// What diffraction leaves of the tube on the caustic, against the fan's own second derivative.
+// Compares the tube area that diffraction leaves on the caustic with the second derivative of the fan.
 TEST(EigenrayBranches, CausticsAreAsWideAsAirysFunction) {
   const WaterColumn water = TurningWater::column();
   EigenrayOptions options;
@@ -331,7 +333,7 @@ TEST(EigenrayBranches, MeanInverseWidthIsTheIntegral) {
     if (trial % 3 == 0) w[0] = 0;
     if (trial % 5 == 0) w[1] = w[0];
     if (trial % 7 == 0) w = {w[0], w[0] + 1e-4 * w[1], w[0] + 1e-4 * w[2]};
-    // Midpoints of an even grid, whose second half of triangles points the other way.
+    // Midpoints of a uniform grid, in which the second half of the triangles has the opposite orientation.
     constexpr int n = 700;
     double sum = 0;
     for (int i = 0; i < n; ++i)

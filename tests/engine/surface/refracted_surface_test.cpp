@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests apparent surfaces in stratified water. It covers closed forms of one gradient, shadows, hidden
+// seabed, true positions and areas, and scattering at true grazing angles.
+
 #include "engine/surface/refracted_surface.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +23,7 @@ namespace {
 constexpr double pi = std::numbers::pi, degree = pi / 180;
 const double mu = std::pow(10, -2.7);
 
-/// A flat seabed, the apex at the local frame's origin, and the sea surface above it.
+/// A flat seabed, the apex at the origin of the local frame, and the sea surface above it.
 struct Site {
   static constexpr double below_m = 20, apex_depth_m = 10;
   WorldGrid grid{20, glm::dvec3(0)};
@@ -86,8 +89,8 @@ WaterColumn gradient(double g) {
 
 const RangeSamples range_samples{40, 5, 20};
 
-/// Energy from the ring between two one-way travel times: with G = g t, area element, tube area and angles of
-/// one gradient in closed form (physics sheet 2.2), integrated over the time.
+/// Returns the energy from the ring between two one-way travel times. With G = g t, the area element, tube
+/// area and angles of one gradient have closed forms (physics sheet 2.2). The integral is over time.
 double ring_energy(double g, double t1, double t2) {
   const double h = Site::below_m, cs = 1500, cr = cs + g * h;
   const auto density = [&](double t) {
@@ -133,7 +136,8 @@ TEST(RefractedSurface, FlatSeabedUnderOneGradientConvergesToTheClosedForm) {
       for (int k = 0; k < range_samples.count; ++k) {
         const double r1 = range_samples.first_m + k * range_samples.step_m, r2 = r1 + range_samples.step_m;
         const double truth = ring_energy(g, r1 / 1500, r2 / 1500);
-        // Factors are right for whole facets: far parts of a large one are off by more than near ones.
+        // Each factor is correct for a whole facet. The error of far parts of a large facet exceeds that of
+        // near parts.
         EXPECT_NEAR(echo.energy[k] / truth, 1, 0.55 * gap) << g << ' ' << gap << ' ' << k;
         sum += std::abs(echo.energy[k] - truth) / truth / range_samples.count;
         found += echo.energy[k];
@@ -150,7 +154,8 @@ TEST(RefractedSurface, FlatSeabedUnderOneGradientConvergesToTheClosedForm) {
 }
 
 TEST(RefractedSurface, PointsConvergeAtSecondOrder) {
-  // The gap is what a facet's middle is off: halving edges quarters it.
+  // The travel-path error is the error at the middle of a facet: half the edge length gives a quarter of
+  // it.
   const WaterColumn water = gradient(-0.5);
   const ApparentMap apparent_map(water, glm::dvec3(0), Site::apex_depth_m);
   double before = 0;
@@ -167,7 +172,7 @@ TEST(RefractedSurface, PointsConvergeAtSecondOrder) {
             gap, edge_travel_path_error_m(apparent_map.apparent(a)->at_m, apparent_map.apparent(b)->at_m,
                                           apparent_map.apparent((a + b) / 2.0)->at_m));
       }
-    EXPECT_LE(gap, surface_mesh.largest_travel_path_error_m);  // a bound, where it was not measured
+    EXPECT_LE(gap, surface_mesh.largest_travel_path_error_m);  // a bound where it was not measured
     EXPECT_LT(surface_mesh.largest_travel_path_error_m, 5 * gap);
     if (before > 0) {
       EXPECT_NEAR(before / gap, 4, 1) << cell;
@@ -187,7 +192,8 @@ TEST(RefractedSurface, TubesOverApparentFacetsClose) {
 
 TEST(RefractedSurface, ShadowsAreReportedAndLeftOut) {
   const Site site;
-  // Rays part from the fastest depth, 20 m, between apex and seabed: the last to pass is horizontal there.
+  // Rays diverge from the depth of the highest speed, 20 m, between apex and seabed. The last ray that
+  // passes is horizontal there.
   const WaterColumn water{SoundSpeedProfile({{0, 1460}, {20, 1500}, {40, 1460}}), {}};
   const double edge = 2 * std::sqrt((1500 - 1480) * (1500 + 1480.)) / 2;
   const ApparentSurface surface_mesh = site.surface_mesh(water, 0.05);
@@ -201,12 +207,13 @@ TEST(RefractedSurface, ShadowsAreReportedAndLeftOut) {
   EXPECT_GT(surface_mesh.facet_factor.size(), 0u);
 }
 
-// Where rays bend up before they reach the seabed, those that would come through it from below are behind it.
+// Rays may bend upwards before they reach the seabed. Rays that would come through the seabed from below
+// lie behind it.
 TEST(RefractedSurface, SeabedBehindTheLastRayIsHidden) {
   const Site site;
   const double g = 2, cr = 1500 + 20 * g;
   const double last_s =
-      std::atanh(std::sqrt((cr - 1500) * (cr + 1500)) / cr) / g;  // to the grazing ray's touch
+      std::atanh(std::sqrt((cr - 1500) * (cr + 1500)) / cr) / g;  // to the point of the grazing ray
   const ApparentSurface surface_mesh = site.surface_mesh(gradient(g), 0.02);
   const Echo echo =
       hear(surface_mesh.refined.mesh, surface_mesh.facet_factor, {1500 * last_s + 1, 1, 100}).echo;
@@ -238,7 +245,7 @@ TEST(RefractedSurface, TruePlacesAndAreasAreThoseOfTheSeabed) {
   EXPECT_NEAR(area_m2 / (512. * 512.), 1, 1e-12);
 }
 
-// No facet that has an image in the tubes is missing.
+// No facet that has an apparent position in the tubes is missing.
 TEST(RefractedSurface, FacetsSeenHoldAllWithAnImageInTheTubes) {
   const Site site(128, 4);
   const SceneTree tree(site.base);
@@ -269,7 +276,8 @@ TEST(RefractedSurface, FacetsSeenHoldAllWithAnImageInTheTubes) {
   }
 }
 
-// A law that is Lambert's by another name returns the same; one that is not, by its own angles.
+// A model that equals Lambert's law under another name gives the same energy. Another model uses its own
+// angles.
 TEST(RefractedSurface, OtherLawsScatterAtTrueGrazingAngles) {
   const Site site(32, 2);
   std::vector<FacetId> all(site.base.facets.size());
@@ -293,7 +301,7 @@ TEST(RefractedSurface, OtherLawsScatterAtTrueGrazingAngles) {
     const auto ray = apparent_map.apparent(lies)->ray;
     const glm::dvec3 n = glm::normalize(glm::cross(corner[1] - corner[0], corner[2] - corner[0]));
     const double sine_seen = std::abs(glm::dot(n, glm::normalize(seen)));
-    // sigma is sine^5, Lambert's sine^2: three powers more of the ratio of the sines.
+    // sigma is sine^5, Lambert's is sine^2: three more powers of the ratio of the sines.
     EXPECT_NEAR(other.facet_factor[f] / (lambert.facet_factor[f] * std::pow(ray.arrival_sine / sine_seen, 3)),
                 1, 5e-3);
   }
@@ -307,8 +315,9 @@ TEST(RefractedSurface, FactorsAreReadByEveryIntegrator) {
   const Reception twice = hear(site.base, std::vector<double>(factor.size(), 2.0), {25, 5, 6}, 0.02, 1e-4);
   for (std::size_t k = 0; k < plain.echo.energy.size(); ++k)
     EXPECT_NEAR(twice.echo.energy[k], 2 * plain.echo.energy[k], 1e-15 * mu);
-  hear(site.base, factor, {25, 5, 6}, 0.02, 1e-4);  // holds the ordinary integral inside the bound
-  // A ray's hit.
+  // checks that the ordinary integral lies inside the bound
+  hear(site.base, factor, {25, 5, 6}, 0.02, 1e-4);
+  // A ray hit.
   const std::vector<double> material_mu{mu};
   EchoModel model{material_mu, site.base.material, 0, nullptr};
   model.path.facet_factor = factor;

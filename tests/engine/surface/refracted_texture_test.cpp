@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Micro-texture of apparent facets: looked up where they lie.
+// Tests the micro-texture of apparent facets. The engine evaluates the texture at the true positions of the
+// seabed.
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss.hpp>
@@ -41,7 +42,7 @@ ApparentSurface apparent(const FacetMesh& base, const WaterColumn& water, double
                       {.travel_path_error_m = travel_path_error_m});
 }
 
-/// A fan of 6 degrees about x; every tube is a beam of its own.
+/// A fan of 6 degrees about x, with one beam per tube.
 TubeSet fan() {
   TubeSet set;
   set.reach = 1e12;
@@ -51,7 +52,7 @@ TubeSet fan() {
 
 const RangeSamples range_samples{25, 2.5, 12};
 
-/// Of an apparent surface, or of a mesh as it is.
+/// Returns the energies of an apparent surface, or of a mesh as it is.
 std::vector<double> hear(const FacetMesh& mesh, const ApparentSurface* surface_mesh, const Field& texture,
                          double tolerance = 1e-10, bool one_beam = true, Binning binning = Binning::exact) {
   const SceneTree tree(mesh);
@@ -73,7 +74,7 @@ std::vector<double> hear(const FacetMesh& mesh, const ApparentSurface* surface_m
       .energy;
 }
 
-/// Pixels askew over the part of the seabed that the fan sees.
+/// A map with oblique pixels over the part of the seabed that the fan sees.
 Field map_askew(std::uint64_t seed) {
   return test::random_map(9, 8, seed, {{-20, -20}, {6, 1}, {-0.7, 4}, true});
 }
@@ -108,16 +109,16 @@ TEST(RefractedTexture, AConstantTextureIsNone) {
   for (std::size_t k = 0; k < even.size(); ++k) EXPECT_NEAR(textured[k] / even[k], 1, 1e-9) << k;
 }
 
-/// Launch angle below the horizontal of what returns after a one-way time.
+/// Launch angle below the horizontal for the seabed point of a one-way time.
 double launch_rad(double g, double t) {
   const double h = below_m, cs = 1500, cr = cs + g * h;
   const double x = std::sqrt(2 * cs * cr / (g * g) * (std::cosh(g * t) - 1) - h * h);
   return std::asin(h / std::hypot(x, h)) + std::atan(g * x / (cs + cr));
 }
 
-/// Energy per tube and sample from the true seabed under one gradient: travel time, ray-tube area and angles
-/// in closed form (physics sheet 2.2), texture at the true place, by a rule of many small panels over launch
-/// azimuth and time.
+/// Energy per tube and range bin from the true seabed under one gradient. Travel time, tube area and angles
+/// have closed forms (physics sheet 2.2), and the texture is taken at the true position. The rule has many
+/// small panels over launch azimuth and time.
 double closed_form(double g, double t1, double t2, double azimuth1, double azimuth2,
                    const ReflectivityField& texture) {
   const double h = below_m, cs = 1500, cr = cs + g * h;
@@ -143,7 +144,7 @@ double closed_form(double g, double t1, double t2, double azimuth1, double azimu
   return sum * (t2 - t1) * (azimuth2 - azimuth1) / (4 * n * n);
 }
 
-// Not at apparent places: those are up to metres away.
+// The texture is not at apparent positions, which are up to metres away.
 TEST(RefractedTexture, UnderOneGradientItLiesWhereTheSeabedIs) {
   const FacetMesh base = flat_seabed(128, 256);
   for (const double g : {-1.0, 0.4}) {
@@ -156,7 +157,8 @@ TEST(RefractedTexture, UnderOneGradientItLiesWhereTheSeabedIs) {
       std::size_t compared = 0;
       for (int k = 0; k < range_samples.count; ++k) {
         const double r1 = range_samples.first_m + k * range_samples.step_m, r2 = r1 + range_samples.step_m;
-        // Tubes in order: azimuth, then from steep to flat. Samples that no border between those cuts.
+        // Tubes are ordered by azimuth, then from steep to flat. The test takes range bins that no border
+        // between these tubes cuts.
         const bool steep = launch_rad(g, r2 / 1500) > 40.3 * degree && launch_rad(g, r1 / 1500) < 74 * degree,
                    flat = launch_rad(g, r1 / 1500) < 40 * degree && launch_rad(g, r2 / 1500) > 13 * degree;
         if (!steep && !flat) continue;
@@ -173,7 +175,7 @@ TEST(RefractedTexture, UnderOneGradientItLiesWhereTheSeabedIs) {
   }
 }
 
-// The rest of what reads a texture: hits, and footprints that are binned whole.
+// Tests the other readers of a texture: ray hits, and fast binning of footprints.
 TEST(RefractedTexture, HitsAndCentroidsLieThereToo) {
   const Field texture = perlin(1.5, 2, 0.8, 5);
   const std::vector<Field> textures{texture};

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests surface meshes with relief: online and offline refinement, watertightness, materials at their
+// borders, displacement of a sphere, and the tolerance of refinement.
+
 #include "engine/surface/surface_mesh.hpp"
 
 #include <gmock/gmock.h>
@@ -19,7 +22,7 @@
 namespace tubefoot {
 namespace {
 
-/// A product of sines: what a mesh leaves out of it is known.
+/// A product of sines, for which the error of a mesh is known.
 class SineField : public ElevationField {
  public:
   SineField(double amplitude, double wavelength, double phase = 0)
@@ -29,7 +32,8 @@ class SineField : public ElevationField {
   }
   double largest_m() const override { return a_; }
   double finest_m() const override { return 2 * M_PI / k_ / 8; }
-  /// Chords of a sine wave: sagitta and slope error of one edge, all of it once edges are as long as a wave.
+  /// Chords of a sine wave: sagitta and slope error of one edge. The error is the full wave for edges as
+  /// long as a wave.
   LeftOut left_out(double edge) const override {
     const double bend = std::min(1.0, k_ * edge * k_ * edge / 8), slope = a_ * k_ * std::min(1.0, k_ * edge);
     return {a_ * bend / 2, slope / 2, 2 * a_ * bend, 2 * slope};
@@ -41,7 +45,7 @@ class SineField : public ElevationField {
 
 using Fields = std::vector<std::shared_ptr<const ElevationField>>;
 
-/// A seabed of n by n squares about the origin, all of one material or each facet's as told.
+/// A seabed of n by n squares about the origin, of one material or with a function of materials.
 FacetMesh seabed(const WorldGrid& grid, int n, double side_m, double slope = 0,
                  std::uint16_t (*material)(int i, int j) = nullptr) {
   std::vector<glm::dvec3> points;
@@ -69,7 +73,7 @@ FacetMesh seabed(const WorldGrid& grid, int n, double side_m, double slope = 0,
 
 const WorldGrid grid(20, {0, 0, 0});
 
-/// A camera at a height over the origin that looks north and down.
+/// A camera above the origin that looks north and downwards.
 TubeSet camera(double height_m, double tilt_deg, int beams, double width_deg = 12, double reach_m = 8) {
   TubeSet set;
   set.apex = grid.snap({0.013, -2.007, height_m});
@@ -113,7 +117,7 @@ SurfaceSettings cells(double cell_m, double tolerance = 0) {
 
 Look look_of(const TubeSet& tubes) { return {&tubes, samples.first_m, samples.step_m}; }
 
-/// The polygons of every tube, wherever their facets are numbered.
+/// Returns the polygons of each tube, independent of facet numbers.
 std::vector<std::vector<double>> polygons(const Transmission& transmission) {
   std::vector<std::vector<double>> all;
   const FootprintSet& set = transmission.history.footprints;
@@ -128,7 +132,7 @@ std::vector<std::vector<double>> polygons(const Transmission& transmission) {
   return all;
 }
 
-/// Of a scene refined equally, both modes see the same, to the last bit.
+/// With equal refinement, both modes give the same visible polygons to the last bit.
 TEST(SurfaceMesh, OnlineAndOfflineSeeTheSame) {
   const FacetMesh base = seabed(grid, 3, 16, 0.1);
   for (int seed = 0; seed < 3; ++seed) {
@@ -148,7 +152,8 @@ TEST(SurfaceMesh, OnlineAndOfflineSeeTheSame) {
 }
 
 TEST(SurfaceMesh, RefiningWithoutDisplacementChangesNoEnergy) {
-  // A seabed whose every halving is on the grid even where it slopes, and a level one of odd measures.
+  // The cases are a sloping seabed whose bisections all lie on the grid, and a level seabed of irregular
+  // size.
   for (const auto& [side, slope] : {std::pair{16.0, 0.25}, std::pair{14.37, 0.0}}) {
     const FacetMesh base = seabed(grid, 2, side, slope);
     const SurfaceMesh surface_mesh(base, grid, Fields{std::make_shared<SineField>(0.0, 0.5), nullptr},
@@ -206,7 +211,8 @@ TEST(SurfaceMesh, BordersOfMaterialsFit) {
       const bool outer = (std::abs(a.x) == 4 && a.x == b.x) || (std::abs(a.y) == 4 && a.y == b.y);
       EXPECT_EQ(count, outer ? 1 : 2);
     }
-    // On the border both say the mean, of which nothing is one, too.
+    // On the border both materials have the mean of their heights. A material without relief counts as
+    // zero.
     std::size_t met = 0;
     for (const GridPoint p : refined.mesh.vertices) {
       const glm::dvec3 m = grid.to_metres(p);
@@ -222,7 +228,7 @@ TEST(SurfaceMesh, BordersOfMaterialsFit) {
 }
 
 TEST(SurfaceMesh, NormalDisplacementOfASphereStaysClosed) {
-  // An octahedron on a sphere, refined into one by hand: four halvings.
+  // An octahedron on a sphere, refined into a sphere by the test: four bisections.
   std::vector<glm::dvec3> points{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   std::vector<std::array<std::uint32_t, 3>> facets{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
                                                    {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
@@ -278,8 +284,8 @@ TEST(SurfaceMesh, DoesNotDependOnThreads) {
   EXPECT_EQ(one.parent, four.parent);
 }
 
-/// Where the tolerance leaves facets coarse, samples' energies change by no more than it says (RMS over the
-/// samples that are lit throughout), and fewer facets are made.
+/// A tolerance leaves facets coarse. It changes the energies by no more than its value, and makes fewer
+/// facets. The measure is the RMS over the range bins that are insonified throughout.
 TEST(SurfaceMesh, ToleranceIsKept) {
   const FacetMesh base = seabed(grid, 1, 16);
   for (int seed = 0; seed < 3; ++seed) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where tubes may look through refracting water, against the rays themselves.
+// Tests view bounds of tubes in stratified water. The comparison is rays: the bounds contain each point
+// that a ray of the tubes reaches, and not many other points.
 #include "engine/surface/view_bounds.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi, degree = pi / 180, unit_m = 0x1p-20, apex_depth_m = 12;
 
-/// One source of random numbers a test, its seed told when the test fails.
+/// Source of random numbers for one test. It reports its seed when the test fails.
 struct Random {
   explicit Random(unsigned seed) : engine(seed) {}
   std::mt19937_64 engine;
@@ -37,7 +38,7 @@ WaterColumn some_water(Random& random) {
   return {SoundSpeedProfile(points), {}};
 }
 
-/// A fan in any direction, turned in any way.
+/// A fan in a random direction with a random rotation.
 TubeSet some_tubes(Random& random) {
   AngularGrid angles;
   const double wide = random.between(0.2, 60) * degree, high = random.between(1, 60) * degree,
@@ -63,7 +64,7 @@ bool looks_along(const TubeSet& set, const glm::dvec3& direction) {
   return false;
 }
 
-/// Whether a ray of the tubes leads to a point, within their reach.
+/// Returns whether a ray of the tubes reaches a point within their range.
 bool is_seen(const TubeSet& set, const ApparentMap& apparent_map, const glm::dvec3& at_m) {
   const glm::dvec3 way = at_m - apparent_map.apex_m();
   const double range = std::hypot(way.x, way.y);
@@ -107,7 +108,7 @@ TEST(ViewBounds, NothingIsMissingThatARayOfTheTubesLeadsTo) {
   EXPECT_GT(seen, 1000u);
 }
 
-// That cutting ends, and ends with all that is seen cut, rests on this.
+// The recursive subdivision needs this: it ends, and cuts everything visible.
 TEST(ViewBounds, WhatIsTrueForAPartIsTrueForTheWhole) {
   std::size_t both = 0;
   for (unsigned seed = 1; seed <= 300; ++seed) {
@@ -138,13 +139,13 @@ TEST(ViewBounds, WhatIsTrueForAPartIsTrueForTheWhole) {
   EXPECT_GT(both, 500u);
 }
 
-// Points that are looked at for nothing cost time. Under a thermocline the turning of rays has its limits:
-// where none that the tubes send comes to, little is taken along.
+// Unneeded points cost time. Under a thermocline the turning of rays is limited. The bounds take few points
+// that no ray of the tubes reaches.
 TEST(ViewBounds, TakesLittleMoreThanWhatIsSeen) {
   const WaterColumn water{
       SoundSpeedProfile({{0, 1527}, {6, 1519}, {8, 1508}, {10, 1499}, {13, 1494}, {35, 1490}}), {}};
   const ApparentMap apparent_map(water, glm::dvec3(0, 0, -8), 0);
-  AngularGrid angles;  // a sidescan's fan to one side
+  AngularGrid angles;  // a sidescan fan to one side
   for (int k = 0; k <= 1; ++k) angles.azimuth_edges_rad.push_back(0.3 * degree * (k - 0.5));
   for (int k = 0; k <= 8; ++k) angles.elevation_edges_rad.push_back((-60 + 57 * k / 8.0) * degree);
   TubeSet tubes;

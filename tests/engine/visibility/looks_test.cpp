@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What one look of each of two apexes tells: as much as each apex by itself, and both together.
+// Tests that one query for two apexes gives the same visible polygons as two separate queries, and the
+// common visibility of both.
 #include "engine/visibility/looks.hpp"
 
 #include <gtest/gtest.h>

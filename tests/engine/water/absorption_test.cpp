@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests absorption formulas: Francois and Garrison with published check values and tables, and Ainslie and
+// McColm with their table.
+
 #include "engine/water/absorption.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +27,7 @@ TEST(FrancoisGarrison, PublishedCheckValues) {
 }
 
 TEST(FrancoisGarrison, KelvinOffsetIs273AsInThePaper) {
-  // With 273.15 the value would be 54.7158, half a per cent off.
+  // With 273.15 the value would be 54.7158, with an error of half a per cent.
   EXPECT_GT(std::abs(absorption(200) - 54.7158), 0.2);
 }
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests `ApparentMap`: it keeps direction and travel time, its facet factors conserve the energy of curved
+// tubes, and it reports shadows and crossings.
+
 #include "engine/water/apparent_map.hpp"
 
 #include <gtest/gtest.h>
@@ -63,7 +66,7 @@ TEST(ApparentMap, GapOfAnEdgeIsOfSecondOrder) {
   EXPECT_LT(before, 1e-4);
 }
 
-/// Of a facet with Lambert's law.
+/// Returns the factor of a facet with Lambert's law.
 std::optional<double> factor_of(const ApparentMap& straight, const glm::dvec3 (&corners)[3],
                                 double absorption_db_per_m) {
   glm::dvec3 seen[3];
@@ -88,8 +91,8 @@ TEST(ApparentMap, FacetFactorIsOneInIsovelocityWater) {
   EXPECT_NEAR(*factor_of(straight, facet, 0.06), 1, 1e-12);
 }
 
-// The energy of a small facet, from the tube of rays that it intercepts: launch directions to its corners
-// enclose its solid angle, no matter what area per steradian says.
+// The energy of a small facet follows from the tube of rays that it intercepts. The launch directions to
+// its corners enclose its solid angle, for any formula of area per steradian.
 TEST(ApparentMap, FacetFactorReturnsTheEnergyOfTheCurvedTubes) {
   const WaterColumn water{SoundSpeedProfile({{0, 1530}, {30, 1480}, {60, 1500}}), {0.05, 0.06, 0.04, 0.04}};
   const glm::dvec3 apex(0, 0, -5);
@@ -106,13 +109,13 @@ TEST(ApparentMap, FacetFactorReturnsTheEnergyOfTheCurvedTubes) {
       std::abs(glm::dot(glm::cross(launch[1] - launch[0], launch[2] - launch[0]), launch[0])) / 2;
   const glm::dvec3 centre = (corners[0] + corners[1] + corners[2]) / 3.0;
   const auto ray = straight.apparent(centre)->ray;
-  // Back from the facet: its own eigenray, found the other way round.
+  // The eigenray from the facet back to the sonar comes from a separate search.
   const auto back = EigenrayFinder(water, -centre.z).direct(5, std::hypot(centre.x, centre.y));
   const glm::dvec3 n = glm::normalize(glm::cross(u, v));
   const double sine = std::abs(glm::dot(n, straight.arrival_direction(centre, ray)));
   const double energy =
       solid_angle * sine / back->tube_area_m2_per_sr * std::pow(10, -2 * back->absorption_db / 10);
-  // The straight law over the image.
+  // The straight law over the apparent facet.
   const glm::dvec3 area2 = glm::cross(seen[1] - seen[0], seen[2] - seen[0]);
   const glm::dvec3 middle = (seen[0] + seen[1] + seen[2]) / 3.0 - apex;
   const double r = glm::length(middle), area = glm::length(area2) / 2;
@@ -136,8 +139,8 @@ TEST(ApparentMap, TellsShadowsAndCrossings) {
   EXPECT_THROW(ApparentMap(crossing, {0, 0, 1}, 0), std::invalid_argument);
 }
 
-// A sonar that rises keeps one speed for its ranges: images move towards or away from it, and what facets
-// return stays the same.
+// A sonar that rises keeps one reference speed for its ranges. Apparent positions move towards or away from
+// the sonar, and the energies of facets stay the same.
 TEST(ApparentMap, ReferenceSpeedScalesImagesAndNotEnergies) {
   const WaterColumn water{SoundSpeedProfile({{0, 1520}, {40, 1480}}), {}};
   const glm::dvec3 apex(1, 2, -3);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests eigenrays of layered water against published cases, closed forms of one gradient, Runge-Kutta
+// integration, reciprocity, shadow zones and turning rays.
+
 #include "engine/water/eigenray.hpp"
 
 #include <gtest/gtest.h>
@@ -36,17 +39,17 @@ TEST(Eigenray, PublishedCaseOfOneGradient) {
   EXPECT_NEAR(cs / ray->launch_cosine / 0.016, 94958.817, 6e-4);
   const double pressure = std::sqrt(cr / cs / ray->tube_area_m2_per_sr);
   EXPECT_NEAR(pressure, 1.99770701e-4, 6e-13);
-  // The published ray code's own figures, whose steps differ in the fifth digit.
+  // The figures of the published ray code, whose steps differ in the fifth digit.
   EXPECT_NEAR(launch_deg(*ray), 3.80048, 6e-5);
   EXPECT_NEAR(ray->time_s, 3.29689956, 4e-5);
   EXPECT_NEAR(pressure, 1.99781e-4, 2e-8);
-  // A sphere about a sunken centre.
+  // The wavefront is a sphere about a lower centre.
   const double g = 0.016, t = ray->time_s;
   EXPECT_NEAR(1000 + cs / g * (std::cosh(g * t) - 1), 1131.858873, 6e-7);
   EXPECT_NEAR(cs / g * std::sinh(g * t), 5000.464300, 6e-7);
 }
 
-// A range bin's ring on a flat bottom, from the eigenrays' times alone.
+// The ring of a range bin on a flat bottom, from the times of eigenrays alone.
 TEST(Eigenray, RingAreasOfRangeBins) {
   const struct {
     double g, area, echo_ms;
@@ -94,7 +97,8 @@ TEST(Eigenray, LinearSquareOfIndexAsPublished) {
   }
 }
 
-/// A profile of up to `layers` layers, speeds 1400 to 1600 m/s, over 200 m; now and then an even layer.
+/// Makes a profile of up to `layers` layers over 200 m, with speeds of 1400 to 1600 m/s. Some layers are
+/// isovelocity.
 WaterColumn random_water(std::mt19937_64& random, int layers) {
   std::uniform_real_distribution<double> any(0, 1);
   std::vector<ProfilePoint> points = {{0, 1500}};
@@ -107,7 +111,7 @@ WaterColumn random_water(std::mt19937_64& random, int layers) {
   return water;
 }
 
-/// Range, time, length and absorption by RK4 in arc length, from the ray equations alone.
+/// Computes range, time, length and absorption by RK4 in arc length, from the ray equations alone.
 RayState by_runge_kutta(const WaterColumn& water, double depth_m, double launch_rad, double length_m) {
   const SoundSpeedProfile& profile = water.profile;
   struct Y {
@@ -180,7 +184,8 @@ TEST(Eigenray, RandomWatersAgainstRungeKutta) {
       EXPECT_NEAR(std::hypot(e.launch_sine, e.launch_cosine), 1, 1e-9);
       const double launch = std::atan2(e.launch_sine, e.launch_cosine);
       const RayState end = by_runge_kutta(water, from, launch, e.length_m);
-      // Near a caustic or through a grazed border, a small change of launch goes far.
+      // Near a caustic or at grazing incidence on a layer border, a small change of launch angle has a
+      // large effect.
       const double far = std::max(1., range / std::max(1e-3, std::abs(e.arrival_sine)) / 1000);
       EXPECT_NEAR(end.range_m, range, 1e-6 * far * (1 + range)) << trial << ' ' << e.turns;
       EXPECT_NEAR(end.depth_m, to, 1e-6 * far * (1 + range)) << trial << ' ' << e.turns;
@@ -282,11 +287,11 @@ TEST(Eigenray, IsovelocityWaterIsStraight) {
 }
 
 TEST(Eigenray, ShadowZonesHaveNoRay) {
-  // Slower away from 50 m both ways: rays part there.
+  // The speed decreases from 50 m in both directions, so that rays diverge there.
   const WaterColumn water{SoundSpeedProfile({{0, 1495}, {50, 1500}, {100, 1495}}), {}};
   const EigenrayFinder finder(water, 40);
   EXPECT_EQ(finder.all(60, 100).size(), 1u);
-  // The ray that grazes the fastest place: range (sin 1 + sin 2) / (p |g|).
+  // The ray that grazes the depth of the highest speed has the range (sin 1 + sin 2) / (p |g|).
   const double edge = 2 * std::sqrt((1500 - 1499) * (1500 + 1499.)) / 0.1;
   EXPECT_EQ(finder.all(60, edge * (1 - 1e-9)).size(), 1u);
   EXPECT_EQ(finder.all(60, edge * (1 + 1e-9)).size(), 0u);
@@ -294,7 +299,8 @@ TEST(Eigenray, ShadowZonesHaveNoRay) {
 }
 
 TEST(Eigenray, SeveralRaysWhereTheyCross) {
-  // A strong gradient below the source, weak above: rays that turn low overtake those that turn high.
+  // The gradient is strong below the source and weak above: rays that turn low overtake those that turn
+  // high.
   const WaterColumn water{SoundSpeedProfile({{0, 1500}, {100, 1500.5}, {200, 1540}}), {}};
   const auto rays = EigenrayFinder(water, 20).all(20, 3000);
   EXPECT_GE(rays.size(), 2u);
@@ -314,7 +320,8 @@ TEST(Eigenray, NoRayTurnsOutsideOfTheWater) {
   EXPECT_THROW(EigenrayFinder(water, -1), std::invalid_argument);
 }
 
-// No ray that has turned, followed from the source, is where none may be.
+// The test follows rays from the source. No ray that has turned reaches a point for which
+// `may_turn_towards` excludes it.
 TEST(Eigenray, RaysThatTurnAreExpectedWhereTheyPass) {
   std::size_t turned = 0;
   for (unsigned seed = 1; seed <= 200; ++seed) {
@@ -350,13 +357,13 @@ TEST(Eigenray, RaysThatTurnAreExpectedWhereTheyPass) {
 }
 
 TEST(Eigenray, WhereNoneCanTurnNoneIsLookedFor) {
-  // The summer water of a shallow sea: the level ray comes to a depth of 18 m some 70 m away.
+  // The summer water of a shallow sea: the horizontal ray reaches a depth of 18 m at about 70 m.
   const WaterColumn water{
       SoundSpeedProfile({{0, 1527}, {6, 1519}, {8, 1508}, {10, 1499}, {13, 1494}, {35, 1490}}), {}};
   const EigenrayFinder finder(water, 8, {0, 25, 1});
   for (double range_m = 1; range_m < 55; range_m += 1) EXPECT_FALSE(finder.may_turn_towards(18, range_m));
   EXPECT_TRUE(finder.may_turn_towards(18, 400));
-  // isovelocity water turns nothing; a deep channel turns rays on both sides.
+  // Isovelocity water turns no ray. A deep channel turns rays on both sides.
   const WaterColumn even{SoundSpeedProfile(1500), {}};
   EXPECT_FALSE(EigenrayFinder(even, 8).may_turn_towards(18, 1e5));
 }

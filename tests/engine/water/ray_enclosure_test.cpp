@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Enclosures of rays over patches hold what single eigenrays say, in random waters, and their derivatives
-// what differences of those say.
+// Tests enclosures of rays over parts of a surface in random waters. They contain the values of single
+// eigenrays, and their derivatives contain the differences of these values.
 #include "engine/water/ray_enclosure.hpp"
 
 #include <fmt/format.h>
@@ -77,7 +77,7 @@ TEST(RayEnclosure, HoldsEveryEigenrayAndItsDerivatives) {
       const double area = apparent_map.return_area_m2_per_sr(at, point->ray) / (distance * distance);
       expect_holds(rays->area_ratio_per_sr.v, area, 1e-10 * area, "area");
       expect_holds(rays->absorption_db.v, point->ray.absorption_db, 1e-11, "absorption");
-      // Derivatives: the mean of one over a way is a difference.
+      // Derivatives: the mean of a derivative over a distance is a difference quotient.
       const double step = size, second = 4e-16 * glm::length(centre) * 40 / (step * step);
       const glm::dvec3 mid = image_at(0, 0), forth = image_at(step, 0), back = image_at(-step, 0),
                        left = image_at(0, step), right = image_at(0, -step);
@@ -104,7 +104,7 @@ TEST(RayEnclosure, HoldsEveryEigenrayAndItsDerivatives) {
       const auto db_of = [](const glm::dvec3&, const Eigenray& r) { return r.absorption_db; };
       expect_holds(rays->absorption_db.a, slope(db_of), 1e-13 / step, "absorption by a");
     }
-    // Small patches have narrow enclosures.
+    // Small parts have narrow enclosures.
     if (size < 1e-3) {
       EXPECT_LT(rays->image[2].v.width(), 20 * size);
       EXPECT_LT(rays->area_ratio_per_sr.v.width() / rays->area_ratio_per_sr.v.hi, 300 * size);
@@ -126,7 +126,7 @@ TEST(RayEnclosure, ClaimsNothingWhereRaysAreSeveralOrNone) {
   EXPECT_TRUE(over(10, 15));
   EXPECT_FALSE(over(300, 5));
   ASSERT_GT(apparent_map.apparent({300, 0, -25})->eigenrays, 1);
-  // Bent up before it gets there.
+  // The ray bends upwards before it reaches the point.
   const WaterColumn up{SoundSpeedProfile({{0, 1400}, {40, 1800}}), {}};
   const ApparentMap shadowed(up, {0, 0, -20}, 0, {.deepest_turn_m = 25});
   const RayEnclosure dark(shadowed, {.deepest_turn_m = 25});

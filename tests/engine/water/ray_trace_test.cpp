@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests ray traces through layered water with reflections: calibration cases, vertices and skips in closed
+// form, images of a channel, and published short-range tables.
+
 #include "engine/water/ray_trace.hpp"
 
 #include <gtest/gtest.h>
@@ -143,11 +146,11 @@ TEST(RayTrace, HorizontalRays) {
   };
   EXPECT_EQ(end(WaterColumn{SoundSpeedProfile(1500), {}}, 7).depth_m, 7);
   EXPECT_NEAR(end(WaterColumn{SoundSpeedProfile(1500), {}}, 7).tube_area_m2_per_sr, 1e4, 1e-8);
-  // On the axis of a channel: it stays.
+  // On the axis of a channel the ray stays at its depth.
   const WaterColumn channel{SoundSpeedProfile({{0, 1510}, {50, 1500}, {100, 1510}}), {}};
   EXPECT_EQ(end(channel, 50).depth_m, 50);
   EXPECT_NEAR(end(channel, 50).time_s, 100 / 1500., 1e-15);
-  // Elsewhere it bends to the slower side, on an arc of radius c / g.
+  // Elsewhere the ray bends to the slower side, on an arc of radius c / g.
   const double radius = 1505 / 0.2, sag = radius - std::sqrt(radius * radius - 1e4);
   EXPECT_NEAR(end(channel, 25).depth_m, 25 + sag, 1e-9);
   EXPECT_NEAR(end(channel, 75).depth_m, 75 - sag, 1e-9);

@@ -64,9 +64,9 @@ TEST(SoundSpeedProfile, SamplesKeepTheStatedError) {
     double worst = 0;
     for (double z = 0; z <= 5000; z += 0.73) worst = std::max(worst, std::abs(profile.at(z) - munk(z)));
     EXPECT_LE(worst, error);
-    EXPECT_GT(worst, error / 30);  // no finer than it need be
+    EXPECT_GT(worst, error / 30);  // no finer than necessary
   }
-  // Straight at its quarters, and a bell in between all the same.
+  // The profile is linear at its quarters, with a bump between them.
   const auto wave = [](double z) { return 1500 + 10 * std::sin(z * std::acos(-1) / 25); };
   const SoundSpeedProfile profile(sample_profile_within(wave, 0, 100, 0.01));
   EXPECT_NEAR(profile.at(12.5), 1510, 0.01);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests rays of a given direction and travel time. The comparisons are straight lines, closed forms,
+// Runge-Kutta integration, and eigenrays to the end points.
+
 #include "engine/water/timed_ray.hpp"
 
 #include <gtest/gtest.h>
@@ -21,8 +24,8 @@ SoundSpeedProfile several_layers() {
   return SoundSpeedProfile({{0, 1520}, {8, 1519}, {20, 1485}, {60, 1480}, {90, 1480}, {200, 1495}});
 }
 
-/// Runge and Kutta's method of fourth order for the ray equations dx/dt = c cos, dz/dt = c sin,
-/// d(angle)/dt = -c' cos.
+/// Integrates the ray equations dx/dt = c cos, dz/dt = c sin, d(angle)/dt = -c' cos by the Runge-Kutta
+/// method of fourth order.
 TimedRay integrated(const SoundSpeedProfile& profile, double depth_m, double angle_rad, double time_s) {
   struct State {
     double x, z, angle;
@@ -75,7 +78,7 @@ TEST(TimedRay, AgreesWithTheRayEquationsThroughLayersAndTurns) {
     for (const double angle : {-80.0, -20.0, -2.0, 0.5, 4.0, 35.0, 88.0}) {
       const TimedRay traced = ray_after(water, depth_m, falling(angle), 0.4),
                      truth = integrated(water, depth_m, angle * degree, 0.4);
-      // A step of the integration across a border of layers has an error of first order.
+      // An integration step across a layer border has an error of first order.
       EXPECT_NEAR(traced.range_m, truth.range_m, 2e-3) << depth_m << ' ' << angle;
       EXPECT_NEAR(traced.depth_m, truth.depth_m, 2e-3) << depth_m << ' ' << angle;
       EXPECT_NEAR(traced.shallowest_m, truth.shallowest_m, 2e-3) << depth_m << ' ' << angle;
@@ -100,7 +103,7 @@ TEST(TimedRay, EndsWhereTheEigenrayOfItsDirectionAndTimeEnds) {
   EXPECT_GT(turned, 5);
 }
 
-// A ray that is level but for rounding on the axis of a channel crosses it without end.
+// A ray on the axis of a channel that is horizontal except for rounding crosses the axis indefinitely.
 TEST(TimedRay, StaysOnTheAxisOfAChannel) {
   const SoundSpeedProfile water({{0, 1500}, {50, 1480}, {100, 1500}});
   for (const double sine : {0.0, 1e-17, -1e-12, 1e-7}) {

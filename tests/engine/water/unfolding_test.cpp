@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the unfolding of rays over horizontal mirrors in stratified water. The comparisons are arcs of
+// circles (physics sheet, 2.1) and traced rays.
+
 #include "engine/water/unfolding.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +18,8 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// A ray of one gradient over level mirrors, as arcs of circles (physics sheet, 2.1), in extended precision.
+/// A ray of one gradient over level mirrors, as arcs of circles (physics sheet, 2.1), in extended
+/// precision.
 struct Arcs {
   long double c0, g;
   struct Sum {
@@ -44,10 +48,10 @@ struct Arcs {
 
 // Surface and bottom of a channel with one gradient: times and angles of rays over up to five mirrors.
 TEST(Unfolding, RaysOverAChannelsMirrorsAreArcsOfCircles) {
-  const double surface = 3, bottom = -47;  // heights; the profile's depth 0 is at the surface
+  const double surface = 3, bottom = -47;  // heights; depth 0 of the profile is at the surface
   for (const double g : {0.2, -0.35}) {
     const Arcs arcs{1490, g};
-    // A point of the profile in the middle of the water, and one above it.
+    // The profile has a point in the middle of the water, and one above the water.
     const WaterColumn water{SoundSpeedProfile({{-5, 1490 - 5 * g}, {21, 1490 + 21 * g}, {80, 1490 + 80 * g}}),
                             {0.001, 0.002, 0.003, 0.004}};
     EigenrayOptions options;
@@ -65,7 +69,7 @@ TEST(Unfolding, RaysOverAChannelsMirrorsAreArcsOfCircles) {
         const glm::dvec3 apex(0, 0, surface - 12);
         const ApparentMap apparent_map(unfolded.water, apex, surface, unfolded.rays, 1490,
                                        unfolded.unfolding);
-        // No ray that is as steep turns anywhere.
+        // No ray of this steepness turns.
         for (const double launch : {0.3, 0.7, 1.3}) {
           if (n == 0 && up_first) continue;
           const double to = 33;
@@ -87,12 +91,12 @@ TEST(Unfolding, RaysOverAChannelsMirrorsAreArcsOfCircles) {
               (arcs.along(launch - d, 12, depths, to).x - arcs.along(launch + d, 12, depths, to).x) / (2 * d);
           const double area = double(expected.x * expected.last_sine * slope / std::cos((long double)launch));
           EXPECT_NEAR(ray.tube_area_m2_per_sr, area, 1e-9 * area);
-          // The same ray, followed with its reflections.
+          // The same ray, traced with its reflections.
           const auto nodes =
               trace_ray(water, 12, (up_first ? -1 : 1) * launch, {0, 50, double(expected.x), 10'000});
           EXPECT_NEAR(nodes.back().state.depth_m, to, 1e-8);
           EXPECT_NEAR(nodes.back().state.absorption_db, ray.absorption_db, 1e-9 * ray.absorption_db);
-          // What an odd number of mirrors shows stands upside down.
+          // After an odd number of mirrors the image is upside down.
           EXPECT_NEAR((seen->at_m - apex).z,
                       (rises == up_first ? 1 : -1) * -1490 * ray.time_s * ray.launch_sine, 1e-9);
         }
@@ -100,10 +104,10 @@ TEST(Unfolding, RaysOverAChannelsMirrorsAreArcsOfCircles) {
   }
 }
 
-// physics sheet, 2.3: BELLHOP's "calibraygrad" is steep enough at 6.5 degrees up to reach the surface when
-// the water is cut off where it would turn.
+// Physics sheet, 2.3: BELLHOP's "calibraygrad" starts at 6.5 degrees up. It reaches the surface if the
+// water is cut off at the turning depth.
 TEST(Unfolding, ARayThatTurnsAfterTheLastMirrorIsFound) {
-  // Sound is faster below: rays from the surface turn, and come back to it from below.
+  // Sound is faster below: rays from the surface turn, and return to the surface from below.
   const double g = 0.8;
   const WaterColumn water{SoundSpeedProfile({{0, 1480}, {200, 1480 + 200 * g}}), {}};
   EigenrayOptions options;

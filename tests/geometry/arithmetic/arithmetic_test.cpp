@@ -13,7 +13,8 @@
 #include "geometry/arithmetic/arithmetic_fixed.hpp"
 #include "geometry/arithmetic/wide_vector.hpp"
 
-// Laws of the one predicate, sign det(n1, n2, n3), and agreement of its tiers with plain big integers.
+// Tests the laws of the only predicate, sign det(n1, n2, n3). All tiers of the arithmetic must agree with
+// plain big integers.
 namespace tubefoot {
 namespace {
 
@@ -34,7 +35,7 @@ BigVec cross_of(const BigVec& a, const BigVec& b) {
 Big dot_of(const BigVec& a, const BigVec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Big det(const BigVec& a, const BigVec& b, const BigVec& c) { return dot_of(cross_of(a, b), c); }
 
-/// Log-uniform magnitude of up to 30 bits, any sign; zeros and the extremes are frequent.
+/// Log-uniform magnitude of up to 30 bits with any sign. Zeros and the extremes are frequent.
 std::int32_t coordinate(Random& random) {
   const std::int32_t kind = uniform(random, 0, 19);
   const std::int32_t sign = uniform(random, 0, 1) ? 1 : -1;
@@ -50,7 +51,7 @@ GridPoint large_point(Random& random) {
   return {any(), any(), any()};
 }
 
-/// a + s b where it fits the coordinates, else a.
+/// Returns a + s b if it fits the coordinates, else a.
 GridPoint combined(GridPoint a, GridPoint b, int s) {
   const std::int64_t x = a.x + std::int64_t(s) * b.x, y = a.y + std::int64_t(s) * b.y,
                      z = a.z + std::int64_t(s) * b.z;
@@ -71,8 +72,9 @@ TestPlane through(GridPoint a, GridPoint b) {
   return plane;
 }
 
-/// Three planes: independent; or through a common point; or the third in the pencil of the first two, its
-/// normal a combination of theirs; or with common points among the pairs. All but the first plant zeros.
+/// Three planes of one of these kinds: independent, through a common point, dependent, or with common
+/// points among the pairs. The third plane of the dependent kind is in the pencil of the first two: its
+/// normal is a combination of theirs. All kinds except the first contain zeros.
 std::array<TestPlane, 3> three_planes(Random& random) {
   const GridPoint p = point(random), q = point(random), r = point(random), s = point(random);
   switch (uniform(random, 0, 5)) {
@@ -159,7 +161,7 @@ TEST(Arithmetic, SidesOfPointsEqualBigIntegers) {
   EXPECT_GT(zeros, 20000);
 }
 
-/// Facets as the kernel holds them, about an apex at the origin, and in big integers.
+/// Facets about an apex at the origin, in the representation of the kernel and in big integers.
 struct TestFacets {
   FacetMesh mesh;
   std::array<FacetCone, 3> cones;
@@ -167,7 +169,7 @@ struct TestFacets {
   std::array<BigVec, 3> n;
   std::array<Big, 3> c;
 
-  /// False if the facets do not all face the apex.
+  /// Returns false if not all facets face the apex.
   bool make(const std::array<std::array<GridPoint, 3>, 3>& points) {
     mesh = {};
     for (FacetId f = 0; f < 3; ++f) {
@@ -204,7 +206,8 @@ TestFacets random_facets(Random& random) {
     const bool large = uniform(random, 0, 1) != 0;
     for (auto& facet : points)
       for (GridPoint& p : facet) p = large ? large_point(random) : point(random);
-    const int shared = uniform(random, 0, 3);  // vertices in common: an edge makes the depth plane its plane
+    // common vertices: for a common edge, the depth plane is the plane of the edge
+    const int shared = uniform(random, 0, 3);
     for (int k = 0; k < shared && k < 2; ++k) points[1][k] = points[0][k];
     if (shared == 3) points[2][2] = points[1][1] = points[0][0];
     if (facets.make(points)) return facets;
@@ -250,7 +253,7 @@ TEST(Arithmetic, DepthPlanesObeyTheirIdentities) {
       EXPECT_EQ(s, Fixed::exact_side(p, ij.fixed));
       EXPECT_EQ(Fixed{}.side(p, ji.fixed), -s) << "m_ji = -m_ij";
     }
-    // Off the depth plane of i and j, a vertex of i that lies beyond the plane of j has j as the nearer one.
+    // Off the depth plane of i and j, if a vertex of i lies beyond the plane of j, then j is nearer.
     for (const GridPoint& p : facets.cones[0].point) {
       if (dot_of(facets.n[1], big(p)) <= 0) continue;
       EXPECT_EQ(Fixed{}.side(p, ij.fixed), -Fixed{}.nearer(facets.fixed[1], p));
@@ -270,7 +273,7 @@ TEST(Arithmetic, DepthPlanesObeyTheirIdentities) {
 
 // Law A10.
 TEST(Arithmetic, ExtremesFitTheBitBudget) {
-  // All corners of the coordinate cube: normals, offsets and determinants are as large as they can be.
+  // All corners of the coordinate cube: normals, offsets and determinants attain their maxima.
   std::vector<GridPoint> corners;
   for (int k = 0; k < 8; ++k)
     corners.push_back({k & 1 ? largest : -largest, k & 2 ? largest : -largest, k & 4 ? largest : -largest});
@@ -302,7 +305,7 @@ TEST(Arithmetic, ExtremesFitTheBitBudget) {
 
 // ---- Tiers
 
-/// Whether the double in front of the integers decides.
+/// Returns whether the double before the integers decides.
 bool decided_by_double(const TestPlane& p, const TestPlane& q, const TestPlane& r) {
   Fixed::Corner c;
   Fixed{}.meet(c, p.fixed, q.fixed, 1);
@@ -343,8 +346,8 @@ TEST(Arithmetic, ErrorBoundsHold) {
       return uniform(random, 0, 2) ? through(point(random), point(random)) : facets.depth(0, 1);
     };
     const TestPlane p = plane(), q = plane();
-    // All these doubles are integers (rounded ones), so that errors can be compared exactly; bounds are
-    // rounded up.
+    // All these doubles are (rounded) integers, so that errors can be compared exactly. Bounds are rounded
+    // up.
     const auto error_of = [](double approximate, const Big& exact) -> Big {
       return abs(Big(approximate) - exact);
     };
@@ -418,7 +421,7 @@ TEST(Arithmetic, PlainDoubleIsWrongOnPlantedZerosWhereFixedIsRight) {
     plain.meet(corner, planes[0], planes[1], 1);
     wrong += plain.side(corner, planes[2]) != 0;
     EXPECT_EQ(side(exact[0], exact[1], exact[2]), 0);
-    // A generous tolerance settles these zeros, and that is its only merit.
+    // A large tolerance decides these zeros, which is its only merit.
     EXPECT_EQ(DoubleArithmetic{1e-9}.side(corner, planes[2]), 0);
   }
   EXPECT_GT(wrong, cases / 2);

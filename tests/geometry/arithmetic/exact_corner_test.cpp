@@ -11,7 +11,7 @@
 #include "fixtures/geometry/looks.hpp"
 #include "geometry/arithmetic/wide_direction.hpp"
 
-// Corners against what their names stand for, in rationals.
+// Compares corners with rational constructions from their names.
 namespace tubefoot {
 namespace {
 

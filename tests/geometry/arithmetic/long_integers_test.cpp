@@ -15,7 +15,7 @@ struct LongIntegers : testing::Test {
   ~LongIntegers() override { stop_requested = false; }
 };
 
-/// 2^bits - 1.
+/// Returns 2^bits - 1.
 Integer ones(unsigned bits) { return (Integer(1) << bits) - 1; }
 
 TEST_F(LongIntegers, AreThoseOfShortOperations) {

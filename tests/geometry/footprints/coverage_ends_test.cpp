@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Coverage by looks of two ends, and by looks at seabeds of their own: against inclusion and exclusion in
-// rationals, closed forms, and the same told otherwise.
+// Tests coverage by looks with two ends, and by looks at separate seabed meshes. The comparisons are
+// inclusion and exclusion in rationals, closed forms, and equivalent inputs.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +28,7 @@ GridPoint place_in(Random& random) {
   return {uniform(random, -600, 600), uniform(random, -300, 300), uniform(random, -600, 600)};
 }
 
-/// Three pings; every other one has its receiver elsewhere, but all of them if `all`.
+/// Returns three pings. Every second ping has a separate receiver, or each ping if `all`.
 std::vector<CoverageLook> looks_at(const FacetMesh& mesh, std::uint64_t seed, Random& random, bool all) {
   const double tilt = seed % 3 == 0 ? 25 : 0;
   std::vector<CoverageLook> looks;
@@ -92,12 +92,12 @@ TEST(CoverageOfTwoEnds, SeeingDifferentSidesIsSeenByNone) {
   const TubeSet above = down_tubes({0, 0, 1000}, {-100, 300}, {-3000, 3000}, 1000);
   for (const auto& [id, facet] : cover(mesh, {look(mesh, above, below, 0)})) {
     EXPECT_EQ(facet.seen.exact, "0");
-    EXPECT_GT(facet.shadow.share, 0.1);  // both have it in their tubes
+    EXPECT_GT(facet.shadow.share, 0.1);  // both contain it in their tubes
   }
 }
 
-/// A plate hides from the receiver what it does not hide from the transmitter; the facet in the way is
-/// reported.
+/// A plate hides from the receiver a part that it does not hide from the transmitter. The result names the
+/// occluding facet.
 TEST(CoverageOfTwoEnds, TheShadowIsThatOfBothAndTheOccluderOfTheFirstThatIsHidden) {
   FacetMesh mesh;
   add_square(mesh, 1000, 0);
@@ -117,7 +117,7 @@ TEST(CoverageOfTwoEnds, TheShadowIsThatOfBothAndTheOccluderOfTheFirstThatIsHidde
     for (const CoverageCell& cell : facet.cells)
       if (cell.in_sector > 0) occluders.insert(coverage.occluder(facet, cell));
   }
-  // Squares of 400 to either side of the plate, apart from each other.
+  // Squares of 400 on either side of the plate, separate from each other.
   EXPECT_EQ(shadow, 2 * 400 * 400);
   EXPECT_EQ(occluders, (std::set<FacetId>{2, 3}));
 }
@@ -141,7 +141,7 @@ TEST(CoverageOfTwoEnds, TheWindowCutsByPolygonsOf96SidesOfEllipses) {
           const double L = 2 * half;
           const glm::dvec2 b = 2.0 * glm::dvec2(double(r.x) - t.x, double(r.y) - t.y);
           const double h = t.z, g = r.z, alpha = L * L + h * h - g * g - glm::dot(b, b) / 4;
-          // With x from the foot of T: 4 L^2 (x^2 + h^2) = (alpha + b . x)^2.
+          // With x from the foot point of T: 4 L^2 (x^2 + h^2) = (alpha + b . x)^2.
           const double p = 4 * L * L - glm::dot(b, b), along = alpha * glm::length(b) / p,
                        k = p * along * along + alpha * alpha - 4 * L * L * h * h;
           return std::numbers::pi * k / (2 * L * std::sqrt(p));
@@ -162,15 +162,15 @@ TEST(CoverageOfTwoEnds, TheWindowCutsByPolygonsOf96SidesOfEllipses) {
           EXPECT_GE(half_path(facet.corners[cell.first + k]), from.nearest * (1 - 1e-8));
         }
     }
-    // A polygon whose corners are not quite evenly spread covers a little less.
+    // A polygon with slightly uneven corners covers slightly less.
     EXPECT_NEAR(seen * whole, outer - inner, 2e-4 * outer);
     EXPECT_LE(seen * whole, (outer - inner) * (1 + 1e-8));
   }
 }
 
-// ---- seabeds of a look's own
+// ---- separate seabed meshes
 
-/// Edges longer than this, up to a wish that changes with the place.
+/// Cuts edges longer than `longest`, with a requested length that depends on the position.
 struct Uneven : EdgeRule {
   double longest;
   explicit Uneven(double length) : longest(length) {}
@@ -179,7 +179,7 @@ struct Uneven : EdgeRule {
   }
 };
 
-/// A mesh whose coordinates are multiples of `by`, so that its edges can be halved on the grid.
+/// Returns a mesh whose coordinates are multiples of `by`, so that its edges have midpoints on the grid.
 FacetMesh spread(FacetMesh mesh, std::int32_t by) {
   for (GridPoint& p : mesh.vertices) p = {p.x * by, p.y * by, p.z * by};
   return mesh;
@@ -208,7 +208,7 @@ CoverageEnd end_on(const std::shared_ptr<const SurfaceParts>& seabed, const Tube
   return end;
 }
 
-// Law O3: what is not moved is seen as it was, however it is cut.
+// Law O3: a seabed that is only cut into parts has the same coverage, for any cuts.
 TEST(CoverageOfParts, IsThatOfTheWhole) {
   constexpr std::int32_t by = 1 << 6;
   std::size_t cut = 0;
@@ -239,7 +239,7 @@ TEST(CoverageOfParts, IsThatOfTheWhole) {
   EXPECT_GT(cut, 10u);
 }
 
-/// A seabed that seems to lie elsewhere: shares of the covered facet are those of the image, as the map
+/// A seabed at an apparent position. Shares of the covered facet are those of the image, because the map
 /// between them is affine on each part.
 TEST(CoverageOfParts, OfAnImageIsThatOfTheImage) {
   FacetMesh mesh, image;
@@ -257,7 +257,7 @@ TEST(CoverageOfParts, OfAnImageIsThatOfTheImage) {
   EXPECT_EQ(shares_of(cover(mesh, {here})), expected);
   ASSERT_EQ(expected.size(), 2u);
   EXPECT_EQ(expected.at(0).first.size(), 2u) << "cut";
-  // With a window: drawn on charts of different units.
+  // With a range gate, which is drawn on charts of different units.
   there.farthest = here.farthest = 1500;
   there.nearest = here.nearest = 1250;
   EXPECT_EQ(shares_of(cover(mesh, {here})).size(), shares_of(cover(image, {there})).size());
@@ -272,7 +272,7 @@ TEST(PartWeights, OfAPartOfAPartAreExact) {
   EXPECT_EQ(part_of_part(middle, all_of_it), middle);
   EXPECT_EQ(part_of_part(corner, middle), (PartWeights{{{w / 4, 0}, {w / 4, w / 4}, {0, w / 4}}}));
   EXPECT_EQ(part_of_part(middle, corner), (PartWeights{{{w / 2, 0}, {w / 2, w / 4}, {w / 4, w / 4}}}));
-  // As fine as it gets.
+  // The finest parts.
   constexpr std::int64_t fine = std::int64_t{1} << deepest_refinement;
   const PartWeights least{{{0, 0}, {fine, 0}, {0, fine}}};
   EXPECT_EQ(part_of_part(least, least), (PartWeights{{{0, 0}, {1, 0}, {0, 1}}}));

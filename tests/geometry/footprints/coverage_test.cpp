@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Coverage against closed forms, against areas of intersections in rationals (inclusion and exclusion, which
-// shares nothing with the splitting of cells), and against itself in another order and other tubes.
+// Tests coverage. The comparisons are closed forms, areas of intersections in rationals, and the same
+// coverage with other orders and tubes. The rationals use inclusion and exclusion, independent of the
+// splitting of cells.
 #include "geometry/footprints/coverage.hpp"
 
 #include <gtest/gtest.h>
@@ -213,7 +214,7 @@ TEST(Coverage, NeitherOrderOfPingsNorSplittingOfTubesChangesAnything) {
 TEST(Coverage, ManyPingsOfALargeFacetClose) {
   FacetMesh mesh;
   add_square(mesh, 100000, 0);
-  std::vector<std::int32_t> across;  // enough pieces for the facet to be halved
+  std::vector<std::int32_t> across;  // enough pieces that the facet is bisected
   for (std::int32_t x = -3000; x <= 3000; x += 500) across.push_back(x);
   std::vector<CoverageLook> looks;
   for (std::uint32_t ping = 0; ping < 120; ++ping)
@@ -221,7 +222,7 @@ TEST(Coverage, ManyPingsOfALargeFacetClose) {
         mesh,
         down_tubes({0, static_cast<std::int32_t>(1000 * ping) - 60000, 20000}, across, {-100, 100}, 1000),
         ping));
-  // Strips of 4000 every 1000, 120000 wide: four on top of each other but at the ends.
+  // Strips of width 4000 at intervals of 1000, 120000 wide: four overlap except at the ends.
   std::map<std::uint32_t, Q> sum;
   for (const auto& [id, facet] : cover(mesh, looks))
     for (const AreaShare& part : facet.by_pings) sum[part.pings] += Q(part.exact) * 20000000000;

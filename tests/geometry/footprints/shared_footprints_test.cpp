@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shared footprints against polygon clipping in rationals (exact_for_tests.hpp): which parts there are,
-// exactly; how large they are, to rounding.
+// Compares shared footprints with polygon clipping in rationals (exact_oracles.hpp). The set of parts is
+// exact, and the areas agree to rounding.
 #include "geometry/footprints/shared_footprints.hpp"
 
 #include <gtest/gtest.h>
@@ -73,7 +73,7 @@ Parts parts_of(const SharedFootprints& shared) {
   return parts;
 }
 
-/// A piece's points on its facet's plane, relative to the transmit apex.
+/// Returns the points of a piece on the plane of its facet, relative to the transmit apex.
 std::vector<V3> points_of(const FacetMesh& mesh, const Look& look, std::uint32_t tube,
                           const NamedPiece& piece, const V3& from_transmitter) {
   const auto facet = test::seen_from(mesh, piece.facet, look.tubes.apex).value();
@@ -86,7 +86,7 @@ std::vector<V3> points_of(const FacetMesh& mesh, const Look& look, std::uint32_t
   return points;
 }
 
-/// The same by clipping in rationals.
+/// Computes the same by clipping in rationals.
 Parts oracle(const FacetMesh& mesh, const Look& transmit, const Look& receive) {
   const V3 baseline = test::minus(test::vec(receive.tubes.apex), test::vec(transmit.tubes.apex));
   Parts parts;
@@ -97,7 +97,7 @@ Parts oracle(const FacetMesh& mesh, const Look& transmit, const Look& receive) {
           if (sent.facet != received.facet) continue;
           const auto a = test::seen_from(mesh, sent.facet, transmit.tubes.apex).value(),
                      b = test::seen_from(mesh, received.facet, receive.tubes.apex).value();
-          if (test::scalar_product(a.n, b.n) < 0) continue;  // the facet's other side
+          if (test::scalar_product(a.n, b.n) < 0) continue;  // the other side of the facet
           const auto window = points_of(mesh, receive, r, received, baseline);
           const auto cut =
               test::clipped(points_of(mesh, transmit, t, sent, {0, 0, 0}), test::walls_of(window));
@@ -135,7 +135,7 @@ void expect_equal(const Parts& got, const Parts& expected) {
   EXPECT_EQ(got.size(), expected.size());
 }
 
-// Law S5, and what it is worth: a look that is not what the apex saw breaks it.
+// Law S5. The audit detects a look that differs from the visible polygons of the apex.
 TEST(SharedFootprints, AuditsCloseAndNameWhatIsShared) {
   std::size_t facets = 0, pieces = 0;
   for (std::uint64_t seed = 1; seed <= 12 / test::one_in; ++seed) {
@@ -197,7 +197,7 @@ TEST(SharedFootprints, AreThoseOfRationalClipping) {
       std::int32_t reach = 1;
       for (const GridPoint& p : scene.mesh.vertices)
         reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-      if (reach > 1 << 28) continue;  // no room for another apex
+      if (reach > 1 << 28) continue;  // no space for another apex
       const std::int32_t step = std::max(reach / 8, 1);
       const Look transmit = look(scene.mesh, scene.tubes);
       for (const GridPoint by :
@@ -243,7 +243,8 @@ TEST(SharedFootprints, OfOneApexAreItsFootprintsAndNeighboursShareNothing) {
 
 // Laws S2 and S4.
 TEST(SharedFootprints, AddUpToWhatTheOtherSeesOfAFootprint) {
-  // However the receiver's sector is cut into tubes, and by swapping the two.
+  // The sum holds for each division of the receiver's sector into tubes, and after an exchange of both
+  // ends.
   test::Random random(20264);
   const FacetMesh mesh = test::rough_terrain(random, 12, 20000000, -3000000, 900000);
   const TubeSet many = test::lattice_tubes({2500000, 300000, 100000}, -4, -5, 8, 6, 4);
@@ -281,8 +282,8 @@ TEST(SharedFootprints, AddUpToWhatTheOtherSeesOfAFootprint) {
   EXPECT_GT(partial, 20u);
 }
 
-// A receiver that looks at an image of the mesh, stretched and turned about, from its apex's image along the
-// images of its rays sees what it sees of the mesh.
+// A receiver looks at an image of the mesh, scaled and rotated, from the image of its apex along the images
+// of its rays. It sees the same as in the mesh.
 TEST(SharedFootprints, OfImagesAreThoseOfTheMesh) {
   std::size_t shared = 0;
   for (const std::uint64_t seed : {20265, 20266}) {
@@ -302,7 +303,7 @@ TEST(SharedFootprints, OfImagesAreThoseOfTheMesh) {
     const ApexLook sent{transmit.tubes, transmit.seen, &mesh}, received{there.tubes, there.seen, &image};
     Parts expected = oracle(mesh, transmit, receive),
           found = parts_of(FootprintSharer(sent, received, 1).all());
-    // Into how many convex pieces what is seen falls depends on how it is seen.
+    // The number of convex pieces depends on the view.
     for (auto& [key, part] : found)
       if (const auto of = expected.find(key); of != expected.end()) part.pieces = of->second.pieces;
     expect_equal(found, expected);
@@ -312,7 +313,7 @@ TEST(SharedFootprints, OfImagesAreThoseOfTheMesh) {
 }
 
 TEST(SharedFootprints, WhatOnlyOneOfThemSeesIsNotShared) {
-  // A seabed, and a wall between the apexes that reaches above both of them.
+  // A seabed, and a wall between the apexes that rises above both of them.
   FacetMesh mesh;
   const auto quad = [&](GridPoint a, GridPoint b, GridPoint c, GridPoint d) {
     const VertexId first = test::add_vertex(mesh, a);
@@ -346,8 +347,8 @@ TEST(SharedFootprints, TheTwoSidesOfAFacetAreNotTheSame) {
 
 // Law S2.
 TEST(SharedFootprints, ContactsWithoutAreaGiveNothingAndAGridUnitDoes) {
-  // A plate at y = 1000; the tubes' windows on it are squares that touch in an edge, in a corner, or overlap
-  // by one unit.
+  // A plate at y = 1000. The sections of the tubes with the plate are squares that share an edge, share a
+  // corner, or overlap by one unit.
   FacetMesh mesh;
   for (const GridPoint& p : {GridPoint{-100000, 1000, -100000}, {100000, 1000, -100000}, {0, 1000, 100000}})
     test::add_vertex(mesh, p);

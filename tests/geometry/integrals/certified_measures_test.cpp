@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Areas and solid angles of footprints against enclosures from the exact integers behind their corners.
+// Compares areas and solid angles of footprints in doubles with enclosures in ball arithmetic from the
+// exact integers of their corners.
 #include <flint/fmpz.h>
 #include <gtest/gtest.h>
 
@@ -38,7 +39,7 @@ Vector cross(const Vector& a, const Vector& b) {
 Vector vector_of(GridPoint p) { return {Integer(p.x), Integer(p.y), Integer(p.z)}; }
 Vector vector_of(const WideVec& v) { return {Integer(v[0].str()), Integer(v[1].str()), Integer(v[2].str())}; }
 
-/// Van Oosterom & Strackee, with the exact triple product.
+/// Van Oosterom and Strackee, with the exact triple product.
 Ball solid_angle(const std::vector<Vector>& d) {
   Ball sum;
   const auto length = [](const Vector& v) { return root(ball(dot(v, v))); };
@@ -51,9 +52,9 @@ Ball solid_angle(const std::vector<Vector>& d) {
   return sum;
 }
 
-/// Of the polygon in which the directions meet n . x = offset; times the grid unit's square.
+/// Area of the polygon in which the directions meet n . x = offset, times the square of the grid unit.
 Ball area(const std::vector<Vector>& d, const Vector& n, const Integer& offset) {
-  // p_k = d_k offset / (n . d_k); the fan's triple products with n are exact rationals.
+  // p_k = d_k offset / (n . d_k); the triple products of the fan with n are exact rationals.
   Ball sum;
   for (std::size_t k = 0; k < d.size(); ++k) {
     const Vector &a = d[k], &b = d[(k + 1) % d.size()];
@@ -98,7 +99,7 @@ TEST(CertifiedMeasures, AreasAndSolidAnglesOfFootprintsAreThoseOfTheirExactCorne
           square += area(directions, n, offset);
         }
         square = square * Ball(unit * unit);
-        // Corners are rounded: an area is as uncertain as a border of their distance's rounding.
+        // Corners are rounded: the uncertainty of an area is a border of the rounding of the distance.
         const double far = footprint.slant_range_max_m, near = footprint.slant_range_min_m;
         const double border = 4e-15 * far * far;
         EXPECT_TRUE(square.surely_positive());
@@ -107,7 +108,7 @@ TEST(CertifiedMeasures, AreasAndSolidAnglesOfFootprintsAreThoseOfTheirExactCorne
         const double cone = 4e-15 * far * far / (near * near);
         EXPECT_LE((omega - Ball(footprint.solid_angle_sr)).hi(), 1e-12 * footprint.solid_angle_sr + cone);
         EXPECT_GE((omega - Ball(footprint.solid_angle_sr)).lo(), -1e-12 * footprint.solid_angle_sr - cone);
-        // The enclosures are no wider than they need be.
+        // The enclosures are no wider than necessary.
         EXPECT_LT((square - square.centre()).hi(), 1e-20 * far * far);
         EXPECT_LT((omega - omega.centre()).hi(), 1e-20);
         ++compared;

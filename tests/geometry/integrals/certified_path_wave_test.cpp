@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Waves by their paths over polygons in balls: one frequency as certified_waves.hpp has it, however it is cut
-// into stretches, and pulses with flanks against sums over the edges that know no stretches.
+// Tests waves over polygons by path length, in ball arithmetic. One frequency agrees with
+// certified_waves.hpp for any division into path intervals. Pulses with flanks agree with sums over edges
+// without path intervals.
 #include "geometry/integrals/certified_path_wave.hpp"
 
 #include <gtest/gtest.h>
@@ -31,13 +32,13 @@ Complex middle(const ComplexBall& ball) { return {ball.real().middle(), ball.ima
 double radius(const ComplexBall& ball) {
   return std::max(ball.real().hi() - ball.real().lo(), ball.imaginary().hi() - ball.imaginary().lo()) / 2;
 }
-/// Of a number from the ball, in the larger of both parts; 0 inside.
+/// Distance of a number from the ball, as the larger of both parts; 0 inside.
 double outside(const ComplexBall& ball, Complex value) {
   const auto off = [](const Ball& b, double x) { return std::max({b.lo() - x, x - b.hi(), 0.0}); };
   return std::max(off(ball.real(), value.real()), off(ball.imaginary(), value.imag()));
 }
 
-/// e^{ikP} over all paths there are, cut at `borders`.
+/// Returns e^{ikP} over all paths, cut at `borders`.
 PathWave one_frequency(double k, const std::vector<double>& borders) {
   PathWave wave;
   wave.origin = Ball(borders.front());
@@ -71,7 +72,7 @@ TEST(CertifiedPathWave, OneFrequencyIsThatOfTheEdgeForm) {
     const auto sure = certified_edge_form(points(polygon), e.height, e.rx, Ball(k), 1e-15);
     ASSERT_TRUE(sure);
     CertifiedPathEdges edges(points(polygon), e.height, e.rx);
-    // Borders that edges meet, and that lie about the shortest path.
+    // Borders that edges meet, and borders about the shortest path.
     const double least = edges.shortest_path(), most = edges.longest_path();
     for (const std::vector<double>& borders :
          {std::vector<double>{0, 100},
@@ -83,7 +84,8 @@ TEST(CertifiedPathWave, OneFrequencyIsThatOfTheEdgeForm) {
   }
 }
 
-// Also where the place of shortest path is outside, and the nearest end of an edge begins a short one.
+// This includes polygons that do not contain the point of the shortest path. The nearest end of an edge
+// then begins a short interval.
 TEST(CertifiedPathWave, NoPathIsShorterOrLongerThanThoseTold) {
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> place(-3, 3), height(0.1, 2);
@@ -110,7 +112,7 @@ TEST(CertifiedPathWave, NoPathIsShorterOrLongerThanThoseTold) {
   }
 }
 
-// Where edges and corners lie at the place of shortest path, whole or where a stretch ends there.
+// Edges and corners lie at the point of the shortest path, either whole or at the end of a path interval.
 TEST(CertifiedPathWave, EdgesThroughTheShortestPathAreLikeOthers) {
   const Polygon2 whole{{-0.5, -0.4}, {0.5, -0.4}, {0.5, 0.4}, {-0.5, 0.4}};
   const double k = 2 * pi * 20e3 / 1500;
@@ -134,7 +136,7 @@ TEST(CertifiedPathWave, EdgesThroughTheShortestPathAreLikeOthers) {
   }
 }
 
-/// A Hann window of a frequency: paths from `begin` on.
+/// A Hann window of one frequency: paths from `begin` on.
 struct Pulse {
   double begin, length, k;
   Complex at(double path) const {
@@ -158,7 +160,7 @@ struct Pulse {
   }
 };
 
-/// (2) of docs/smooth-surfaces.md by the middles of many parts, extrapolated once.
+/// Computes (2) of docs/smooth-surfaces.md by the midpoints of many parts, with one extrapolation.
 Complex by_sums(const Polygon2& polygon, const Ends& e, const Pulse& pulse) {
   const double heights = e.h + e.s, d = std::hypot(heights, e.x, e.y), c_x = e.x * e.h / heights,
                c_y = e.y * e.h / heights;

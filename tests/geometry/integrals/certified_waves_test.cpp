@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Waves over polygons in balls: the signals sheet's values lie in them, and so does what doubles have.
+// Tests waves over polygons in ball arithmetic. The balls contain the values of the signals sheet and the
+// results in doubles.
 #include "geometry/integrals/certified_waves.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +27,7 @@ std::vector<CertifiedPolygon::Point> points(const Polygon2& polygon) {
   return result;
 }
 
-/// Distance of a number from the ball's, in the larger of both parts; 0 inside.
+/// Distance of a number from the ball, as the larger of both parts; 0 inside.
 double outside(const ComplexBall& ball, Complex value) {
   const auto off = [](const Ball& b, double x) { return std::max({b.lo() - x, x - b.hi(), 0.0}); };
   return std::max(off(ball.real(), value.real()), off(ball.imaginary(), value.imag()));
@@ -55,9 +56,9 @@ TEST(CertifiedMeanPhasor, HoldsWhatDoublesHaveAndIsNarrow) {
                  c = n % 7 == 0 ? b : phase();
     const ComplexBall ball = certified_mean_phasor({Ball(a), Ball(b), Ball(c)});
     ASSERT_LT(outside(ball, mean_phasor(a, b, c)), 1e-15 * (2 + std::abs(a) + std::abs(b) + std::abs(c)));
-    ASSERT_LT(radius(ball), 1e-15);  // of the double's own rounding outwards
+    ASSERT_LT(radius(ball), 1e-15);  // due to the outward rounding of the double
   }
-  // The series and the quotient are of one number: their balls meet.
+  // The series and the quotient compute the same number, so that their balls intersect.
   const Ball a(0.3), b(1.1), wide = Ball::between(2.2999, 2.3001);
   EXPECT_EQ(outside(certified_mean_phasor({a, b, wide}), mean_phasor(0.3, 1.1, 2.3)), 0);
   EXPECT_EQ(outside(certified_mean_phasor({a, b, Ball::between(1.1, 2.5)}), mean_phasor(0.3, 1.1, 2.3)), 0);
@@ -90,7 +91,7 @@ TEST(CertifiedEdgeForm, HoldsTheSheetsDigits) {
   EXPECT_LT(radius(*two), 1e-13);
 }
 
-// Doubles are as good as edge_form.hpp says, near the point of reflection and far from it.
+// Doubles have the accuracy that edge_form.hpp states, near the specular point and far from it.
 TEST(CertifiedEdgeForm, HoldsWhatDoublesHave) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -105,7 +106,7 @@ TEST(CertifiedEdgeForm, HoldsWhatDoublesHave) {
     EXPECT_LT(radius(*ball), 2e-15);
     EXPECT_LT(outside(*ball, in_doubles(polygon, height, rx, k)), 2e-13);
   }
-  // An edge through the point of reflection.
+  // An edge through the specular point.
   const Polygon2 through{{0, -.1}, {.2, -.1}, {.2, .1}, {0, .1}};
   const auto ball =
       certified_edge_form(points(through), Ball(.5), {Ball(.5), Ball(0.0), Ball(0.0)}, Ball(100.0), 1e-15);

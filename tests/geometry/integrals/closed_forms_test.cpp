@@ -14,16 +14,17 @@
 #include "geometry/integrals/measure.hpp"
 #include "geometry/integrals/range_cut.hpp"
 
-// Closed forms of footprints, shadows, solid angles and range bins (physics sheet, section 7), through the
-// whole kernel: facets and tubes on the grid, what is seen, footprints, measures and range cuts.
+// Compares footprints, shadows, solid angles and range bins with closed forms (physics sheet, section 7).
+// The test uses the whole kernel: facets and tubes on the grid, visible polygons, footprints, measures and
+// range cuts.
 namespace tubefoot {
 namespace {
 
 using namespace test;
 
 constexpr double pi = std::numbers::pi, degree = pi / 180;
-/// 2^-25 m: scenes reach 32 m from the apex at the origin. A grid point is off by 1.5e-8 m at most, and a ray
-/// by 2^-31 rad.
+/// 2^-25 m: scenes extend 32 m from the apex at the origin. The rounding of a grid point is at most 1.5e-8
+/// m, and of a ray 2^-31 rad.
 constexpr int exponent = 25;
 const WorldGrid grid(exponent, glm::dvec3(0));
 
@@ -50,7 +51,7 @@ TubeSet empty_set() {
   return set;
 }
 
-/// A tube with the given corner rays, turned about as tubes are.
+/// Adds a tube with the given corner rays in the orientation of tubes.
 void add_tube(TubeSet& set, std::array<glm::dvec3, 4> ray) {
   if (glm::dot(glm::cross(ray[0], ray[1]), ray[2]) < 0) std::swap(ray[1], ray[3]);
   const auto first = static_cast<std::uint32_t>(set.rays.size());
@@ -58,7 +59,8 @@ void add_tube(TubeSet& set, std::array<glm::dvec3, 4> ray) {
   set.tubes.push_back({first, first + 1, first + 2, first + 3});
 }
 
-/// A rectangular pyramid about `axis`, by the tangents of its half-angles sideways (horizontal) and upwards.
+/// Returns a rectangular pyramid about `axis`, from the tangents of its half-angles sideways (horizontal)
+/// and upwards.
 TubeSet pyramid(glm::dvec3 axis, double sideways, double upwards) {
   axis = glm::normalize(axis);
   const glm::dvec3 side =
@@ -80,7 +82,7 @@ TubeSet azimuth_fan(double width, int cells, double lowest, double highest) {
   return set;
 }
 
-/// A fan that starts straight below: one tube, its rays the nadir and three on the seabed beyond `radius` /
+/// A fan that starts straight below: one tube with the nadir and three rays to the seabed beyond `radius` /
 /// height.
 TubeSet fan_from_nadir(double width, double radius_over_height) {
   const double r = radius_over_height / std::cos(width / 2), t = std::tan(width / 2);
@@ -117,7 +119,7 @@ FootprintSet facets_from(FootprintSet set, FacetId first, FacetId end) {
   return set;
 }
 
-/// Area by range sample.
+/// Returns the area by range bin.
 std::vector<double> range_bins(const FootprintSet& set, const std::vector<double>& borders) {
   const RadialIntegral radial(borders, [](double) { return 1.0; });
   RangeCutter cutter(radial);
@@ -139,7 +141,7 @@ double first_return(const FootprintSet& set) {
 
 double relative(double value, double expected) { return std::abs(value / expected - 1); }
 
-/// Errors that fall by a factor of four when the step is halved.
+/// Expects errors that fall by a factor of four for half the step.
 void expect_second_order(const std::vector<double>& errors, double slack) {
   for (std::size_t k = 1; k < errors.size(); ++k)
     EXPECT_NEAR(errors[k - 1] / errors[k], 4, slack) << "at halving " << k << ": error " << errors[k];
@@ -174,7 +176,7 @@ TEST(ClosedForms, FootprintOfAnAzimuthElevationTube) {
     errors.push_back(exact - area);
   }
   EXPECT_NEAR(errors[0], exact - 3.860736328, 1e-6);
-  errors.pop_back();  // the last one is as small as the rounding of rays
+  errors.pop_back();  // the last error is as small as the rounding of rays
   expect_second_order(errors, 0.05);
 }
 
@@ -182,7 +184,7 @@ TEST(ClosedForms, FootprintOfACone) {
   const double h = 10, t = 30 * degree, al = 5 * degree;
   const glm::dvec3 axis(std::cos(t), 0, -std::sin(t)), side(0, 1, 0), up(std::sin(t), 0, std::cos(t));
   std::vector<double> errors;
-  for (const int corners : {16, 32, 64, 128}) {  // a polygonal cone of as many rays, fanned out from its axis
+  for (const int corners : {16, 32, 64, 128}) {  // a polygonal cone of as many rays, as a fan from its axis
     const auto ray = [&](int k) {
       const double turn = 2 * pi * k / corners;
       return axis + std::tan(al) * (std::cos(turn) * side + std::sin(turn) * up);
@@ -227,11 +229,12 @@ TEST(ClosedForms, ShadowOfAThinWall) {
   EXPECT_NEAR(before, 10, 1e-7);
   EXPECT_NEAR(tip, 12.5, 1e-7);
   EXPECT_NEAR(tip_range, 13.462912018, 1e-7);
-  EXPECT_NEAR(first_return(wall), 10.770329614, 1e-7);  // the wall's top, where the shadow begins
+  EXPECT_NEAR(first_return(wall), 10.770329614, 1e-7);  // the top of the wall, where the shadow begins
   EXPECT_NEAR(tip_range - first_return(wall), 2.692582404, 1e-7);
   // h = H Ls / R_tip.
   EXPECT_NEAR(5 * (tip_range - first_return(wall)) / tip_range, 1, 1e-7);
-  // Of the seabed, nothing is in the ranges from the wall's foot, at the sides of the fan, to the tip.
+  // The seabed has no area at ranges from the foot of the wall, at the sides of the fan, to the tip of the
+  // shadow.
   const double foot_range = std::hypot(10 / std::cos(4 * degree), 5);
   const auto bins = range_bins(seabed, {1, foot_range + 1e-6, 13.462912018 - 1e-6, 30});
   EXPECT_GT(bins[0], 1);
@@ -239,13 +242,13 @@ TEST(ClosedForms, ShadowOfAThinWall) {
   EXPECT_GT(bins[2], 1);
 }
 
-/// A sphere with one facet of the coarsest level, and so one of each level, centred on `towards`.
+/// Adds a sphere centred on `towards`, with one facet of the coarsest level and thus of each level.
 void add_ball(FacetMesh& mesh, glm::dvec3 centre, double radius, int level, glm::dvec3 towards) {
   FacetMesh unit;
   add_sphere(unit, {0, 0, 0}, 0x1p29, level);
   const glm::dvec3 z = glm::normalize(towards), x = glm::normalize(glm::cross(z, glm::dvec3(0.3, 0.7, -0.2))),
                    y = glm::cross(z, x);
-  // The octahedron's facet of the first octant is centred on (1, 1, 1).
+  // The facet of the octahedron in the first octant is centred on (1, 1, 1).
   const glm::dvec3 from_z = glm::normalize(glm::dvec3(1, 1, 1)),
                    from_x = glm::normalize(glm::dvec3(1, -1, 0)), from_y = glm::cross(from_z, from_x);
   const auto first = static_cast<VertexId>(mesh.vertices.size());
@@ -294,14 +297,14 @@ TEST(ClosedForms, SphereOnTheFloor) {
     area_errors.push_back(shadow - (bare - area_of(seabed)));
     range_errors.push_back(first_return(ball) - range);
     EXPECT_GT(area_errors.back(), 0) << "an inscribed ball has the smaller shadow";
-    // The ball of facets is convex: its shadow is the hull of the shadows of its vertices.
+    // The sphere of facets is convex: its shadow is the hull of the shadows of its vertices.
     std::vector<glm::dvec2> shadows;
     for (std::size_t v = 6; v < mesh.vertices.size(); ++v) {
       const glm::dvec3 p = grid.to_metres(mesh.vertices[v]);
       shadows.push_back(glm::dvec2(p.x, p.y) * (-5 / p.z));
     }
     EXPECT_NEAR(bare - area_of(seabed), hull_area(shadows), 1e-6);
-    // The shadow's ends on the floor, straight ahead.
+    // The ends of the shadow on the floor, straight ahead.
     const FootprintSet ahead = footprints_of(mesh, azimuth_fan(1e-3 * degree, 1, 60 * degree, 13 * degree));
     double near = 0, far = 1e9;
     for (const Footprint& f : facets_from(ahead, 0, 2).footprints)
@@ -310,7 +313,8 @@ TEST(ClosedForms, SphereOnTheFloor) {
           const double x = ahead.corners_m[ahead.pieces[p].first + k].x;
           (x < 13 ? near : far) = x < 13 ? std::max(near, x) : std::min(far, x);
         }
-    // The ball is inscribed, by 1 - cos of half an edge's angle at most: the shadow's far end moves most.
+    // The sphere is inscribed, by at most 1 - cos of half the angle of an edge. The far end of the shadow
+    // moves most.
     const double sagitta = 1 - std::cos(pi / 4 / (1 << level) * 1.3);
     EXPECT_GT(near, 9.758731568 - 1e-7);
     EXPECT_LT(near, 9.758731568 + 5 * sagitta);
@@ -319,7 +323,7 @@ TEST(ClosedForms, SphereOnTheFloor) {
   }
   expect_second_order(range_errors, 0.2);
   expect_second_order({range_errors[2], range_errors[3]}, 0.02);
-  // How the outline runs across facets differs from level to level, so the order holds on the whole.
+  // The outline crosses facets differently at each level, so that the order holds only overall.
   EXPECT_NEAR(std::log2(area_errors.front() / area_errors.back()) / 3, 2, 0.2);
   EXPECT_LT(area_errors.back() / shadow, 3e-4);
 }
@@ -342,7 +346,7 @@ TEST(ClosedForms, SolidAnglesOfTriangles) {
     const FootprintSet one = footprints_of(mesh, pyramid(axis, 3, 3));
     ASSERT_EQ(one.footprints.size(), 1u);
     EXPECT_NEAR(solid_angle_of(one), c.solid_angle, 1e-12);
-    // Four tubes that share the pyramid's walls: through its four corners and its axis.
+    // Four tubes share the walls of the pyramid: through its four corners and its axis.
     const TubeSet whole = pyramid(axis, 3, 3);
     TubeSet quarters = empty_set();
     const auto ray = [&](int k) {
@@ -351,7 +355,7 @@ TEST(ClosedForms, SolidAnglesOfTriangles) {
     };
     const glm::dvec3 n = glm::normalize(axis);
     for (int k = 0; k < 4; ++k) add_tube(quarters, {n, ray(k) + ray(k + 3), ray(k), ray(k) + ray(k + 1)});
-    // Walls between them are rounded rays apart at the outside only, where the triangle is not.
+    // Walls between them differ by rounded rays only at the outside, where there is no triangle.
     EXPECT_NEAR(solid_angle_of(footprints_of(mesh, quarters)), c.solid_angle, 2e-9);
   }
 }
@@ -392,7 +396,8 @@ TEST(ClosedForms, SolidAnglesAreConservedUnderSplitting) {
     Random random(seed);
     for (const Scene& scene : all_scenes(seed)) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
-      // Rays on a lattice, so that the walls of small tubes are the walls of the large one, exactly.
+      // Rays on a lattice, so that the walls of small tubes coincide exactly with the walls of the large
+      // tube.
       const int n = 6;
       TubeSet fine = lattice_tubes(scene.tubes.apex, -n / 2, -n / 2, n, n, uniform(random, 2, 8)),
               whole = fine;
@@ -473,7 +478,7 @@ TEST(ClosedForms, CirclesAndPolygonsOfFacets) {
       };
       for (std::size_t k = 2; k < c.polygon.size(); ++k)
         add_triangle(mesh, corner(0), corner(k - 1), corner(k));
-      // One tube over all of it, and 36 whose walls cut polygon and circle.
+      // One tube over the whole scene, and 36 tubes whose walls cut polygon and circle.
       const TubeSet fine = [&] {
         TubeSet set = lattice_tubes({0, 0, 0}, -3, -3, 6, 6, 1);
         for (GridPoint& r : set.rays) r = {7 * r.x, 7 * r.z + 1, -6 * r.y};
@@ -489,7 +494,7 @@ TEST(ClosedForms, CirclesAndPolygonsOfFacets) {
           EXPECT_NEAR(areas[0], c.area, 1e-11);
           EXPECT_NEAR(areas[0] + areas[1], c.whole, 1e-11);
           EXPECT_NEAR(area_of(set), c.whole, 1e-11);
-        } else {  // the tubes' outer walls cut off something of the larger polygons
+        } else {  // the outer walls of the tubes cut off parts of the larger polygons
           EXPECT_LE(areas[0] + areas[1], c.whole * (1 + 1e-12));
           EXPECT_NEAR(areas[0] + areas[1], area_of(set), 1e-12);
         }

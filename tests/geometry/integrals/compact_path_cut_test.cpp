@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cells along and across the gradient of the path against cells about its shortest place.
+// Compares cells along and across the gradient of the path length with cells about the point of the
+// shortest path.
 #include "geometry/integrals/compact_path_cut.hpp"
 
 #include <gtest/gtest.h>
@@ -22,7 +23,7 @@ std::vector<double> even(double first, double step, int count) {
   return borders;
 }
 
-/// Lambert's law with absorption, and the same by a pattern with side lobes.
+/// Lambert's law with absorption, and the same with a pattern that has side lobes.
 void echo(glm::dvec2 p, double out, double rx, std::span<double> values) {
   values[0] = std::exp(-0.05 * (out + rx)) / (out * out * out * rx * rx * rx);
   const double at = 20 * (p.x / out - 0.3), lobe = at == 0 ? 1 : std::sin(at) / at;
@@ -69,7 +70,8 @@ void expect_same(std::size_t values, Cells cells, int polygons) {
     double whole = 0;
     for (std::size_t k = 0; k < got.size(); k += values) whole += expected[k];
     ASSERT_GT(whole, 0);
-    // Cells about the shortest path have corners to 1e-15 of their distance from that.
+    // Cells about the shortest path have corners that are accurate to 1e-15 of their distance from its
+    // point.
     const double rounding = 1e-15 * 40 * size / area(polygon);
     for (std::size_t k = 0; k < got.size(); k += values)
       for (std::size_t v = k; v < k + values; ++v)

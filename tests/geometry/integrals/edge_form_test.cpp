@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Waves over planes by their polygons' edges: the signals sheet's values, closed forms, laws, and surface
-// quadrature written apart.
+// Tests waves over planes as integrals over polygon edges. The comparisons are values of the signals sheet,
+// closed forms, laws, and independent surface quadrature.
 #include "geometry/integrals/edge_form.hpp"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,8 @@ Complex edges(const Polygon2& corners, const Ends& ends, double k) {
   return sum;
 }
 
-/// The surface integral itself: (1/4 pi) d/dn of e^{ik(r+s)}/(rs), triangles of a fan halved until small.
+/// The surface integral itself: (1/4 pi) d/dn of e^{ik(r+s)}/(rs), over a fan of triangles that are divided
+/// until they are small.
 Complex by_surface(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, const Ends& ends, double k, double size) {
   const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
   if (longest > size) {
@@ -68,15 +69,15 @@ Polygon2 square(double side) {
   return {{-a, -a}, {a, -a}, {a, a}, {-a, a}};
 }
 
-// Values of the signals sheet, to the digits printed.
+// Values of the signals sheet, to the printed digits.
 TEST(EdgeForm, HasTheSheetsDigits) {
   EXPECT_LT(std::abs(edges(square(0.2), {1, 1}, k_100khz) - Complex(-0.4338993602338, 0.2430891220881)),
             1e-13);
   EXPECT_LT(std::abs(edges({{-.3, -.2}, {.4, -.1}, {.1, .5}}, {2, 2}, k_100khz) -
                      Complex(-0.09601684309, -0.18073857278)),
             1e-11);
-  // S (-.2, .05, 1), E (.3, -.1, .8); the polygon from above is counter-clockwise about the normal: a piece
-  // turns the other way round, but so does the frame.
+  // S (-.2, .05, 1), E (.3, -.1, .8). The polygon is counter-clockwise about the normal as seen from above.
+  // A piece has the opposite orientation, and so has the frame.
   Polygon2 seen;
   for (const glm::dvec2& p : square(0.2)) seen.push_back(p - glm::dvec2(-.2, .05));
   EXPECT_LT(std::abs(edges(seen, {1, .8, {.5, -.15}}, k_100khz) - Complex(0.318785111189, -0.343830832103)),
@@ -101,7 +102,7 @@ TEST(EdgeForm, PulseHasTheSheetsDigits) {
   EXPECT_LT(std::abs(sum[1] - Complex(0.1552026905, -0.1955910541)), 1e-10);
 }
 
-// On the axis of a disc its rim has one range. A polygon of n corners differs from it by some n^-2.
+// On the axis of a disc its rim has one range. A polygon of n corners differs from the disc by about n^-2.
 TEST(EdgeForm, DiscHasItsClosedForm) {
   const double h = 1, a = 0.1;
   const auto of = [&](int corners) {
@@ -113,12 +114,12 @@ TEST(EdgeForm, DiscHasItsClosedForm) {
   const double far = std::sqrt(h * h + a * a);
   const Complex disc = phasor(2 * k_100khz * h) / (2 * h) - h / (2 * far * far) * phasor(2 * k_100khz * far);
   EXPECT_NEAR(std::abs(of(200) - disc) / std::abs(of(400) - disc), 4, 1e-3);
-  // Richardson's step takes that away, and the next one n^-4.
+  // Richardson extrapolation removes this error, and the next step removes n^-4.
   const Complex once = (4.0 * of(800) - of(400)) / 3.0, twice = (4.0 * of(1600) - of(800)) / 3.0;
   EXPECT_LT(std::abs((16.0 * twice - once) / 15.0 - disc), 1e-12);
 }
 
-// Law Q4: with a loss, the edges of a very large polygon have no say.
+// Law Q4: with a loss, the edges of a very large polygon have no influence.
 TEST(EdgeForm, InfinitePlaneIsItsImage) {
   const Ends ends{2, 0.7, {3, -1}};
   const double loss = 1, shortest = std::sqrt(2.7 * 2.7 + 10);
@@ -144,13 +145,13 @@ TEST(EdgeForm, EqualsTheSurfaceIntegral) {
                                                  .05 + .3 * unit(random));
     const Complex surface = by_surface(polygon, ends, k, 0.025);
     EXPECT_LT(std::abs(edges(polygon, ends, k) - surface), 1e-12) << n;
-    // Law Q5: the same from the other end.
+    // Law Q5: the value is the same from the other end.
     const Polygon2 other = test::shifted(polygon, -ends.rx_foot);
     EXPECT_LT(std::abs(edges(other, {ends.rx_height, ends.tx_height, -ends.rx_foot}, k) - surface), 1e-12);
   }
 }
 
-// Edges through the foot point, beside it by less than a wavelength, and corners on it.
+// Edges through the foot point or at less than a wavelength from it, and corners on it.
 TEST(EdgeForm, IsNotSingularWhereTheEdgeMeetsTheShortestPath) {
   for (const double beside : {0.0, 1e-300, 1e-14, 1e-9, 1e-5, 1e-3})
     for (const glm::dvec2 foot : {glm::dvec2(0), glm::dvec2(.3, .1)}) {
@@ -165,7 +166,7 @@ TEST(EdgeForm, IsNotSingularWhereTheEdgeMeetsTheShortestPath) {
     }
 }
 
-// The parts of a polygon add up, however they are cut.
+// The parts of a polygon add up, for any cuts.
 TEST(EdgeForm, PolygonsAddUp) {
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -189,8 +190,8 @@ TEST(ArcAngle, GivesAreasAndAmplitudes) {
     const Polygon2 polygon = test::random_convex(random, {unit(random) - .5, unit(random) - .5}, .6, .4);
     const double h = 0.3 + unit(random);
     const PlanarPolygon p = planar(polygon, h);
-    // Between ranges of corners and of nearest points the angle is smooth, but for roots at the ends, which
-    // r = middle + half sin(pi x / 2) takes away.
+    // Between ranges of corners and of nearest points the angle is smooth, except for square roots at the
+    // ends. The substitution r = middle + half sin(pi x / 2) removes these roots.
     std::vector<double> borders{h};
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       const glm::dvec2 a = polygon[i], e = polygon[(i + 1) % polygon.size()] - a;

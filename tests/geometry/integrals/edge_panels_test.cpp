@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Edges as panels over paths, against the edge form of one frequency.
+// Compares edges that are divided into panels over path lengths with the edge form of one frequency, also
+// near the point of the shortest path.
 #include "geometry/integrals/edge_panels.hpp"
 
 #include <gtest/gtest.h>
@@ -63,7 +64,8 @@ TEST_F(EdgePanelsTest, HaveTheEdgeFormOfOneFrequency) {
   }
 }
 
-// An edge through the place of shortest path, beside it by less and less, and a corner on it.
+// The cases are an edge through the point of the shortest path, edges at smaller and smaller distances from
+// it, and a corner on it.
 TEST_F(EdgePanelsTest, HaveItWhereAnEdgeMeetsTheShortestPath) {
   const double height = 1.3, k = 200;
   for (const PathCutter::Receiver& rx : {PathCutter::Receiver{height, {0, 0}}, {0.9, {0.4, -0.2}}}) {
@@ -91,8 +93,8 @@ TEST_F(EdgePanelsTest, PathsAreFoundWhereTheyAre) {
                    at = edges.place_of(panel, path);
       ASSERT_GE(at, panel.from);
       ASSERT_LE(at, panel.to);
-      // Nodes before the place have the shorter paths, or the longer ones, as the panel goes, and those after
-      // it the others; some are next to it.
+      // Nodes before the point have shorter or longer paths, by the direction of the panel. Nodes after it
+      // have the others. Some nodes lie next to it.
       const double sign = panel.to_path_m > panel.from_path_m ? 1 : -1;
       const double step = 1e-6 * (panel.to - panel.from);
       std::vector<EdgePanels::Node> before, after;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Intervals of long doubles, and pieces enclosed by them, against balls of 128 bits.
+// Tests intervals of long doubles, and enclosures of pieces in such intervals. The comparison is ball
+// arithmetic of 128 bits.
 #include "geometry/integrals/interval_polygon.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ bool is_narrow(const FineInterval& interval, long double least) {
 TEST(FineInterval, HoldsSumsProductsQuotientsAndRoots) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> digits(-2, 2), decades(-30, 30);
-  // Ends beyond the digits of a double.
+  // Ends with more digits than a double.
   const auto any = [&] {
     const long double head = digits(random) * std::pow(10, decades(random));
     return head + head * static_cast<long double>(digits(random)) * 0x1p-55L;
@@ -47,7 +48,7 @@ TEST(FineInterval, HoldsSumsProductsQuotientsAndRoots) {
     EXPECT_TRUE(holds(squared(a), squared(p)));
     EXPECT_TRUE(holds(root(squared(a)), root(squared(p))));
     EXPECT_TRUE(holds(a.in_doubles(), p));
-    // From end to end, whatever the signs.
+    // The intervals run from end to end, with any signs.
     const FineInterval wide(std::min(x, y), std::max(x, y)), other(-std::abs(x), std::abs(y));
     for (const auto& [u, s] : {std::pair(x, p), std::pair(y, q)})
       for (const auto& [v, t] : {std::pair(-std::abs(x), Ball(-std::abs(x))), std::pair(0.0L, Ball())}) {

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests measures of polygons and footprints: solid angle, area, nearest slant range and centroid. The
+// comparisons are closed forms (physics sheet 7.1) and sampled polygons.
+
 #include "geometry/integrals/measure.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +32,7 @@ PlanarPolygon planar(const Polygon2& polygon, const FacetPlane& plane) {
   return planar(on_plane(plane, polygon), plane);
 }
 
-/// A triangle in space, its plane taken from the corners.
+/// Solid angle of a triangle in space, whose plane comes from the corners.
 double triangle_solid_angle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
   const glm::dvec3 away = glm::normalize(glm::cross(b - a, c - a));
   return solid_angle(planar(std::vector{a, b, c}, FacetPlane{-away, glm::dot(a, away)}));
@@ -57,7 +60,7 @@ TEST(SolidAngle, RectangleAndPyramid) {
 }
 
 TEST(SolidAngle, SmallGrazingPolygonsKeepTheirDigits) {
-  // A micrometre-wide strip, seen at 0.01 degrees from 100 m: area times sin(grazing) / r^2 to first order.
+  // A strip of width 1 um, seen at 0.01 degrees from 100 m: area times sin(grazing) / r^2 to first order.
   const double d = 100 * std::sin(0.01 * degree), x = 100 * std::cos(0.01 * degree), w = 1e-6;
   const Polygon2 strip{{x - w / 2, -w / 2}, {x + w / 2, -w / 2}, {x + w / 2, w / 2}, {x - w / 2, w / 2}};
   EXPECT_LT(relative(solid_angle(planar(strip, flat_seabed(d))), w * w * d / 1e6), 1e-7);
@@ -91,7 +94,7 @@ TEST(Area, AzimuthByGrazingTube) {
   const Polygon2 straight{
       {near, 0}, {far, 0}, {far * std::cos(f), far * std::sin(f)}, {near * std::cos(f), near * std::sin(f)}};
   EXPECT_NEAR(area(planar(straight, flat_seabed(h))), 3.860736328, 1e-9);
-  Polygon2 arcs;  // the azimuth-by-grazing tube proper, its arcs in many chords
+  Polygon2 arcs;  // the azimuth-by-grazing tube itself, with arcs in many chords
   const int chords = 4000;
   for (int i = 0; i <= chords; ++i) {
     const double t = f * i / chords;
@@ -105,7 +108,8 @@ TEST(Area, AzimuthByGrazingTube) {
 }
 
 TEST(Area, RectangularPyramid) {
-  // The four corner rays of a pyramid of half-angles 0.15 and 7 degrees, axis 30 degrees down, sonar at 5 m.
+  // The four corner rays of a pyramid of half-angles 0.15 and 7 degrees, axis 30 degrees down, sonar at 5
+  // m.
   const double a = std::tan(0.15 * degree), b = std::tan(7 * degree), t = 30 * degree, h = 5;
   const glm::dvec3 axis(std::cos(t), 0, -std::sin(t)), side(0, 1, 0), up(std::sin(t), 0, std::cos(t));
   std::vector<glm::dvec3> corners;
@@ -146,8 +150,10 @@ TEST(SlantRange, NearestPointIsFootEdgeOrCorner) {
   EXPECT_DOUBLE_EQ(nearest_point(beside).range, 5);  // the edge x = 4, at y = 0
   const PlanarPolygon oblique = planar(test::shifted(square, {5, 5}), plane);
   EXPECT_DOUBLE_EQ(nearest_point(oblique).range, std::sqrt(9 + 32));
-  EXPECT_DOUBLE_EQ(nearest_point(planar(test::shifted(square, {1, 0}), plane)).range, 3);  // foot on an edge
-  EXPECT_DOUBLE_EQ(nearest_point(planar(test::shifted(square, {1, 1}), plane)).range, 3);  // foot at a corner
+  // foot point on an edge
+  EXPECT_DOUBLE_EQ(nearest_point(planar(test::shifted(square, {1, 0}), plane)).range, 3);
+  // foot point at a corner
+  EXPECT_DOUBLE_EQ(nearest_point(planar(test::shifted(square, {1, 1}), plane)).range, 3);
 }
 
 TEST(SlantRange, SliverThatPointsAtTheFootIsNotAtTheFoot) {

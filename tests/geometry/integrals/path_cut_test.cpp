@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Areas between ellipses of equal path, transmitter and separate receiver: closed forms (physics sheet 7.6).
+// Tests areas between ellipses of equal path, for a transmitter and a separate receiver. The comparisons
+// are closed forms (physics sheet 7.6) and random points.
 #include "geometry/integrals/path_cut.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +21,8 @@ using test::Polygon2;
 
 constexpr double pi = std::numbers::pi;
 
-/// Two points above a plane: heights, and the receiver's foot from the transmitter's.
+/// Two points above a plane: their heights, and the foot point of the receiver relative to that of the
+/// transmitter.
 struct Apexes {
   double transmit_height, receive_height;
   glm::dvec2 receive_foot;
@@ -47,9 +49,9 @@ std::vector<double> even(double first, double step, int count) {
   return borders;
 }
 
-/// The plane's section of the spheroid of points with that path: for the ellipsoid of semi-axes a and b
-/// (twice) and a plane at distance p from its centre whose normal has sine s along the axis, pi a b^2 (1 -
-/// p^2 / w) / sqrt(w), w = a^2 s^2 + b^2 (1 - s^2).
+/// Area of the section of the plane with the spheroid of points with that path. For the ellipsoid of
+/// semi-axes a and b (twice) and a plane at distance p from its centre whose normal has sine s along the
+/// axis, it is pi a b^2 (1 - p^2 / w) / sqrt(w), w = a^2 s^2 + b^2 (1 - s^2).
 double ellipse_area(const Apexes& apexes, double path) {
   if (path <= apexes.shortest()) return 0;
   const double rise = apexes.transmit_height - apexes.receive_height;
@@ -68,7 +70,7 @@ TEST(PathCut, BinsOfAPlaneAreDifferencesOfEllipses) {
        {Apexes{5, 5, {0, 0}}, Apexes{5, 2, {0, 0}}, Apexes{10, 10, {6, -3}}, Apexes{3, 8, {20, 15}},
         Apexes{0.5, 0.25, {30, 1}}, Apexes{12, 0.05, {-4, 9}}}) {
     const double least = apexes.shortest() / 2;
-    // Across the first return, then on.
+    // From before the first return to beyond it.
     const std::vector<double> borders = even(least - 0.3, 0.5, 150);
     const std::vector<double> got = areas(plane, apexes, borders);
     for (std::size_t k = 0; k < got.size(); ++k) {
@@ -80,7 +82,8 @@ TEST(PathCut, BinsOfAPlaneAreDifferencesOfEllipses) {
 }
 
 TEST(PathCut, PrintedAreasOfPolygonsAndCircles) {
-  // Both apexes at height 1 over the circle's centre: a circle of radius r is the half path sqrt(1 + r^2).
+  // Both apexes are at height 1 over the centre of the circle: a circle of radius r has the half path
+  // sqrt(1 + r^2).
   const auto within = [](Polygon2 polygon, glm::dvec2 centre, double r) {
     return areas(test::shifted(std::move(polygon), -centre), {1, 1, {0, 0}}, {0, std::sqrt(1 + r * r)})[0];
   };
@@ -109,8 +112,8 @@ double triangle_in_circle(glm::dvec2 a, glm::dvec2 b) {
   return sector(a, p) + cross(p, q) / 2 + sector(q, b);
 }
 
-/// Area of a polygon within the ellipse of a path: 4 L^2 |P-T|^2 - (L^2 + |P-T|^2 - |P-R|^2)^2 = 0 is a
-/// conic, an affine map makes it the unit circle.
+/// Area of a polygon within the ellipse of a path. 4 L^2 |P-T|^2 - (L^2 + |P-T|^2 - |P-R|^2)^2 = 0 is a
+/// conic, and an affine map transforms it into the unit circle.
 double area_in_ellipse(const Polygon2& polygon, const Apexes& apexes, double path) {
   if (path <= apexes.shortest()) return 0;
   const glm::dvec2 f = apexes.receive_foot;
@@ -160,10 +163,11 @@ TEST(PathCut, PolygonsAnywhereAgreeWithTheAffineMapToACircle) {
     double sum = 0;
     for (std::size_t k = 0; k < got.size(); ++k) {
       sum += got[k];
-      if (got[k] == 0 && i % 3 == 0) continue;  // thousands of them; the sum below misses none that matters
+      // thousands of empty bins; the sum below includes all bins that matter
+      if (got[k] == 0 && i % 3 == 0) continue;
       const double expected = area_in_ellipse(polygon, apexes, 2 * borders[k + 1]) -
                               area_in_ellipse(polygon, apexes, 2 * borders[k]);
-      // The oracle is a difference of areas of the ellipse's size.
+      // The oracle is a difference of areas of the size of the ellipse.
       const double rounding = 1e-14 * (40 * 40 + apexes.shortest() * apexes.shortest());
       ASSERT_NEAR(got[k], expected, 2e-10 * expected + rounding) << "polygon " << i << ", sample " << k;
     }
@@ -190,8 +194,8 @@ TEST(PathCut, ShortestPathInsideOnAnEdgeAndAtACorner) {
 
 // Law P2.
 TEST(PathCut, NeedlesAndCornersAtTheShortestPathAddUp) {
-  // Apexes micrometres from the plane, needles, and corners and edges within rounding of the point of
-  // shortest path: whatever the samples, their areas are the polygon's.
+  // The cases are apexes micrometres from the plane, needles, and corners and edges within rounding of the
+  // point of the shortest path. For any range bins, the areas add up to that of the polygon.
   const unsigned seed = 14142;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
@@ -264,7 +268,7 @@ TEST(PathCut, TheSamplesOfAPolygonAreThoseItReachesInto) {
   EXPECT_GT(first, 60u);
 }
 
-// Against a fine grid of the polygon, and its borders.
+// Compares with a fine grid of the polygon and its borders.
 TEST(PathCut, TheShortestAndTheLongestHalfPathOfAPolygon) {
   const unsigned seed = 8128;
   SCOPED_TRACE(testing::Message() << "seed " << seed);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Integrals of e^{i phase} over polygons: closed forms, laws, and the series against the quotient.
+// Tests integrals of e^{i phase} over polygons. The comparisons are closed forms, values of the signals
+// sheet, laws, and the series against the quotient.
 #include "geometry/integrals/polygon_transform.hpp"
 
 #include <gtest/gtest.h>
@@ -30,7 +31,8 @@ Complex transform(const Polygon2& polygon, glm::dvec2 q) {
 
 double sinc(double x) { return x == 0 ? 1 : std::sin(x) / x; }
 
-/// By Gauss's rule in each direction of a triangle: for phases that change by a few radians.
+/// Computes the mean by Gauss's rule in each direction of a triangle, for phases that change by a few
+/// radians.
 Complex by_quadrature(double a, double b, double c) {
   const GaussRule& rule = gauss_rule(24);
   Complex sum = 0;
@@ -55,7 +57,7 @@ TEST(MeanPhasor, IsTheMeanForAllPhases) {
   }
 }
 
-// Where the series hands over to the quotient both are right.
+// At the border between series and quotient both are accurate.
 TEST(MeanPhasor, SeriesMeetsQuotient) {
   for (const double largest : {1.4999, 1.5001, 2.999, 3.001})
     for (double part = -0.5; part <= 0.5; part += 0.01) {
@@ -74,8 +76,8 @@ TEST(PolygonTransform, RectangleIsAProductOfSincs) {
           << qx << " " << qy;
 }
 
-// The signals sheet's rectangle of 0.10 m by 0.06 m, from three directions to where the sound came from and
-// from one to another: f = (ik / 4 pi) (i - s).n I(k (i - s)), rigid.
+// The rectangle of 0.10 m by 0.06 m of the signals sheet, from three monostatic directions and one bistatic
+// pair: f = (ik / 4 pi) (i - s).n I(k (i - s)), rigid.
 TEST(PolygonTransform, RectangleHasTheSheetsDigits) {
   const double k = 2 * std::numbers::pi * 100e3 / 1500, degree = std::numbers::pi / 180;
   EXPECT_NEAR(k, 418.879020479, 5e-10);
@@ -98,14 +100,15 @@ TEST(PolygonTransform, RectangleHasTheSheetsDigits) {
   check(0, 0, -0.4, 1e-15, -7.958800173, 5e-10);
   check(5, 0, 0.0532057710108715, 1e-15, -25.48082518, 5e-9);
   check(20, 30, -0.00102316471765103, 1e-16, -59.80108889, 5e-9);
-  // Incidence at 30 degrees in the plane of x and z, out at 40 degrees, 15 degrees beside it.
+  // Incidence at 30 degrees in the plane of x and z, scattering at 40 degrees, 15 degrees out of this
+  // plane.
   const Complex beside =
       length(glm::dvec3(std::sin(30 * degree), 0, -std::cos(30 * degree)), towards(40, 15));
   EXPECT_NEAR(beside.imag(), -0.0306517890946051, 1e-15);
   EXPECT_NEAR(beside.real(), 0, 1e-16);
 }
 
-// Values of the signals sheet, two corners of the wave vector.
+// Values of the signals sheet.
 TEST(PolygonTransform, TriangleInSpaceHasTheSheetsDigits) {
   const double k = 2 * std::numbers::pi * 100e3 / 1500;
   const std::vector<glm::dvec3> triangle{{0, 0, 0}, {.09, .01, 0}, {.02, .07, .03}};
@@ -131,7 +134,7 @@ TEST(PolygonTransform, PartsAddUpAndShiftsTurnThePhase) {
     const Polygon2 polygon = test::random_convex(random, {3, -2}, 1, thin);
     const double size = std::pow(10, -6 + 9 * unit(random)), turn = 7 * unit(random);
     const glm::dvec2 q = size * glm::dvec2(std::cos(turn), std::sin(turn));
-    // A corner to a point of a far edge: two convex parts.
+    // From a corner to a point of a far edge: two convex parts.
     const std::size_t n = polygon.size(), far = 1 + static_cast<std::size_t>(unit(random) * double(n - 2));
     const double t = unit(random);
     const glm::dvec2 cut = polygon[far] + t * (polygon[far + 1] - polygon[far]);
@@ -143,7 +146,7 @@ TEST(PolygonTransform, PartsAddUpAndShiftsTurnThePhase) {
       const glm::dvec2 a = polygon[i - 1] - polygon[0], b = polygon[i] - polygon[0];
       area += std::abs(a.x * b.y - a.y * b.x) / 2;
     }
-    // The cut's place is rounded: by so much of the phase, and of a needle's area.
+    // The position of the cut is rounded, which changes the phase and the area of a needle.
     const double slack = area * (1e-14 + 5e-15 * size) + 3e-15;
     EXPECT_LT(std::abs(transform(polygon, q) - transform(one, q) - transform(other, q)), slack);
     const glm::dvec2 by{0.5, -0.25};

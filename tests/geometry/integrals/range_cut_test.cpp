@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests integrals over polygons by range bin. The comparisons are closed forms (physics sheet 7.4 and 7.6),
+// an oracle in polar coordinates, and laws of splitting.
+
 #include "geometry/integrals/range_cut.hpp"
 
 #include <gtest/gtest.h>
@@ -44,8 +47,8 @@ double total(const std::vector<double>& values) { return std::accumulate(values.
 double relative(double value, double expected) { return std::abs(value / expected - 1); }
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// Oracle, by a way of its own: the angle for which the circle of radius rho runs inside a convex polygon,
-/// from the circle's crossings with all edge lines, ...
+/// Independent oracle: the angle over which the circle of radius rho runs inside a convex polygon. It uses
+/// the intersections of the circle with all edge lines.
 double angle_inside(const Polygon2& p, double rho) {
   std::vector<double> cuts{-pi, pi};
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -69,7 +72,7 @@ double angle_inside(const Polygon2& p, double rho) {
   return angle;
 }
 
-/// ... integrated over rho between the radii where that angle has a kink.
+/// Integrates angle_inside() over rho between the radii at which the angle has a kink.
 double oracle(const Polygon2& p, double distance, double lo, double hi, const Function& g) {
   const auto radius = [distance](double r) {
     return std::sqrt(std::max((r - distance) * (r + distance), 0.0));
@@ -97,7 +100,7 @@ double oracle(const Polygon2& p, double distance, double lo, double hi, const Fu
   return sum;
 }
 
-/// The integral of g over a whole polygon, in its own coordinates: adaptive in both, triangle by triangle.
+/// The integral of g over a whole polygon in its own coordinates: adaptive in both, triangle by triangle.
 double whole(const Polygon2& p, double distance, const Function& g) {
   using boost::math::quadrature::gauss_kronrod;
   double sum = 0;
@@ -204,7 +207,8 @@ TEST(RangeCut, FootInsideOnAnEdgeAndAtACorner) {
   const RadialIntegral radial(uniform_borders(0, 0.1, 100), lambert_with_absorption);
   for (const double turn : {0.0, 0.7, 1.9})
     for (const double d : {0.3, 2.0, 5.0}) {
-      // By symmetry the four quarters and the two halves are equal, with the foot at a corner or on an edge.
+      // By symmetry the four quarters and the two halves are equal, with the foot point at a corner or on
+      // an edge.
       const auto turned = [turn](Polygon2 p) {
         for (glm::dvec2& q : p)
           q = {q.x * std::cos(turn) - q.y * std::sin(turn), q.x * std::sin(turn) + q.y * std::cos(turn)};
@@ -260,7 +264,7 @@ TEST(RangeCut, AddsUpUnderSplittingOfTheSamples) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> place(-6, 6), unit(0, 1);
-  // Binary fractions, so that coarse borders are fine borders; one sample of 64 m needs many cells.
+  // Binary fractions, so that coarse borders are fine borders. One range bin of 64 m needs many cells.
   const RadialIntegral fine(uniform_borders(0, 1.0 / 32, 2048), lambert_with_absorption);
   const RadialIntegral coarse(uniform_borders(0, 1.0 / 4, 256), lambert_with_absorption);
   const RadialIntegral single(uniform_borders(0, 64, 1), lambert_with_absorption);
@@ -289,10 +293,11 @@ TEST(RangeCut, SmallPolygonsFarAwayKeepTheirDigits) {
       polygon.first = range * std::cos(a) * glm::dvec2(std::cos(turn), std::sin(turn));
       const Polygon2 p = random_convex(random, {0, 0}, size, size / 3);
       for (const glm::dvec2& q : p) polygon.offsets.push_back(q - p[0]);
-      // Second order about the centre: the rest is below (size / range)^3, which only the largest needs.
+      // Second order about the centre: the rest is below (size / range)^3. Only the largest polygon needs
+      // more.
       const double expected = [&] {
         if (size > 1e-4) {
-          double sum = 0;  // many small triangles, each by its three edge midpoints
+          double sum = 0;  // many small triangles, each by the midpoints of its three edges
           for (std::size_t t = 2; t < p.size(); ++t) {
             const int n = 40;
             const glm::dvec2 o = polygon.offsets[0], u = (polygon.offsets[t - 1] - o) / double(n),
@@ -393,7 +398,7 @@ TEST(RadialIntegral, ShortIntervalsKeepTheirDigits) {
   const auto& cell = radial.cells()[radial.cell_at(14.3)];
   for (const double length : {1e-3, 1e-6, 1e-9, 1e-12}) {
     const double middle = 14.3 + length / 2;
-    const double curved = 1 + length * length;  // second-order rest, generously
+    const double curved = 1 + length * length;  // generous second-order rest
     EXPECT_LT(relative(RadialIntegral::within(cell, 14.3, length),
                        lambert_with_absorption(middle) * middle * length),
               1e-13 + (curved - 1));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Stretches of an edge several at a time: each has the bits that it has by itself.
+// Tests that several intervals of edges in lanes give the same bits as each interval alone. The lanes
+// compute integrals over range bins by Green's theorem.
 #include "geometry/integrals/range_lanes.hpp"
 
 #include <gtest/gtest.h>
@@ -40,8 +41,7 @@ struct Rule {
   }
 };
 
-/// What the lanes are to make of one stretch, written down from Green's theorem (range_cut.hpp) for one
-/// stretch.
+/// Expected result of one interval in the lanes, from Green's theorem (range_cut.hpp).
 struct Alone {
   double angle = 0, inside = 0;
   Alone(const EdgeWalk& w, double from, double step, const RadialIntegral& radial, std::size_t cell,
@@ -84,7 +84,8 @@ TEST(RangeLanes, StretchesTogetherHaveTheBitsOfEachAlone) {
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
   std::mt19937_64 random(seed);
   std::vector<double> borders;
-  for (int k = 0; k <= 200; ++k) borders.push_back(2 + 0.3 * k);  // near ones are cut and of high degree
+  // near intervals are cut and of high degree
+  for (int k = 0; k <= 200; ++k) borders.push_back(2 + 0.3 * k);
   const RadialIntegral radial(borders, [](double r) { return std::pow(r, -6) * std::exp(-0.02 * r); });
   ASSERT_GT(radial.cells().size(), most_stretches);
   const std::array rules{Rule::of<3>(), Rule::of<4>(), Rule::of<5>(), Rule::of<8>()};
@@ -121,13 +122,13 @@ TEST(RangeLanes, DistancesToBordersAreThoseOfEachAlone) {
   }
 }
 
-// The limits of range_cut.cpp: n nodes leave about (step / 2 distance)^2n, and none goes further than half of
-// the distance.
+// The limits of range_cut.cpp: n nodes have an error of about (step / 2 distance)^2n. No interval is longer
+// than half of the distance.
 TEST(RangeLanes, LongerStretchesTakeMoreNodesAndTheLongestMoreThanOneQuadrature) {
   EdgeWalk walk;
   walk.height = 3;
   walk.height2 = 9;
-  walk.start = 4;  // 5 from the foot
+  walk.start = 4;  // 5 from the foot point
   const std::array<std::pair<double, double>, 9> cases{{{0, 0},
                                                         {0.0299, 3},
                                                         {0.0301, 4},
@@ -147,7 +148,7 @@ TEST(RangeLanes, LongerStretchesTakeMoreNodesAndTheLongestMoreThanOneQuadrature)
         EXPECT_EQ(step, length);
       }
     }
-  // No splinter at the end: a little more than half of the distance is one quadrature.
+  // No small rest at the end: a little more than half of the distance is one quadrature.
   const std::array<double, 2> y{0, 2.6};
   double step = -1, nodes = -1;
   nodes_of_stretches(walk, 1, y.data(), &step, &nodes);

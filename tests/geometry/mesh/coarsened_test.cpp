@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Coarse facets: how far they are from the surface they stand for, looked up point by point in CGAL's trees.
+// Tests coarse meshes: their distance from the original surface, point by point with CGAL's trees, their
+// normals, topology and borders.
 #include "geometry/mesh/coarsened.hpp"
 
 #include <CGAL/AABB_traits.h>
@@ -36,7 +37,7 @@ glm::dvec3 area(const FacetMesh& mesh, std::size_t facet) {
                           corner(mesh, facet, 2) - corner(mesh, facet, 0));
 }
 
-/// Some of one component and material.
+/// Makes a mesh of one component and material.
 FacetMesh mesh_of(std::vector<GridPoint> vertices, std::vector<Triangle> facets) {
   FacetMesh mesh{std::move(vertices), std::move(facets), {}, {}};
   mesh.material.assign(mesh.facets.size(), 0);
@@ -46,7 +47,7 @@ FacetMesh mesh_of(std::vector<GridPoint> vertices, std::vector<Triangle> facets)
 
 constexpr double cell = 50'000;
 
-/// A grid of cells over which a height in grid units is given.
+/// Makes a grid of cells with a height function in grid units.
 FacetMesh terrain(int cells, const std::function<double(double x, double y)>& height) {
   std::vector<GridPoint> vertices;
   std::vector<Triangle> facets;
@@ -71,7 +72,7 @@ FacetMesh noisy_terrain(int cells, double noise) {
   });
 }
 
-/// A closed net round an axis, of `around` times `along` squares; ends that meet make it a torus.
+/// Makes a closed mesh about an axis, of `around` times `along` squares. Ends that meet make it a torus.
 FacetMesh torus(int around, int along, double radius, double tube) {
   std::vector<GridPoint> vertices;
   std::vector<Triangle> facets;
@@ -90,7 +91,7 @@ FacetMesh torus(int around, int along, double radius, double tube) {
   return mesh_of(std::move(vertices), std::move(facets));
 }
 
-/// An octahedron, each facet cut into n * n, blown up.
+/// Makes an octahedron with each facet cut into n * n, projected onto a sphere.
 FacetMesh sphere(int n, double radius) {
   std::map<std::array<int, 3>, VertexId> ids;
   std::vector<GridPoint> vertices;
@@ -122,7 +123,7 @@ CoarseMesh coarse(const FacetMesh& mesh, double most_move, double most_turn_rad 
   return coarsened(mesh, std::vector<double>(mesh.facets.size(), most_move), most_turn_rad);
 }
 
-/// Of points to a mesh.
+/// Distances of points to a mesh.
 class Distances {
   using Kernel = CGAL::Simple_cartesian<double>;
   using Triangles = std::vector<Kernel::Triangle_3>;
@@ -157,7 +158,8 @@ glm::dvec3 drawn_point(const FacetMesh& mesh, std::size_t facet, std::mt19937& r
          v * (corner(mesh, facet, 2) - corner(mesh, facet, 0));
 }
 
-/// Distances of drawn points both ways within the bounds, and how much of the largest bound was met.
+/// Expects that distances of random points in both directions are within the bounds. Returns the largest
+/// ratio of distance to bound.
 double expect_near(const FacetMesh& given, const CoarseMesh& made, double most_move) {
   std::mt19937 random(11);
   const Distances to_given(given), to_made(made.mesh);
@@ -194,7 +196,7 @@ std::set<Edge> border_of(const FacetMesh& mesh) {
   return border;
 }
 
-/// Vertices less edges plus facets.
+/// Vertices minus edges plus facets.
 long characteristic(const FacetMesh& mesh) {
   std::set<VertexId> used;
   for (const Triangle& t : mesh.facets) used.insert(t.begin(), t.end());
@@ -207,13 +209,13 @@ double volume(const FacetMesh& mesh) {
   return sum;
 }
 
-// Law N4, of terrain, over which facets are moved up and down and nothing adds up.
+// Law N4 for terrain: facets move vertically, and errors do not accumulate.
 TEST(Coarsened, TerrainIsAsNearAsIsReported) {
   for (const double most_move : {1'000.0, 10'000.0, 40'000.0}) {
     const FacetMesh smooth = terrain(80, waves), rough = noisy_terrain(80, 5'000);
     for (const FacetMesh* given : {&smooth, &rough}) {
       const CoarseMesh made = coarse(*given, most_move);
-      EXPECT_GT(expect_near(*given, made, most_move), 0.5);  // the bound is no idle one
+      EXPECT_GT(expect_near(*given, made, most_move), 0.5);  // the bound is not far too large
       EXPECT_LE(made.largest_share, 1);
       if (given == &smooth) {
         EXPECT_LT(5 * made.mesh.facets.size(), given->facets.size());
@@ -222,7 +224,7 @@ TEST(Coarsened, TerrainIsAsNearAsIsReported) {
   }
 }
 
-// Law N4, of surfaces that face all ways.
+// Law N4 for surfaces with all orientations.
 TEST(Coarsened, RoundThingsAreAsNearAsIsReported) {
   for (const FacetMesh& given : {sphere(40, 2e6), torus(160, 60, 4e6, 1.5e6)})
     for (const double most_move : {3'000.0, 30'000.0}) {
@@ -232,7 +234,7 @@ TEST(Coarsened, RoundThingsAreAsNearAsIsReported) {
     }
 }
 
-// Law N4: of terrain the map is straight up and down, so that normals can be held against each other.
+// Law N4: for terrain the map is vertical, so that the test can compare normals.
 TEST(Coarsened, NormalsTurnByNoMoreThanIsReported) {
   const FacetMesh given = noisy_terrain(60, 4'000);
   constexpr double most_turn_rad = 0.25;
@@ -278,7 +280,7 @@ TEST(Coarsened, WhatIsClosedStaysClosed) {
   }
 }
 
-// Law N5: a tetrahedron has no vertex that could go, however far facets may move.
+// Law N5: no vertex of a tetrahedron can be removed, for any permitted displacement.
 TEST(Coarsened, NothingFolds) {
   const FacetMesh four = mesh_of({{0, 0, 0}, {900, 0, 0}, {0, 900, 0}, {0, 0, 900}},
                                  {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
@@ -288,7 +290,7 @@ TEST(Coarsened, NothingFolds) {
   EXPECT_EQ(characteristic(made.mesh), 2);
 }
 
-// Law N5: borders of sheets, of components and of materials.
+// Law N5: borders of surfaces, of components and of materials.
 TEST(Coarsened, BordersStay) {
   FacetMesh seabed = terrain(60, waves);
   for (std::size_t f = 0; f < seabed.facets.size(); ++f) {
@@ -363,7 +365,8 @@ TEST(Coarsened, IsTheSameEachTime) {
   EXPECT_EQ(one.turn_rad, two.turn_rad);
 }
 
-// Three sheets on an edge, a cone's tip on a sheet, facets twice and without an area: their vertices stay.
+// The vertices of these cases stay: three surfaces at an edge, the tip of a cone on a surface, duplicate
+// facets, and facets without area.
 TEST(Coarsened, WhatIsNoSheetKeepsItsCorners) {
   FacetMesh seabed = terrain(20, waves);
   const auto add = [&](VertexId a, VertexId b, VertexId c) {
@@ -373,9 +376,9 @@ TEST(Coarsened, WhatIsNoSheetKeepsItsCorners) {
   const auto high = VertexId(seabed.vertices.size());
   seabed.vertices.push_back({int(10 * cell), int(10 * cell), 3'000'000});
   seabed.vertices.push_back({int(11 * cell), int(10 * cell), 3'000'000});
-  add(at(5, 5), at(6, 5), high);         // a third sheet
-  add(at(12, 12), high, high + 1);       // its tip on the seabed
-  add(at(8, 3), at(9, 3), at(8, 4));     // there twice
+  add(at(5, 5), at(6, 5), high);         // a third surface
+  add(at(12, 12), high, high + 1);       // its tip lies on the seabed
+  add(at(8, 3), at(9, 3), at(8, 4));     // duplicate facet
   add(at(15, 3), at(15, 3), at(15, 4));  // no area
   const CoarseMesh made = coarse(seabed, 50'000);
   EXPECT_LT(made.mesh.facets.size(), seabed.facets.size() / 2);

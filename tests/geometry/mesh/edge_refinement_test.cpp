@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the refinement of meshes by bisection of edges. Parts fill their facets exactly, closed meshes stay
+// closed, and local refinement equals uniform refinement where it is needed.
+
 #include "geometry/mesh/edge_refinement.hpp"
 
 #include <gmock/gmock.h>
@@ -21,7 +24,7 @@ using namespace test;
 
 const WorldGrid grid(10, {3, -5, 1});  // about 1 mm
 
-/// Longer than a length that a function of the edge's middle gives.
+/// Cuts edges that are longer than a function of the midpoint of the edge.
 struct SizeRule : EdgeRule {
   using Size = std::function<double(glm::dvec3 middle, double length)>;
   explicit SizeRule(Size s) : size(std::move(s)) {}
@@ -36,7 +39,7 @@ SizeRule uniform_rule(double h) {
   return SizeRule([h](glm::dvec3, double) { return h; });
 }
 
-/// Sizes that jump by factors from place to place: a few balls, each with its own.
+/// Sizes that change by factors at the borders of a few spheres.
 SizeRule rough_rule(std::uint64_t seed, double finest) {
   struct Ball {
     glm::dvec3 centre;
@@ -66,10 +69,10 @@ std::vector<FacetId> all_of(const FacetMesh& mesh) {
   return all;
 }
 
-/// Vertices at multiples of 2^8 units: eight halvings stay on the grid, and `stay` moves nothing.
+/// Vertices at multiples of 2^8 units: eight bisections stay on the grid, and `stay` moves nothing.
 GridPoint coarse(GridPoint p) { return {p.x / 256 * 256, p.y / 256 * 256, p.z / 256 * 256}; }
 
-/// A random triangles in which many facets share edges, three and more of them at once.
+/// Random triangles in which many facets share edges, some with three or more facets.
 FacetMesh knotted_random_triangles(std::uint64_t seed) {
   Random random(seed);
   FacetMesh mesh;
@@ -120,8 +123,8 @@ std::array<std::int64_t, 3> doubled_area(const FacetMesh& mesh, const std::array
   return {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
 }
 
-/// A mesh whose every part of a base edge is met by as many facets as the base edge, and every other edge by
-/// two, has no T-junction: a vertex on the inside of an edge would end other edges there.
+/// In a mesh without T-junctions, each part of a base edge belongs to as many facets as the base edge. Each
+/// other edge belongs to two. A vertex inside an edge would end other edges there.
 // Law D1.
 TEST(EdgeRefinement, FacetsThatShareAnEdgeShareItsParts) {
   std::size_t shared_by_three = 0;
@@ -130,7 +133,7 @@ TEST(EdgeRefinement, FacetsThatShareAnEdgeShareItsParts) {
     const FacetMesh base = knotted_random_triangles(seed);
     const std::map<Edge, int> base_edges = facets_by_edge(base);
     for (FacetId f = 0; f < base.facets.size(); ++f) {
-      // One facet with all that share an edge with it: facets that only cut through each other may share
+      // Takes one facet with all facets that share an edge with it. Facets that only intersect may share
       // points of the grid by chance.
       std::vector<FacetId> ring;
       for (FacetId g = 0; g < base.facets.size(); ++g) {
@@ -193,13 +196,14 @@ TEST(EdgeRefinement, PartsOfAFacetFillItExactly) {
   }
 }
 
-/// OpenMesh refuses what is not manifold: it is the judge.
+/// OpenMesh is the oracle, because it rejects meshes that are not manifold.
 // Law D1.
 TEST(EdgeRefinement, AClosedMeshStaysClosedWhereverItsPointsGo) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     const FacetMesh base = octahedron(4096);
-    // A shake that is a function of the base edge or facet that a point lies on, as displacements are.
+    // The random displacement is a function of the base edge or facet that contains the point, as in real
+    // displacements.
     const PlaceOfPoint shake = [&](const BasePoint& p) {
       std::vector<std::pair<VertexId, double>> tag;
       for (std::size_t k = 0; k < 3; ++k)
@@ -240,7 +244,7 @@ using Corners = std::set<std::array<GridPoint, 3>>;
 Corners corners_near(const RefinedMesh& refined, glm::dvec3 centre, double radius) {
   Corners near;
   for (const auto& f : refined.mesh.facets) {
-    // A point of the facet in the ball, by descent over the barycentric plane: convex, so a fine scan does.
+    // Searches a point of the facet in the sphere by a fine scan over barycentric coordinates.
     const glm::dvec3 a = grid.to_metres(refined.mesh.vertices[f[0]]),
                      b = grid.to_metres(refined.mesh.vertices[f[1]]),
                      c = grid.to_metres(refined.mesh.vertices[f[2]]);
@@ -254,8 +258,8 @@ Corners corners_near(const RefinedMesh& refined, glm::dvec3 centre, double radiu
   return near;
 }
 
-/// The guarantee that local refinement rests on: a rule that cuts an edge where the ball of twice its length
-/// about its middle meets a region leaves the same facets there as a rule that cuts everywhere.
+/// The guarantee of local refinement. A rule cuts an edge if the sphere of twice its length about its
+/// midpoint meets a region. It gives the same facets in the region as a rule that cuts everywhere.
 // Law D3.
 TEST(EdgeRefinement, LocalRefinementEqualsUniformRefinementWhereItLooks) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
@@ -310,7 +314,7 @@ TEST(EdgeRefinement, CountsWhatUniformRefinementWouldMake) {
                   refine(base, std::vector{f}, grid, uniform_rule(h), stay).mesh.facets.size())
             << "seed " << seed << ", facet " << f << ", h " << h;
   }
-  // A square of 100 m in cells of 1 cm, counted without being made: halved 14 times, 0.61 cm.
+  // A square of 100 m in cells of 1 cm, counted without making it: bisected 14 times, 0.61 cm.
   FacetMesh square;
   const std::int32_t side = 100 << 10;
   for (const GridPoint p : {GridPoint{0, 0, 0}, {side, 0, 0}, {side, side, 0}}) add_vertex(square, p);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests exact degeneracy of triangles and `MeshBuilder`, which merges equal grid points, counts degenerate
+// and duplicate facets, and rejects invalid indices.
+
 #include "geometry/mesh/facet_mesh.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +21,8 @@ TEST(IsDegenerate, IsExactAtTheEndsOfTheRange) {
   EXPECT_TRUE(is_degenerate(a, b, c));
   EXPECT_TRUE(is_degenerate(a, a, c));
   EXPECT_TRUE(is_degenerate(c, c, c));
-  // One unit off a line of 3.7e9 units: an angle of 5e-10 rad, whose cross product cancels 62-bit products.
+  // The point is one unit off a line of 3.7e9 units: an angle of 5e-10 rad, whose cross product cancels
+  // 62-bit products.
   EXPECT_FALSE(is_degenerate(a, {0, 0, 1}, c));
   EXPECT_FALSE(is_degenerate({-kFar, -kFar, 0}, {1, 0, 0}, {kFar, kFar - 1, 0}));
 }
@@ -45,7 +49,8 @@ TEST(MeshBuilder, WeldsEqualGridPointsAcrossComponents) {
   const WorldGrid grid(10, {0, 0, 0});
   MeshBuilder builder(grid);
   builder.add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}}, 3, 0);
-  builder.add({{1, 0, 0.0001}, {0, 1, 0}, {1, 1, 0}}, {{{0, 2, 1}}}, 4, 1);  // 0.0001 is a tenth of the unit
+  // 0.0001 is a tenth of the unit
+  builder.add({{1, 0, 0.0001}, {0, 1, 0}, {1, 1, 0}}, {{{0, 2, 1}}}, 4, 1);
   MeshReport report;
   const FacetMesh mesh = builder.finish(report);
   ASSERT_EQ(mesh.vertices.size(), 4u);
@@ -66,7 +71,7 @@ TEST(MeshBuilder, KeepsAndCountsDegenerateAndDuplicateFacets) {
   EXPECT_EQ(mesh.facets.size(), triangles.size());
   EXPECT_EQ(report.duplicate_facets, 2u);  // {2,0,1} and the reversed {1,0,2}
   EXPECT_EQ(report.degenerate_facets,
-            3u);  // collinear, a repeated vertex, and two that fell onto one grid point
+            3u);  // collinear, a repeated vertex, and two at one grid point
   EXPECT_EQ(mesh.vertices.size(), 4u);
   EXPECT_NEAR(report.largest_snap_m, std::hypot(0.3, 0.2), 1e-15);
 }
@@ -88,7 +93,7 @@ TEST(MeshBuilder, IsEmptyAfterFinish) {
 TEST(MeshBuilder, WeldsALargeRegularGridCompletely) {
   constexpr std::uint32_t n = 300;
   MeshBuilder builder(WorldGrid(8, {0, 0, 0}));
-  std::vector<glm::dvec3> points;  // every cell with its own corners, as in an STL
+  std::vector<glm::dvec3> points;  // each cell with its own corners, as in an STL
   Triangles triangles;
   for (std::uint32_t i = 0; i < n; ++i) {
     for (std::uint32_t j = 0; j < n; ++j) {
@@ -101,7 +106,8 @@ TEST(MeshBuilder, WeldsALargeRegularGridCompletely) {
   MeshReport report;
   const FacetMesh mesh = builder.finish(report);
   EXPECT_EQ(mesh.facets.size(), std::size_t{n} * n);
-  EXPECT_EQ(mesh.vertices.size(), std::size_t{n + 1} * (n + 1) - 1);  // the far corner belongs to no triangle
+  // the far corner belongs to no triangle
+  EXPECT_EQ(mesh.vertices.size(), std::size_t{n + 1} * (n + 1) - 1);
 }
 
 TEST(MeshBuilder, RefusesBadIndicesAndPointsBeyondTheGrid) {

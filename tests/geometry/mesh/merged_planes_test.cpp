@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Merged planes: planes in any position, with holes, steps and borders between materials.
+// Tests the merging of coplanar facets: planes in any position, with holes, steps and borders between
+// materials.
 #include "geometry/mesh/merged_planes.hpp"
 
 #include <gtest/gtest.h>
@@ -20,11 +21,11 @@ using Triangle = std::array<VertexId, 3>;
 GridPoint operator+(GridPoint a, GridPoint b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 GridPoint operator*(std::int32_t k, GridPoint a) { return {k * a.x, k * a.y, k * a.z}; }
 
-/// What all coordinates are multiples of, so that middle_of() is a grid point; prime, and so large that those
-/// points lie on no line between vertices that are few cells apart.
+/// All coordinates are multiples of this prime, so that middle_of() is a grid point. The prime is so large
+/// that these points lie on no line between vertices within a few cells.
 constexpr std::int32_t prime = 10007;
 
-/// Facets between points of one's own, welded.
+/// Facets between arbitrary points, with merged vertices.
 class Patchwork {
  public:
   explicit Patchwork(std::int32_t scale = prime) : scale_(scale) {}
@@ -33,7 +34,7 @@ class Patchwork {
     mesh.material.push_back(material);
     mesh.component.push_back(component);
   }
-  /// A parallelogram at `at` of sides u and v, cut along one diagonal or the other; it faces along u x v.
+  /// Adds a parallelogram at `at` of sides u and v, cut along either diagonal. It faces along u x v.
   void cell(GridPoint at, GridPoint u, GridPoint v, bool diagonal = false, std::uint16_t material = 0,
             std::uint16_t component = 0) {
     const GridPoint corners[] = {at, at + u, at + u + v, at + v};
@@ -68,13 +69,14 @@ Vec64 normal(const FacetMesh& mesh, const Triangle& t) {
   return cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]);
 }
 
-/// Of three directions det(a, b, c) > 0, = 0, < 0, by plain 128-bit integers: the tests' numbers are small.
+/// Sign of det(a, b, c) for three directions, in plain 128-bit integers: the numbers of the tests are
+/// small.
 int turn(const Vec64& n, const GridPoint& a, const GridPoint& b) {
   const Vec64 c = cross(a, b);
   return sign(Int128(n.x) * c.x + Int128(n.y) * c.y + Int128(n.z) * c.z);
 }
 
-/// Whether a point of a triangle's plane lies strictly inside of it.
+/// Returns whether a point in the plane of a triangle lies strictly inside it.
 bool is_inside(const FacetMesh& mesh, const Triangle& t, GridPoint p) {
   const Vec64 n = normal(mesh, t);
   for (unsigned k = 0; k < 3; ++k)
@@ -83,7 +85,7 @@ bool is_inside(const FacetMesh& mesh, const Triangle& t, GridPoint p) {
   return dot(n, p) == dot(n, mesh.vertices[t[0]]);
 }
 
-/// Twice the area vector, which of facets of one plane that face one way is their area.
+/// Twice the area vector. For facets of one plane and one orientation it is twice their area.
 std::array<Int128, 3> area(const FacetMesh& mesh) {
   std::array<Int128, 3> sum{};
   for (const Triangle& t : mesh.facets) {
@@ -93,7 +95,7 @@ std::array<Int128, 3> area(const FacetMesh& mesh) {
   return sum;
 }
 
-/// Vertices of facets that lie inside an edge of another.
+/// Number of vertices that lie inside an edge of another facet.
 std::size_t t_junctions(const FacetMesh& mesh) {
   std::set<VertexId> used;
   for (const Triangle& t : mesh.facets) used.insert(t.begin(), t.end());
@@ -111,7 +113,7 @@ std::size_t t_junctions(const FacetMesh& mesh) {
   return count;
 }
 
-/// A point inside a facet of multiples of the prime.
+/// A point inside a facet, for coordinates that are multiples of the prime.
 GridPoint middle_of(const FacetMesh& mesh, const Triangle& t) {
   constexpr std::int32_t weights[] = {5003, 3119, prime - 5003 - 3119};
   GridPoint middle;
@@ -122,7 +124,7 @@ GridPoint middle_of(const FacetMesh& mesh, const Triangle& t) {
   return middle;
 }
 
-/// Point by point and by area.
+/// Compares point by point and by area.
 void expect_same_surface(const FacetMesh& before, const FacetMesh& after) {
   EXPECT_EQ(before.vertices, after.vertices);
   EXPECT_EQ(after.facets.size(), after.material.size());
@@ -174,7 +176,7 @@ TEST(MergedPlanes, ABoxStaysClosed) {
   expect_same_surface(box.mesh, merged);
 }
 
-// Nothing but the border of what is not merged says how coarse its neighbour may be.
+// Only the border of unmerged facets determines how coarse adjacent facets may be.
 TEST(MergedPlanes, ABorderToFineFacetsKeepsItsVertices) {
   Patchwork seabed;
   seabed.plane({0, 0, 0}, {30, 0, 0}, {0, 30, 0}, 8, 8);
@@ -215,7 +217,8 @@ TEST(MergedPlanes, WhatOverlapsOrIsRoughStaysAsItIs) {
   twice.plane({15, 15, 0}, {30, 0, 0}, {0, 30, 0}, 6, 6);
   EXPECT_FALSE(with_planes_merged(twice.mesh));
 
-  // A fan once and a half round its middle covers some of its plane twice, though no edges are alike.
+  // A fan of one and a half turns about its middle covers parts of its plane twice, although no two edges
+  // are equal.
   Patchwork fan;
   const GridPoint rim[] = {{90, 0, 0},    {60, 60, 0},  {0, 90, 0},   {-60, 60, 0}, {-90, 0, 0},
                            {-60, -60, 0}, {0, -90, 0},  {60, -60, 0}, {120, 0, 0},  {90, 90, 0},
@@ -249,7 +252,7 @@ TEST(MergedPlanes, FarFromTheOriginPlanesAreReported) {
   EXPECT_TRUE(area(seabed.mesh) == area(merged));
 }
 
-/// Cells of a tilted lattice, some of them left out, in two materials and two components.
+/// Cells of a tilted lattice with some gaps, in two materials and two components.
 FacetMesh random_cells(std::mt19937& random, std::size_t& cells) {
   const auto number = [&](int lo, int hi) { return std::uniform_int_distribution(lo, hi)(random); };
   Patchwork some;

@@ -15,7 +15,7 @@ using Pairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
 
 double cross(glm::dvec2 u, glm::dvec2 v) { return u.x * v.y - u.y * v.x; }
 
-/// Whether segments of small whole numbers have a point in common: exact in doubles.
+/// Returns whether segments with small integer coordinates have a common point: exact in doubles.
 bool meet(const PlanSegment& s, const PlanSegment& t) {
   const double a = cross(t.b - t.a, s.a - t.a), b = cross(t.b - t.a, s.b - t.a),
                c = cross(s.b - s.a, t.a - s.a), d = cross(s.b - s.a, t.b - s.a);
@@ -38,7 +38,7 @@ TEST(NearSegments, VisitsEveryPairThatMeets) {
       const glm::dvec2 a(anywhere(random), anywhere(random));
       segments.push_back({a, a + glm::dvec2(aside(random), aside(random))});
     }
-    for (int k = 0; k < 50; ++k) {  // of one line, vertical ones, points
+    for (int k = 0; k < 50; ++k) {  // collinear segments, vertical ones, points
       segments.push_back({{k, k}, {k + 7, k + 7}});
       segments.push_back({{500, 3 * k}, {500, 3 * k + 4}});
       segments.push_back({{2 * k, 2 * k}, {2 * k, 2 * k}});

@@ -15,8 +15,8 @@
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/mesh/voronoi.hpp"
 
-// Facets cut along lines of a chart: a partition of each facet, with the same vertices at both sides of every
-// edge, whatever the lines do to each other and to the mesh.
+// Tests facets that are cut along lines of a chart. The parts are a partition of each facet, with the same
+// vertices on both sides of each edge, for any lines and meshes.
 namespace tubefoot {
 namespace {
 
@@ -34,7 +34,7 @@ double area_from_above(const Mesh& mesh, const Triangle& t) {
   return cross_in_plan(b - a, c - a) / 2;
 }
 
-/// Hills on a grid of n x n cells whose inner vertices are moved aside.
+/// Hills on a grid of n x n cells whose inner vertices are displaced.
 Mesh hills(std::mt19937_64& random, int n, double size) {
   std::uniform_real_distribution<double> aside(-0.3, 0.3), up(-0.4, 0.4);
   Mesh mesh;
@@ -56,7 +56,7 @@ Mesh hills(std::mt19937_64& random, int n, double size) {
 
 Mesh unit_square() { return {{{0, 0, 0}, {1, 0, 0}, {1, 1, 1}, {0, 1, 2}}, {{0, 1, 2}, {0, 2, 3}}}; }
 
-/// Edges with a facet on one side only, as index pairs. No edge may have more than two.
+/// Returns edges with a facet on one side only, as index pairs. No edge may have more than two facets.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> open_edges(const std::vector<Triangle>& triangles) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
   for (const Triangle& t : triangles)
@@ -69,7 +69,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> open_edges(const std::vecto
   return open;
 }
 
-/// The laws of a cut; the square 0 .. size is what the mesh covers. Returns the mesh of parts.
+/// Checks the laws of a cut for a mesh that covers the square 0 .. size. Returns the mesh of parts.
 Mesh expect_lawful(const Mesh& mesh, const std::vector<PlanSegment>& segments, double size) {
   Mesh parts = mesh;
   const PlanCut cut = cut_in_plan(parts.points, mesh.triangles, segments);
@@ -78,7 +78,7 @@ Mesh expect_lawful(const Mesh& mesh, const std::vector<PlanSegment>& segments, d
   EXPECT_TRUE(std::ranges::is_sorted(cut.facet));
   EXPECT_TRUE(std::equal(mesh.points.begin(), mesh.points.end(), parts.points.begin()));
 
-  // No facet is lost, each is partitioned, parts lie in its plane and turn as it does.
+  // No facet is lost, each is partitioned, and the parts have its plane and orientation.
   std::vector<double> area(mesh.triangles.size());
   std::vector<std::size_t> count(mesh.triangles.size());
   for (std::size_t k = 0; k < parts.triangles.size(); ++k) {
@@ -108,7 +108,7 @@ Mesh expect_lawful(const Mesh& mesh, const std::vector<PlanSegment>& segments, d
   }
   EXPECT_EQ(cut.cut_facets, cut_facets);
 
-  // Conforming: no edge is open but those of the outline, and the outline is as long as before.
+  // Conforming: only edges of the outline are open, and the outline keeps its length.
   double outline = 0;
   for (const auto& [i, j] : open_edges(parts.triangles)) {
     const glm::dvec2 p = parts.points[i], q = parts.points[j];
@@ -121,7 +121,7 @@ Mesh expect_lawful(const Mesh& mesh, const std::vector<PlanSegment>& segments, d
   return parts;
 }
 
-/// No segment enters a part: on one side of its line, or beyond its ends.
+/// Expects that no segment enters a part: the part is on one side of its line, or beyond its ends.
 void expect_no_part_entered(const Mesh& parts, const std::vector<PlanSegment>& segments, double size) {
   for (const Triangle& t : parts.triangles) {
     if (std::abs(area_from_above(parts, t)) < 1e-10 * size * size) continue;
@@ -129,7 +129,7 @@ void expect_no_part_entered(const Mesh& parts, const std::vector<PlanSegment>& s
     for (const std::uint32_t index : t) middle += glm::dvec2(parts.points[index]) / 3.0;
     for (const PlanSegment& s : segments)
       for (unsigned k = 0; k < 3; ++k) {
-        // From the middle to just inside a corner nothing may be crossed.
+        // No segment may cross the line from the middle to a point just inside a corner.
         const glm::dvec2 p = middle, q = middle + 0.999999 * (glm::dvec2(parts.points[t[k]]) - middle);
         const double side_p = cross_in_plan(s.b - s.a, p - s.a), side_q = cross_in_plan(s.b - s.a, q - s.a);
         const double side_a = cross_in_plan(q - p, s.a - p), side_b = cross_in_plan(q - p, s.b - p);
@@ -138,7 +138,7 @@ void expect_no_part_entered(const Mesh& parts, const std::vector<PlanSegment>& s
   }
 }
 
-/// Every half-edge is there once, and a border passes a vertex once.
+/// Returns whether each half-edge occurs once, and a border passes each vertex once.
 bool is_sheet(const FacetMesh& mesh) {
   std::set<std::pair<VertexId, VertexId>> half_edges;
   for (const auto& facet : mesh.facets)
@@ -164,7 +164,7 @@ TEST(PlanCut, RandomLinesOverRandomHills) {
     const Mesh parts = expect_lawful(mesh, segments, size);
     expect_no_part_entered(parts, segments, size);
 
-    // On the world grid it is a sheet still.
+    // On the grid of the scene it is still a surface.
     MeshBuilder builder(WorldGrid(20, {size / 2, size / 2, 0}));
     builder.add(parts.points, parts.triangles, 0, 0);
     MeshReport report;
@@ -177,12 +177,12 @@ TEST(PlanCut, RandomLinesOverRandomHills) {
 bool stands_vertical(const Mesh& mesh) {
   return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
     const glm::dvec3 a = mesh.points[t[0]], b = mesh.points[t[1]] - a, c = mesh.points[t[2]] - a;
-    return b.x * c.y == b.y * c.x;  // whole numbers
+    return b.x * c.y == b.y * c.x;  // integers
   });
 }
 
-// Coordinates of few bits: lines run through vertices, along edges, over each other and end on edges often.
-// Laws U1 and U2.
+// Coordinates of few bits: lines often contain vertices and edges, coincide, and end on edges. Laws U1 and
+// U2.
 TEST(PlanCut, LinesThroughVerticesAndAlongEdges) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(seed);
@@ -242,7 +242,8 @@ TEST(PlanCut, EndsOnTheOutlineMakeAVertex) {
   EXPECT_EQ(points, 5u);
 }
 
-// A border that misses a vertex by less than the grid's unit: slivers, but none is lost and nothing opens.
+// The border misses a vertex by less than the grid unit. It makes slivers, but no facet is lost and no gap
+// opens.
 TEST(PlanCut, SliversStayASheet) {
   const double unit = 1.0 / (1 << 20);
   Mesh mesh = unit_square();
@@ -256,8 +257,9 @@ TEST(PlanCut, SliversStayASheet) {
     MeshReport report;
     const FacetMesh on_grid = builder.finish(report);
     EXPECT_EQ(on_grid.facets.size(), parts.triangles.size());
-    // Facets that are a line now fill no gap and make none: edges that stay open are those of the outline.
-    std::map<std::pair<VertexId, VertexId>, int> along;  // signed: a sheet passes every inner edge both ways
+    // Facets that have become a line fill no gap and make none: only edges of the outline stay open.
+    // signed: inner edges of a surface occur in both directions
+    std::map<std::pair<VertexId, VertexId>, int> along;
     for (const auto& f : on_grid.facets)
       for (unsigned k = 0; k < 3; ++k) {
         const VertexId p = f[k], q = f[(k + 1) % 3];
@@ -296,7 +298,7 @@ TEST(PlanCut, ManyLinesInOneFacet) {
   EXPECT_EQ(parts.points.size(), 4u + 3 * 199);
 }
 
-/// Regular polygons about random places of the unit square.
+/// Regular polygons about random points of the unit square.
 std::vector<PlanSegment> overlapping(std::size_t polygons, int corners, double largest) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> anywhere(0, 1), size(0.2 * largest, largest);
@@ -322,7 +324,7 @@ TEST(PlanCut, PolygonsThatOverlapEndInTime) {
   EXPECT_GT(square.points.size(), 10'000u);
 }
 
-// Thousands of lines that cross each other become millions of parts.
+// Thousands of intersecting lines give millions of parts.
 TEST(PlanCut, SegmentsThatCrossTooOftenAreRefused) {
   Mesh square = unit_square();
   const std::vector<PlanSegment> many = overlapping(800, 40, 1);
@@ -343,7 +345,7 @@ TEST(PlanCut, ACombOfLongTeethEndsInTime) {
   }
   Mesh square = unit_square();
   EXPECT_LT(processor_seconds([&] { cut_in_plan(square.points, square.triangles, comb); }), hostile_input_s);
-  // Four corners a tooth, and where the diagonal crosses most of them.
+  // Four corners per tooth, and the intersections of the diagonal with most of them.
   EXPECT_GT(square.points.size(), 5u * teeth);
 }
 
@@ -367,7 +369,7 @@ TEST(VoronoiEdges, LieMidwayAndHaveNoNearerSite) {
     ++meeting[{edge.a.x, edge.a.y}];
     ++meeting[{edge.b.x, edge.b.y}];
   }
-  // Three cells meet at a vertex: three edges, less those that run to infinity.
+  // Three cells meet at a vertex: three edges, except for infinite ones.
   for (const auto& [vertex, count] : meeting) EXPECT_LE(count, 3);
   EXPECT_GT(std::ranges::count_if(meeting, [](const auto& m) { return m.second == 3; }), 60);
 }

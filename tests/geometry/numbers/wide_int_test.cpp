@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests integers of 128 and 192 bits: products, sums and dot products equal those of big integers, and
+// conversions to doubles are accurate.
+
 #include "geometry/numbers/wide_int.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +26,7 @@ Int192 narrow(Big x) {
   return {limb(0), limb(1), static_cast<std::int64_t>(limb(2))};
 }
 
-/// Log-uniform of up to `bits` bits, with runs of zeros and ones, next to powers of two; any sign.
+/// Log-uniform integer of up to `bits` bits with any sign, with runs of zeros and ones, near powers of two.
 Big number(Random& random, int bits) {
   const int top = static_cast<int>(random() % (bits + 1));
   Big x = 0;
@@ -69,7 +72,7 @@ TEST(WideInt, SumsEqualBigIntegers) {
 }
 
 TEST(WideInt, DotProductsOfTheLargestVectorsFit) {
-  // |n1 x n2| < 2^123 and a facet normal <= 2^62: the largest sum that the kernel forms.
+  // |n1 x n2| < 2^123 and a facet normal <= 2^62: the largest sum that the kernel computes.
   const Int128 v = (Int128(1) << 123) - 1;
   const std::int64_t n = std::int64_t{1} << 62;
   for (const int signs : {0, 1, 2, 3, 4, 5, 6, 7}) {

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the integer grid of a scene: dyadic units, rounding to the nearest point, the choice of the finest
+// unit, and hashes of grid points.
+
 #include "geometry/numbers/world_grid.hpp"
 
 #include <gmock/gmock.h>
@@ -100,7 +103,7 @@ TEST(GridPointHash, SpreadsTheNeighboursOfARegularGrid) {
   for (int x = 0; x < 64; ++x) {
     for (int y = 0; y < 64; ++y) buckets.insert(GridPointHash{}({x << 18, y << 18, -5}) & 0xffff);
   }
-  // 4096 balls in 65536 urns leave 3969 urns taken on average, standard deviation 11.
+  // 4096 balls in 65536 urns occupy 3969 urns on average, with a standard deviation of 11.
   EXPECT_GT(buckets.size(), 3900u);
 }
 

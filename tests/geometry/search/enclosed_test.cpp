@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Closed shells of a mesh, and whether one goes round a place.
+// Tests closed shells of a mesh, and whether a shell encloses a point, for points over vertices and edges,
+// and for open shells.
 #include <gtest/gtest.h>
 
 #include "fixtures/geometry/grid_scenes.hpp"
@@ -28,7 +29,7 @@ class Enclosure {
   ClosedShells shells_;
 };
 
-/// Without some facets.
+/// Returns the mesh without some facets.
 FacetMesh without(FacetMesh mesh, std::size_t first, std::size_t count) {
   const auto drop = [&](auto& list) {
     list.erase(list.begin() + static_cast<std::ptrdiff_t>(first),
@@ -38,7 +39,7 @@ FacetMesh without(FacetMesh mesh, std::size_t first, std::size_t count) {
   return mesh;
 }
 
-// Law F4: lines through a box's edges, vertices and vertical faces are among those.
+// Law F4: some lines contain edges, vertices and vertical faces of the box.
 TEST(Enclosure, OfABoxIsEveryPlaceInIt) {
   FacetMesh mesh;
   add_box(mesh, {0, 0, 0}, 8);
@@ -53,7 +54,7 @@ TEST(Enclosure, OfABoxIsEveryPlaceInIt) {
       }
 }
 
-// Law N6, and F4 where every line goes through a vertex or along an edge.
+// Law N6, and F4 for lines that all contain a vertex or an edge.
 TEST(Enclosure, IsExactThroughVerticesAndEdges) {
   FacetMesh mesh;
   add_octahedron(mesh, {0, 0, 0}, 1 << 20);
@@ -78,13 +79,13 @@ TEST(Enclosure, BetweenTwoSpheresAndInTheInnerOneIsInside) {
     const GridPoint p{uniform(random, -1200000, 1200000), uniform(random, -1200000, 1200000),
                       uniform(random, -1200000, 1200000)};
     const double r = std::sqrt(double(p.x) * p.x + double(p.y) * p.y + double(p.z) * p.z);
-    if (r > 9.7e5 && r < 1.001e6) continue;  // facets lie a little within the sphere
+    if (r > 9.7e5 && r < 1.001e6) continue;  // facets lie slightly inside the sphere
     EXPECT_EQ(spheres.holds(p), r < 9.7e5) << r;
   }
   EXPECT_TRUE(spheres.holds({0, 0, 0}));
 }
 
-// In both of two bodies that overlap: an even number of surfaces lies above.
+// A point in both of two bodies that overlap has an even number of surfaces above.
 TEST(Enclosure, ByTwoBodiesOfOneMeshIsInside) {
   FacetMesh mesh;
   add_box(mesh, {0, 0, 0}, 8);
@@ -105,7 +106,7 @@ TEST(Enclosure, NothingIsInsideOfWhatIsOpen) {
     EXPECT_EQ(open.shells(), 0u);
     EXPECT_FALSE(open.holds({0, 1, 2}));
   }
-  // One facet of twelve is enough to let sound in; beside it a closed body stays one.
+  // One missing facet of twelve lets sound in. A closed body next to it stays closed.
   FacetMesh two = without(mesh, 3, 1);
   add_box(two, {40, 0, 0}, 8);
   const Enclosure both(two);
@@ -114,7 +115,7 @@ TEST(Enclosure, NothingIsInsideOfWhatIsOpen) {
   EXPECT_TRUE(both.holds({40, 1, 2}));
 }
 
-// As programs write facets that are to be seen from both sides.
+// Some programs write both sides of each facet.
 TEST(Enclosure, FacetsThatAreThereTwiceCountOnce) {
   FacetMesh mesh;
   add_box(mesh, {0, 0, 0}, 8);

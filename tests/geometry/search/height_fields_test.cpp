@@ -10,8 +10,9 @@
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/visibility/closure.hpp"
 
-// The law: what a tube sees does not depend on whether sheets were looked for. And the proof of a sheet must
-// refuse whatever a vertical line meets twice.
+// Tests height fields, which are surfaces that each vertical line meets at most once. The visible polygons
+// of a tube do not depend on the search for height fields. The proof must reject surfaces that a vertical
+// line meets twice.
 namespace tubefoot {
 namespace {
 
@@ -55,7 +56,7 @@ Seen see_all(const FacetMesh& mesh, const TubeSet& tubes, SceneTree::HeightField
   return all;
 }
 
-/// Facets left to look at with sheets; fails the test if anything else changes.
+/// Returns the number of candidate facets with height fields. The test fails if any other result differs.
 std::size_t expect_same(const FacetMesh& mesh, const TubeSet& tubes, std::size_t& all) {
   const Seen with = see_all(mesh, tubes, SceneTree::HeightFieldSearch::proven),
              without = see_all(mesh, tubes, SceneTree::HeightFieldSearch::ignored);
@@ -102,14 +103,15 @@ TEST(HeightFields, HolesAndRaggedBordersAreFine) {
     FacetMesh mesh = terrain(random, 12);
     remove_facets(mesh, random, 12);
     const HeightFields height_fields(mesh);
-    // Parts cut off by holes are sheets too, if they are large enough.
+    // Parts that holes cut off are also height fields, if they are large enough.
     EXPECT_GE(height_fields.count(), 1u) << "seed " << seed;
     proven += height_fields.count();
   }
   EXPECT_GE(proven, 20u);
 }
 
-/// A ramp of `turns` turns about the vertical axis: every facet faces up, every edge is shared by two.
+/// A ramp of `turns` turns about the vertical axis. Each facet faces up, and each inner edge has two
+/// facets.
 FacetMesh ramp(double turns, std::int32_t rise) {
   FacetMesh mesh;
   const int steps = static_cast<int>(24 * turns);
@@ -136,21 +138,21 @@ TEST(HeightFields, ARampIsAHeightFieldUntilItPassesOverItself) {
 TEST(HeightFields, ATipThatPokesOverAnotherBorderIsFound) {
   FacetMesh mesh = ramp(0.9, 1000);
   GridPoint& tip = mesh.vertices.back();
-  tip.x = 290000;  // past the ramp's beginning, but all midpoints of border edges stay clear of it
+  tip.x = 290000;  // past the start of the ramp, but all midpoints of border edges stay clear of it
   tip.y = 10000;
   EXPECT_EQ(HeightFields(mesh).count(), 0u);
   tip.y = -10000;
   EXPECT_EQ(HeightFields(mesh).count(), 1u);
 }
 
-/// A large seabed with a small one above it, joined crosswise along a slit of two edges: a walker who passes
-/// the slit comes from one to the other. All facets face up, all edges inside are shared by two facets, and
-/// no border edges cross: only their winding number tells that the middle is covered twice.
+/// A large seabed with a small one above it, joined crosswise along a slit of two edges. A path across the
+/// slit leads from one to the other. All facets face up, each inner edge has two facets, and no border
+/// edges intersect. Only their winding number reveals that the middle is covered twice.
 FacetMesh two_storeys(std::int32_t unit) {
   FacetMesh mesh;
   std::map<std::array<int, 3>, VertexId> ids;  // column, row, storey
   const auto vertex = [&](int i, int j, int storey) {
-    if (j == 6 && (i == 5 || i == 7)) storey = 0;  // the slit's ends
+    if (j == 6 && (i == 5 || i == 7)) storey = 0;  // the ends of the slit
     const auto [entry, is_new] = ids.try_emplace({i, j, storey}, static_cast<VertexId>(mesh.vertices.size()));
     if (is_new) add_vertex(mesh, {i * unit, j * unit, storey * unit});
     return entry->second;
@@ -177,8 +179,8 @@ TEST(HeightFields, AnOverhangIsCutOutOfItsHeightField) {
   FacetMesh mesh = terrain(random, 12);
   mesh.vertices[6 * 13 + 6].x += width / 4;  // pulled over its neighbours
   const HeightFields height_fields(mesh);
-  // Some facets about the vertex now turn the other way and overlap the others: the rest must not be a sheet
-  // that a vertical line meets twice. Brute force over the plan decides.
+  // Some facets about the vertex have the opposite orientation and overlap the others. The rest must not
+  // count as a height field if a vertical line meets it twice. Brute force in plan view decides.
   for (int trial = 0; trial < 2000; ++trial) {
     const GridPoint p{uniform(random, -width / 2, width / 2), uniform(random, 0, width), 0};
     std::map<std::uint16_t, int> hits;
@@ -214,9 +216,9 @@ TEST(HeightFields, ChangeNothingThatIsSeen) {
           {x, -width / 8, -depth - width / 8},  // below its border, before it
           {x, y, width / 16},                   // above it
           {x, y, -2 * depth},                   // below it
-          {x, y, -depth},                       // in the midst of its relief
+          {x, y, -depth},                       // within its relief
           vertex,                               // on it
-          {vertex.x, vertex.y, vertex.z + 1},   // hardly above it
+          {vertex.x, vertex.y, vertex.z + 1},   // barely above it
       }};
       const TubeSet tubes = forward_tubes(apexes[place], 2, 2, 70, 70, uniform(random, -40, 40));
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", place " << place);
@@ -226,7 +228,7 @@ TEST(HeightFields, ChangeNothingThatIsSeen) {
       if (HasFailure()) return;
     }
   }
-  EXPECT_LT(left, all);  // or nothing was tested
+  EXPECT_LT(left, all);  // otherwise nothing was tested
 }
 
 TEST(HeightFields, FacetsThatFaceAwayAreLeftOutWhereTheTubeLooksDownOnThem) {
@@ -262,7 +264,7 @@ TEST(HeightFields, AHoleInViewLetsItsUndersideBeSeen) {
   EXPECT_LT(expect_same(holed, beside, all), all);
 }
 
-// Else a part of a terrain, in memory, would be looked at otherwise than in the whole.
+// Otherwise the result for a part of a terrain in memory would differ from that for the whole.
 TEST(HeightFields, AHoleBeyondTheReachChangesNothing) {
   Random random(6);
   const FacetMesh mesh = terrain(random, 16);
@@ -273,7 +275,8 @@ TEST(HeightFields, AHoleBeyondTheReachChangesNothing) {
   TubeSet tubes = forward_tubes({0, -3 * (width / 8), 0}, 1, 1, 30, 20, 20);
   std::size_t all = 0;
   EXPECT_EQ(expect_same(holed, tubes, all), all) << "within it, it is in view";
-  tubes.reach = 0.7 * width;  // the seabed is in view from half a width on, the hole is four fifths away
+  // the seabed is in view from half a width on, and the hole is four fifths away
+  tubes.reach = 0.7 * width;
   const std::size_t left = expect_same(mesh, tubes, all);
   EXPECT_LT(left, all);
   EXPECT_EQ(expect_same(holed, tubes, all), left);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the search tree of facets. A query returns each facet that may meet a pyramid within the range
+// limit, and few others.
+
 #include "geometry/search/scene_tree.hpp"
 
 #include <gtest/gtest.h>
@@ -37,8 +40,8 @@ std::vector<FacetId> query(const SceneTree& tree, GridPoint apex, const std::vec
   return found;
 }
 
-/// Exact: the facet may have something inside the pyramid, because no wall has all its vertices on or
-/// outside.
+/// Returns, exactly, whether the facet may have a part inside the pyramid: no wall has all its vertices on
+/// or outside.
 bool may_meet(const FacetMesh& mesh, FacetId f, GridPoint apex, const std::vector<Vec64>& walls) {
   return std::all_of(walls.begin(), walls.end(), [&](const Vec64& n) {
     return std::any_of(mesh.facets[f].begin(), mesh.facets[f].end(),
@@ -46,7 +49,7 @@ bool may_meet(const FacetMesh& mesh, FacetId f, GridPoint apex, const std::vecto
   });
 }
 
-/// Distance of a facet's box from the apex.
+/// Distance of the box of a facet from the apex.
 double box_distance(const FacetMesh& mesh, FacetId f, GridPoint apex) {
   double sum = 0;
   for (const auto axis : {&GridPoint::x, &GridPoint::y, &GridPoint::z}) {
@@ -101,7 +104,8 @@ TEST(SceneTree, FindsLittleMoreOnALargeMesh) {
       }
   }
   EXPECT_GT(expected, 5000u);
-  // Boxes are tested, and against four planes only: some facets too many, not most of the mesh.
+  // The tree tests boxes, and against four planes only: it returns some facets too many, but not most of
+  // the mesh.
   EXPECT_LT(returned, 3 * expected);
   EXPECT_GT(tree.bytes(), mesh.facets.size() * sizeof(FacetId));
 }
@@ -135,7 +139,7 @@ TEST(SceneTree, FindsAllInBoxesThatAreNotRefused) {
     EXPECT_EQ(all.size(), scene.mesh.facets.size());
     tree.query([](const GridPoint&, const GridPoint&) { return false; }, none);
     EXPECT_TRUE(none.empty());
-    // Boxes that reach below a height.
+    // Boxes that extend below a height.
     const std::int32_t height = scene.mesh.vertices[scene.mesh.facets.front()[0]].x;
     std::size_t requested = 0;
     tree.query(
@@ -210,7 +214,7 @@ TEST(SceneTree, BeyondTheReachNothingIsSeenAndNothingHides) {
   EXPECT_EQ(facets_seen({0, 150, 0}, 40), (std::pair{false, false}));
 }
 
-// Three facets with one centroid, each a thousand times over: nothing parts them.
+// Three facets with one centroid, each a thousand times: no split separates them.
 TEST(SceneTree, HoldsTheFirstOfManyCopies) {
   FacetMesh mesh;
   mesh.vertices = {{-30, 100, -30}, {60, 100, -30}, {-30, 100, 60}, {30, 100, 30}, {-60, 100, 30},

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests parallel work whose results are used in order: for any number of threads, after exceptions, and
+// after a request to stop.
+
 #include "geometry/steps/in_order.hpp"
 
 #include <gmock/gmock.h>
@@ -17,7 +20,7 @@ namespace {
 
 using testing::ElementsAreArray;
 
-/// Work of uneven length, so that threads overtake each other.
+/// Work of varying length, so that threads overtake each other.
 std::string made_of(std::size_t item) {
   std::size_t sum = item;
   for (std::size_t k = 0; k < item * 7919 % 101 * 200; ++k) sum = sum * 6364136223846793005u + 1;
@@ -62,7 +65,7 @@ TEST_F(InOrder, NothingIsDoneOfNoItems) {
       [](std::size_t, int) { ADD_FAILURE(); });
 }
 
-/// Counts itself.
+/// Counts its living instances.
 struct Counted {
   explicit Counted(std::atomic<int>& alive) : alive_(alive) { ++alive_; }
   Counted(Counted&& other) : alive_(other.alive_) { ++alive_; }

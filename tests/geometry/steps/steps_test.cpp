@@ -10,7 +10,7 @@
 namespace tubefoot {
 namespace {
 
-/// However a test ends, the others are not stopped.
+/// The fixture resets the stop request at the end of each test.
 struct StepsTest : testing::Test {
   ~StepsTest() override {
     stop_requested = false;

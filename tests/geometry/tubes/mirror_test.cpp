@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests mirror images of points, facets and tubes, tubes of visible polygons of mirrors, and lines of
+// sight. The comparisons are exact rationals.
+
 #include "geometry/tubes/mirror.hpp"
 
 #include <gtest/gtest.h>
@@ -41,7 +44,8 @@ TEST(Mirror, ImagesAreNearestGridPointsAndBackAgain) {
     ASSERT_GT(plane.side(p), 0);
     for (const GridPoint v : mesh.vertices) ASSERT_EQ(plane.side(v), 0);
     const GridPoint image = plane.image(p);
-    // As far from every point of the plane, along its normal, to within the rounding.
+    // Both points have the same distance from each point of the plane, along its normal, except for
+    // rounding.
     for (const GridPoint v : mesh.vertices)
       ASSERT_NEAR(glm::distance(real(v), real(p)), glm::distance(real(v), real(image)), 0.9);
     const glm::dvec3 along = real(image) - real(p);
@@ -94,7 +98,7 @@ TEST(Mirror, FacetsEndAtThePlane) {
   for (const GridPoint v : part.mesh.vertices) EXPECT_LE(v.z, 0);
 }
 
-/// Exact gnomonic area, in the plane of `axis`, of all tubes of a set.
+/// Exact gnomonic area of all tubes of a set, in the plane of `axis`.
 CGAL::Exact_rational area_of(const TubeSet& set, const ExactVector& axis) {
   CGAL::Exact_rational sum = 0;
   for (const Tube& tube : set.tubes) {
@@ -107,14 +111,14 @@ CGAL::Exact_rational area_of(const TubeSet& set, const ExactVector& axis) {
 
 // Law B4.
 TEST(WindowTubes, AFanOfConesIsTheirUnionExactly) {
-  // Cones of 3 to 9 corners about a common ray, all corners of one convex cone: their areas add up to its
-  // own.
+  // Cones of 3 to 9 corners about a common ray. All corners belong to one convex cone, so that the areas
+  // add up to the area of this cone.
   const ExactVector axis{0, 0, -1};
   std::vector<glm::dvec3> rim;
   for (int k = 0; k < 9; ++k) rim.push_back({std::cos(0.7 * k), std::sin(0.7 * k), -1.3});
   for (std::size_t cut = 2; cut < 8; ++cut) {
     WindowTubes whole({1, 2, 3}, 10), parts({1, 2, 3}, 10);
-    std::vector<glm::dvec3> turned(rim.rbegin(), rim.rend());  // so that they turn as tubes do
+    std::vector<glm::dvec3> turned(rim.rbegin(), rim.rend());  // so that they have the orientation of tubes
     whole.add(turned, 7);
     parts.add(std::vector<glm::dvec3>(turned.begin(), turned.begin() + std::ptrdiff_t(cut) + 1), 8);
     std::vector<glm::dvec3> rest(turned.begin() + std::ptrdiff_t(cut), turned.end());
@@ -126,7 +130,7 @@ TEST(WindowTubes, AFanOfConesIsTheirUnionExactly) {
   }
 }
 
-// Tubes whose fourth ray lies in the wall of two others: what they see closes as anywhere.
+// Tubes whose fourth ray lies in the wall of two others: their visible polygons obey the closure law.
 TEST(WindowTubes, TubesOfThreeCornersCloseExactly) {
   const unsigned seed = 496;
   SCOPED_TRACE(testing::Message() << "seed " << seed);

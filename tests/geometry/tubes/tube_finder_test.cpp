@@ -18,7 +18,7 @@ std::vector<std::uint32_t> found(const TubeFinder& finder, glm::dvec3 direction)
   return tubes;
 }
 
-// holds() is exact for integer directions, of which few lie on walls.
+// holds() is exact for integer directions, few of which lie on walls.
 TEST(TubeFinder, FindsTheTubesThatHold) {
   const unsigned seed = 4711;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -49,14 +49,14 @@ TEST(TubeFinder, OnAWallItIsOneOfTheTwo) {
   for (int x = -7; x < 8; ++x)
     for (int z = -9; z < 2; ++z) {
       const std::size_t tubes = found(finder, {x / 2.0, 4, z / 2.0}).size();
-      // At a corner of four each wall decides for itself.
+      // At a corner of four tubes, each wall decides independently.
       if (x % 2 != 0 || z % 2 != 0) {
         EXPECT_EQ(tubes, 1u) << x << ' ' << z;
       }
     }
 }
 
-// Windows of three corners have a fourth ray on the wall of two others.
+// Tubes with three corners have a fourth ray on the wall of two others.
 TEST(TubeFinder, KnowsWindowsOfThreeCorners) {
   WindowTubes windows({}, 1e9);
   windows.add(std::vector<glm::dvec3>{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}, 0);

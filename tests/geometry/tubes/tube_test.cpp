@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests tubes from angular grids: rounding of integer rays, orientation of walls, shared rays of adjacent
+// tubes, and solid angles of sectors.
+
 #include "geometry/tubes/tube.hpp"
 
 #include <gmock/gmock.h>
@@ -25,7 +28,7 @@ std::vector<double> even_edges(double first, double last, int cells) {
   return edges;
 }
 
-/// The didson's frame: azimuth 0 forward (y), +90 degrees starboard (x), axis up. Left-handed.
+/// The frame of the DIDSON: azimuth 0 forward (y), +90 degrees starboard (x), axis up. It is left-handed.
 glm::dmat3 left_handed_frame() { return {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}}; }
 
 AngularGrid sector(double horizontal_deg, int azimuth_cells, double vertical_deg, int elevation_cells) {
@@ -40,7 +43,7 @@ Wide determinant(GridPoint a, GridPoint b, GridPoint c) {
          (Wide(a.x) * b.y - Wide(a.y) * b.x) * c.z;
 }
 
-/// Every ray that is not on a wall is strictly on its inner side: counter-clockwise and convex.
+/// Expects that each ray that is not on a wall is strictly on its inner side: counter-clockwise and convex.
 void expect_inward_walls(const TubeSet& set) {
   for (std::size_t t = 0; t < set.tubes.size(); ++t)
     for (std::size_t k = 0; k < 4; ++k)
@@ -83,7 +86,7 @@ TEST(IntegerRay, RoundsToNearestAndKeepsToTheBitBudget) {
   EXPECT_EQ(integer_ray({1, 0, 0}), (GridPoint{largest, 0, 0}));
   EXPECT_EQ(integer_ray({0, -1, 0}), (GridPoint{0, -largest, 0}));
   EXPECT_EQ(integer_ray({1.4 / largest, -1.6 / largest, 0.6 / largest}), (GridPoint{1, -2, 1}));
-  // The angle lost is below a grid step of the ray, sqrt(3)/2 * 2^-30 rad.
+  // The angular error is below a grid step of the ray, sqrt(3)/2 * 2^-30 rad.
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 10000; ++i) {
@@ -100,7 +103,8 @@ TEST(AppendTubes, IsAzimuthMajorAndReturnsTheFirst) {
   EXPECT_EQ(append_tubes(set, sector(40, 4, 60, 3)), 2u);
   ASSERT_EQ(set.tubes.size(), 2u + 12u);
   ASSERT_EQ(set.rays.size(), 3u * 2u + 5u * 4u);
-  // Tube (3, 2): the starboard-most and highest cell of the second grid; its rays' mean points there.
+  // Tube (3, 2) is the starboard-most and highest cell of the second grid. The mean of its rays points
+  // there.
   const Tube& tube = set.tubes[2 + 3 * 3 + 2];
   glm::dvec3 mean(0);
   for (const auto corner : tube)
@@ -134,8 +138,8 @@ TEST(AppendTubes, NeighboursShareRaysSoThatTheyPartitionTheSector) {
   TubeSet set;
   const int columns = 7, rows = 4;
   append_tubes(set, sector(100, columns, 60, rows));
-  ASSERT_EQ(set.rays.size(), std::size_t((columns + 1) * (rows + 1)));  // none is there twice
-  // Each wall inside the sector is walked once in either direction, each wall of the border once.
+  ASSERT_EQ(set.rays.size(), std::size_t((columns + 1) * (rows + 1)));  // no ray is duplicated
+  // Each wall inside the sector occurs once in either direction, and each wall of the border once.
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> walls;
   for (const Tube& tube : set.tubes)
     for (std::size_t k = 0; k < 4; ++k) ++walls[{tube[k], tube[(k + 1) % 4]}];
@@ -158,9 +162,9 @@ TEST(AppendTubes, AFullTurnHasNoSeam) {
   EXPECT_NEAR(solid_angle(set), 36 * 4 * std::asin(std::sin(half) * std::sin(middle)), 1e-8);
 }
 
-// physics.md 7.3. A cell's upper and lower walls are great circles through its corners, so a cell of half
-// azimuth a and corner elevation +-e is a rectangular pyramid of half angles a and e' = atan(tan e / cos a).
-// Law B2.
+// physics.md 7.3. The upper and lower walls of a cell are great circles through its corners. A cell of half
+// azimuth a and corner elevation +-e is thus a rectangular pyramid of half angles a and e' = atan(tan e /
+// cos a). Law B2.
 TEST(AppendTubes, SolidAnglesSumToTheSectors) {
   const auto pyramid = [](double half_azimuth, double corner_elevation) {
     return 4 * std::asin(std::sin(half_azimuth) *
@@ -170,17 +174,17 @@ TEST(AppendTubes, SolidAnglesSumToTheSectors) {
   append_tubes(single, sector(29, 1, 14, 1));
   EXPECT_NEAR(solid_angle(single), pyramid(14.5 * degree, 7 * degree), 1e-9);
 
-  TubeSet beams;  // the DIDSON's
+  TubeSet beams;  // those of the DIDSON
   append_tubes(beams, sector(29, 96, 14, 1));
   EXPECT_NEAR(solid_angle(beams), 96 * pyramid(29.0 / 192 * degree, 7 * degree), 1e-9);
   EXPECT_NEAR(solid_angle(beams), 0.123367235381, 1e-6);
 
-  TubeSet fine;  // many narrow cells: the great circles tend to the cones of constant elevation, as azimuth^2
-                 // / 12
+  // many narrow cells: the great circles converge to the cones of constant elevation, as azimuth^2 / 12
+  TubeSet fine;
   append_tubes(fine, sector(29, 1000, 14, 1));
   EXPECT_NEAR(solid_angle(fine) / 0.123367235381, 1, 1e-7);
 
-  // Splitting in elevation changes nothing: inner walls are shared.
+  // A division in elevation changes nothing: inner walls are shared.
   TubeSet split;
   append_tubes(split, sector(29, 96, 14, 5));
   EXPECT_NEAR(solid_angle(split), solid_angle(beams), 1e-9);

@@ -7,8 +7,8 @@
 #include "geometry/footprints/footprint_builder.hpp"
 #include "validation/bench/allocations.hpp"
 
-// In the steady state nothing is allocated: not per predicate, not per facet, not per footprint. A program of
-// its own, because it replaces operator new.
+// Tests that the steady state allocates no memory: not per predicate, per facet or per footprint. This is a
+// separate program because it replaces operator new.
 namespace tubefoot {
 namespace {
 
@@ -27,7 +27,7 @@ void clear(FootprintSet& set) {
   set.occluders.clear();
 }
 
-/// All tubes of a ping into reused buffers; returns how often memory was asked for.
+/// Computes all tubes of a ping into reused buffers. Returns the number of allocations.
 std::uint64_t allocations_of_a_ping(const Scene& scene, const SceneTree& tree,
                                     const VisibilityOptions& options, Buffers& buffers) {
   const std::uint64_t before = allocations();
@@ -54,10 +54,10 @@ TEST(Allocations, FixedAllocatesNothingInTheSteadyState) {
       const SceneTree tree(scene.mesh);
       Buffers buffers;
       VisibilityOptions options;
-      options.facets_per_split = 4;  // splitting tubes has buffers of its own
+      options.facets_per_split = 4;  // tubes that are split have their own buffers
       options.open_water = true;
       EXPECT_GT(allocations_of_a_ping(scene, tree, options, buffers), 0u) << "the first ping";
-      // Two lists take turns, so that it takes two pings until both are long enough.
+      // Two lists alternate, so that both are long enough after two pings.
       allocations_of_a_ping(scene, tree, options, buffers);
       for (int ping = 0; ping < 2; ++ping)
         EXPECT_EQ(allocations_of_a_ping(scene, tree, options, buffers), 0u) << "the same ping again";

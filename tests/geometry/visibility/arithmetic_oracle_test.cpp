@@ -8,9 +8,9 @@
 #include "fixtures/geometry/small_views.hpp"
 #include "geometry/visibility/closure.hpp"
 
-// The arithmetic that constructs everything in rationals against the two that decide by names, doubles and
-// intervals first: the same topology hash, and the same area of every facet as rationals in a common plane,
-// found from the pieces' names without the library's own code for that.
+// Compares the arithmetic that constructs everything in rationals with the two that decide by names,
+// doubles and intervals first. The topology hashes are equal. The area of each facet equals a rational area
+// in a common plane, which independent code computes from the names of the pieces.
 namespace tubefoot {
 namespace {
 

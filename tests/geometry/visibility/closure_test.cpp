@@ -9,7 +9,8 @@
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "fixtures/geometry/looks.hpp"
 
-// The audit must have teeth: any tampering with a result shows.
+// Tests that the audit detects each manipulation of a result: missing, duplicate, moved and wrongly
+// attributed pieces.
 namespace tubefoot {
 namespace {
 
@@ -32,14 +33,15 @@ Seen see_first_tube(FacetMesh mesh, TubeSet tubes) {
   return seen;
 }
 
-/// Some facets seen in several pieces each, and some open water.
+/// Makes facets that are visible in several pieces each, and some open water.
 Seen random_triangles(std::uint64_t seed) {
   Random random(seed);
   return see_first_tube(make_random_triangles(random, 9, 1000000, 500000),
                         forward_tubes({0, 0, 0}, 1, 1, 40, 40));
 }
 
-/// Up to six indices below `count`, spread evenly: an audit of tampered pieces is slow.
+/// Returns up to six indices below `count`, evenly distributed, because an audit of manipulated pieces is
+/// slow.
 std::vector<std::size_t> some(std::size_t count) {
   std::vector<std::size_t> indices;
   for (std::size_t k = 0; k < count; k += count / 6 + 1) indices.push_back(k);
@@ -195,7 +197,7 @@ TEST(Closure, HashTellsTubesFacetsAndDepthsApart) {
   on_random_triangles([](const Seen& seen, const TubeAudit& right) {
     EXPECT_NE(audit(seen.mesh, seen.tubes, 0, seen.visibility, label + 1).hash, right.hash);
     EXPECT_EQ(audit(seen.mesh, seen.tubes, 0, seen.visibility, label).hash, right.hash);
-    // Twice as far and twice as large: the same areas, of other facets.
+    // Twice as far and twice as large: the same areas for other facets.
     FacetMesh far = seen.mesh;
     for (GridPoint& p : far.vertices) p = {2 * p.x, 2 * p.y, 2 * p.z};
     const Seen doubled = see_first_tube(far, seen.tubes);
@@ -224,8 +226,8 @@ TEST(Closure, HashesAddUpInAnyOrder) {
 }
 
 TEST(Closure, AnInexactResultIsReportedNotThrown) {
-  // Rounding may leave corners where no point is, even beyond the gnomonic plane's horizon: that does not
-  // close.
+  // Rounding may leave corners where there is no point, even beyond the horizon of the gnomonic plane. The
+  // audit does not close then.
   for (std::uint64_t seed = 1; seed <= 16 / one_in; ++seed)
     for (const Scene& scene : adversarial_cases(seed)) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);

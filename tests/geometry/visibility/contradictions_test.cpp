@@ -12,8 +12,8 @@
 namespace tubefoot {
 namespace {
 
-// What stumbles doubles: corners that are none are gone, and all that is left can be put on its facet. Exact
-// arithmetic makes none.
+// In the adversarial cases, doubles make contradictory corners. The kernel omits these corners, and each
+// remaining one can be projected onto its facet. Exact arithmetic makes none.
 TEST(Contradictions, OfDoublesAreLeftOutAndExactLooksHaveNone) {
   std::size_t left_out = 0, kept = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed)

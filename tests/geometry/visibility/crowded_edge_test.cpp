@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Very many facets about one edge, as broken exporters and fans of wires make them.
+// Tests very many facets at one edge, as faulty exporters and fans of wires make them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,8 +14,9 @@ namespace {
 
 using namespace test;
 
-/// A book that lies across the view, its pages all around the spine. With `one_spine` they share its
-/// vertices; else each page has its own, at the same places, and no page knows of another.
+/// A book across the view, with its pages all around the spine. With `one_spine` the pages share the
+/// vertices of the spine. Otherwise each page has its own vertices at the same positions, and is not
+/// connected to the others.
 FacetMesh book(int pages, bool one_spine) {
   constexpr double radius = 200000;
   FacetMesh mesh;

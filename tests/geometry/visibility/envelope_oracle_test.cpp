@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One of CGAL 5.5.1's assertions in Envelope_3 is ambiguous in C++20; some preconditions need the assertions.
+// Compares visible polygons with CGAL's Envelope_3. One of the assertions of Envelope_3 in CGAL 5.5.1 is
+// ambiguous in C++20. Some preconditions need the assertions.
 #define CGAL_NO_ASSERTIONS
 #define CGAL_NO_PRECONDITIONS
 #include <CGAL/Env_surface_data_traits_3.h>
@@ -15,9 +16,10 @@
 #include "fixtures/geometry/small_views.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// What the kernel sees, against CGAL's lower envelope of triangles. The projective map
-// (x, y, z) -> (z/y, x/y, -1/y) about the apex makes rays of the apex vertical and keeps planes and their
-// order: first along a ray becomes lowest. In a file of its own because Envelope_3 takes long to compile.
+// Compares visible polygons with CGAL's lower envelope of triangles. The projective map (x, y, z) -> (z/y,
+// x/y, -1/y) about the apex makes rays of the apex vertical and keeps planes and their order. The first
+// facet along a ray thus becomes the lowest. The test is a separate file because Envelope_3 takes long to
+// compile.
 namespace tubefoot {
 namespace {
 
@@ -32,10 +34,10 @@ const V3 forward{0, 1, 0};
 Kernel::Point_3 mapped(const V3& p) { return {p[2] / p[1], p[0] / p[1], -1 / p[1]}; }
 V3 direction_to(const Kernel::Point_2& p) { return {p.y(), 1, p.x()}; }
 
-/// Part of the envelope that one facet (or several coincident ones, under the first of them) is lowest on.
+/// Part of the envelope on which one facet is lowest, or the first of several coincident facets.
 struct Patch {
   FacetId facet;
-  std::vector<Cone> boundary;  ///< outer one counter-clockwise, holes clockwise
+  std::vector<Cone> boundary;  ///< outer boundary counter-clockwise, holes clockwise
 };
 
 std::vector<Patch> envelope(const FacetMesh& mesh, GridPoint apex) {
@@ -76,7 +78,7 @@ bool all_ahead(const Scene& scene) {
   return true;
 }
 
-/// The first facet in the same plane: coplanar facets are counted together.
+/// Returns the first facet in the same plane: coplanar facets count together.
 std::vector<FacetId> plane_leaders(const FacetMesh& mesh, GridPoint apex) {
   std::vector<FacetId> leader;
   for (FacetId f = 0; f < mesh.facets.size(); ++f) {
@@ -93,7 +95,7 @@ std::vector<FacetId> plane_leaders(const FacetMesh& mesh, GridPoint apex) {
   return leader;
 }
 
-/// Compares all tubes of a scene; returns how many facets are seen in a tube.
+/// Compares all tubes of a scene. Returns the number of facets that are visible in a tube.
 std::size_t compare_with_envelope(const Scene& scene) {
   const GnomonicPlane plane(forward);
   std::size_t compared = 0;

@@ -11,14 +11,14 @@
 #include "fixtures/geometry/exact_oracles.hpp"
 #include "fixtures/geometry/layered_scenes.hpp"
 
-// What the layer grid says of facets and pairs, against what is so: every facet is clipped by every other, in
-// rationals, with no grid and no reasoning about surfaces.
+// Compares the decisions of the layer grid on facets and pairs with brute force. The brute force clips each
+// facet by each other in rationals, without a grid or properties of surfaces.
 namespace tubefoot {
 namespace {
 
 using namespace test;
 
-/// The facets of one tube as the grid gets them, with neighbours found by their definition.
+/// The facets of one tube in the form that the grid receives, with neighbours by their definition.
 struct InTube {
   GnomonicFrame frame;
   std::vector<FramedFacet> facets;
@@ -65,7 +65,8 @@ InTube in_tube(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube) 
     const GridPoint a = cone.point[k], b = cone.point[(k + 1) % 3];
     if (at.size() == 2) {
       const auto& [g, j] = at[1];
-      // f lies on the positive side of the plane through its edge; unfolded: g lies on the other.
+      // f lies on the positive side of the plane through its edge. The edge is not a fold if g lies on the
+      // other side.
       if (dot(cross(a, b), result.facets[g].cone.point[(j + 2) % 3]) >= 0) continue;
       result.neighbours[f][k] = g;
       result.neighbours[g][j] = f;
@@ -79,14 +80,14 @@ InTube in_tube(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube) 
   return result;
 }
 
-/// Whether a convex cone has an interior: three of its corners are not in one plane.
+/// Returns whether a convex cone has an interior: three of its corners are not in one plane.
 bool has_interior(const Cone& cone) {
   for (std::size_t k = 2; k < cone.size(); ++k)
     if (scalar_product(cone[0], vector_product(cone[k - 1], cone[k])) != 0) return true;
   return false;
 }
 
-/// Directions without their common factors: numbers stay short from clip to clip.
+/// Returns directions without their common factors, so that numbers stay short over many clips.
 Cone shortened(Cone cone) {
   for (V3& d : cone) {
     const Q largest = CGAL::max(CGAL::abs(d[0]), CGAL::max(CGAL::abs(d[1]), CGAL::abs(d[2])));
@@ -95,7 +96,7 @@ Cone shortened(Cone cone) {
   return cone;
 }
 
-/// All of a tube's facets clipped by each other.
+/// All facets of a tube, clipped by each other.
 class BruteForce {
  public:
   BruteForce(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube, const InTube& seen)
@@ -111,7 +112,7 @@ class BruteForce {
 
   const std::vector<Cone>& visible(std::size_t f) const { return visible_[f]; }
 
-  /// What is left of a facet when the others listed are taken away from it.
+  /// Returns the remaining part of a facet after removal of the parts that the listed facets hide.
   std::vector<Cone> left_of(std::size_t f, const std::vector<std::uint32_t>& others) const {
     std::vector<Cone> pieces{clipped({from_[f].vertex.begin(), from_[f].vertex.end()}, walls_)};
     std::erase_if(pieces, [](const Cone& c) { return !has_interior(c); });
@@ -138,7 +139,7 @@ class BruteForce {
     return pieces;
   }
 
-  /// Whether `occluder`, where it is seen, lies before part of `facet` within the tube.
+  /// Returns whether the visible part of `occluder` lies before a part of `facet` within the tube.
   bool is_before(std::size_t occluder, std::size_t facet) const {
     if (!facets_[occluder].bounds.meets(facets_[facet].bounds)) return false;
     std::vector<V3> halves = hiding(facet, occluder);
@@ -149,7 +150,7 @@ class BruteForce {
   }
 
  private:
-  /// The half-spaces in which o hides f; none if it never does.
+  /// The half-spaces in which o hides f; empty if o never hides f.
   std::vector<V3> hiding(std::size_t f, std::size_t o) const {
     std::vector<V3> halves(from_[o].inward.begin(), from_[o].inward.end());
     if (!same_plane(from_[f], from_[o]))
@@ -170,7 +171,7 @@ struct Tally {
   std::size_t facets = 0, hidden = 0, truly_hidden = 0, pairs = 0, candidates = 0, true_occluders = 0;
 };
 
-/// Checks every facet and pair of every tube of a scene.
+/// Checks each facet and pair of each tube of a scene.
 void check(const Scene& scene, Tally& tally) {
   for (std::uint32_t t = 0; t < scene.tubes.tubes.size(); ++t) {
     SCOPED_TRACE(testing::Message() << "tube " << t);
@@ -226,7 +227,7 @@ TEST(LayerGrid, HidesOnlyTheHiddenAndMissesNoOccluder) {
   EXPECT_GT(tally.true_occluders, 1500 / one_in);
 }
 
-// A closed sheet hides all that is behind it, and hardly a facet of it is compared with another.
+// A closed surface hides everything behind it. Hardly any hidden facet is compared with another.
 TEST(LayerGrid, AClosedSheetHidesWhatIsBehindItAndNeedsFewPairs) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -263,9 +264,9 @@ TEST(LayerGrid, AClosedSheetHidesWhatIsBehindItAndNeedsFewPairs) {
   }
 }
 
-/// A ramp that winds about a point just outside of the tube's corner, three wide steps a turn. No edge of it
-/// is a silhouette inside the tube, all steps are connected around the point, and no wall of the tube sets
-/// any of them apart; so one layer covers the tube once a turn.
+/// A ramp that winds about a point just outside of the corner of the tube, with three wide steps per turn.
+/// No edge of the ramp is a silhouette inside the tube. All steps are connected around the point, and no
+/// wall of the tube separates them. Thus one layer covers the tube once per turn.
 Scene winding_ramp(Random& random, int turns) {
   Scene scene{"winding ramp", {}, {}};
   scene.tubes.reach = 1e12;
@@ -273,7 +274,7 @@ Scene winding_ramp(Random& random, int turns) {
     scene.tubes.rays.push_back({x, 10000, z});
   scene.tubes.tubes = {{0, 1, 2, 3}};
   FacetMesh& mesh = scene.mesh;
-  // By gnomonic coordinates x / y, z / y and depth y; the tube is the square from (0, 0) to (0.1, 0.1).
+  // By gnomonic coordinates x / y, z / y and depth y. The tube is the square from (0, 0) to (0.1, 0.1).
   std::int32_t depth = 100000;
   const auto vertex = [&](double x, double z) {
     const std::int32_t y = depth + uniform(random, -2000, 2000);

@@ -9,7 +9,8 @@
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "fixtures/geometry/looks.hpp"
 
-// The tree knows nothing of cones: here its pieces are intervals [first, first + count) of integers.
+// Tests `PieceTree`, which is independent of cones: here its pieces are intervals [first, first + count) of
+// integers.
 namespace tubefoot {
 namespace {
 
@@ -17,7 +18,7 @@ using namespace test;
 
 std::uint32_t end_of(PieceRange piece) { return piece.first + piece.count; }
 
-/// Takes an interval away. Its ends are asked one by one, as the planes of a facet are.
+/// Removes an interval. Each end is a separate query, as the planes of a facet are.
 struct Away {
   PieceRange away;
   static constexpr unsigned left_end = 1, right_end = 2;
@@ -41,7 +42,8 @@ struct Away {
     const bool left = requested & left_end, right = requested & right_end;
     if (left && away.first > piece.first)
       rest.push_back({piece.first, std::min(away.first, end_of(piece)) - piece.first});
-    if (left && end_of(piece) <= away.first) return false;  // with something in `rest`: it does not count
+    // if something is already in `rest`, the call does not count
+    if (left && end_of(piece) <= away.first) return false;
     if (right && piece.first >= end_of(away)) return false;
     if (right && end_of(piece) > end_of(away)) rest.push_back({end_of(away), end_of(piece) - end_of(away)});
     return true;
@@ -65,7 +67,7 @@ std::vector<PieceRange> pieces_of(PieceTree& tree) {
 
 // Law L3.
 TEST(PieceTree, HoldsWhatAListWouldHold) {
-  PieceTree tree;  // one for all, as the kernel has
+  PieceTree tree;  // one tree for all, as in the kernel
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
@@ -110,13 +112,13 @@ TEST(PieceTree, LooksAtThePiecesAboutACutAndNotAtAll) {
     looks += away.looks;
   }
   EXPECT_EQ(pieces_of(tree).size(), cuts + 1);
-  // A random tree is about twice as deep as a balanced one, and both children of a node are looked at; a list
-  // would be 2048 pieces long on average.
+  // A random tree is about twice as deep as a balanced one, and both children of a node are visited. A list
+  // would have 2048 pieces on average.
   EXPECT_LT(looks, 6 * 12 * cuts);
 }
 
-/// Long thin facets across the view in all directions, nearer at one end than at the other: each passes over,
-/// under or through all others.
+/// Long thin facets across the view in all directions, nearer at one end than at the other. Each passes
+/// over, under or through all others.
 FacetMesh interlaced_strips(Random& random, int count) {
   FacetMesh mesh;
   for (int k = 0; k < count; ++k) {
@@ -134,7 +136,7 @@ FacetMesh interlaced_strips(Random& random, int count) {
   return mesh;
 }
 
-// Laws V6 and L3: in a narrow tube no receiver has more pieces than a list holds.
+// Laws V6 and L3: in a narrow tube no receiver has more pieces than a list can store.
 TEST(PieceTree, SliversThroughOneAnotherAreSeenAsInNarrowTubes) {
   constexpr int across = 12;
   const TubeSet narrow = lattice_tubes({0, 0, 0}, -across / 2, -across / 2, across, across, 50, 20000);

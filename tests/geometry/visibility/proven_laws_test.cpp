@@ -8,12 +8,12 @@
 
 #include "prove/laws.hpp"
 
-// A hundred thousand tubes of tests/prove, a share for each kind of scene. `make prove` checks a hundred
-// times as many. Another seed: TUBEFOOT_SEED in the environment.
+// Checks a hundred thousand tubes of tests/prove, a share for each kind of scene. `make prove` checks a
+// hundred times as many. TUBEFOOT_SEED in the environment sets another seed.
 namespace tubefoot::prove {
 namespace {
 
-// Sanitizers make rationals some fifty times slower.
+// Sanitizers make rationals about fifty times slower.
 #ifdef TUBEFOOT_SANITIZED
 constexpr std::uint64_t one_in = 32;
 #else
@@ -41,7 +41,7 @@ TEST_P(ProvenLaws, HoldOnEveryTube) {
     EXPECT_EQ(entry.failures, 0u) << law_names[l] << ": " << entry.failures << " of " << entry.tubes
                                   << " tubes; the first with tubefoot_prove --seed " << seed() << " --scene "
                                   << entry.first_failure << ", or TUBEFOOT_SEED=" << seed();
-    // Each law has its turn, the dear ones less often.
+    // The test checks each law in turn, expensive laws less often.
     EXPECT_GE(entry.tubes, scenes_per_kind * tubes_per_scene / 16) << law_names[l];
     RecordProperty(std::string("tubes: ") + std::string(law_names[l]), static_cast<int>(entry.tubes));
   }

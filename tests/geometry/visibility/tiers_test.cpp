@@ -11,8 +11,9 @@
 #include "geometry/visibility/visibility_solver.hpp"
 #include "prove/small_scenes.hpp"
 
-// Which tier decides: names before any arithmetic, the double or the interval nearly always, integers where
-// they must. Whole views are solved with an arithmetic that counts.
+// Tests which tier of the arithmetic decides. Names decide before any arithmetic, the double or the
+// interval decides nearly always, and integers decide the rest. The test computes whole views with an
+// arithmetic that counts its decisions.
 namespace tubefoot {
 namespace {
 
@@ -21,9 +22,9 @@ using namespace test;
 struct Tiers {
   std::size_t first = 0;        ///< signs that the double or the interval decided
   std::size_t exact = 0;        ///< nonzero signs that needed integers
-  std::size_t zero = 0;         ///< zeros, which only integers can tell
+  std::size_t zero = 0;         ///< zeros, which only integers can decide
   std::size_t wide = 0;         ///< of the last two, those that involve a depth plane
-  std::size_t same_planes = 0;  ///< a corner against one of its own planes: names should have settled it
+  std::size_t same_planes = 0;  ///< a corner against one of its own planes: names should have decided this
   std::size_t all() const { return first + exact + zero; }
   void add(const Tiers& o) {
     first += o.first;
@@ -34,7 +35,7 @@ struct Tiers {
   }
 };
 
-/// One number per arithmetic: its first tier, on any of the three decisions.
+/// One function per arithmetic: its first tier, on any of the three decisions.
 int first_tier(const FixedArithmetic& a, const auto& what, const FixedArithmetic::Plane& plane) {
   return a.double_side(what, plane);
 }
@@ -68,7 +69,7 @@ struct Counting : A {
     return settled(A::exact_nearer(f, p), false);
   }
 
-  // The first tier by itself: what it leaves in ambiguity is asked for once more, if no name tells.
+  // The first tier by itself: the kernel repeats the ambiguous decisions, unless a name decides.
   int double_side(const typename A::Corner& corner,
                   const typename A::Plane& plane) const requires std::is_same_v<A, FixedArithmetic> {
     const int s = A::double_side(corner, plane);
@@ -93,7 +94,7 @@ struct Counting : A {
   }
 };
 
-/// What it takes to see all tubes, open water included.
+/// Counts the decisions for all tubes, including open water.
 template <class A>
 Tiers tiers_of(const FacetMesh& mesh, const TubeSet& tubes) {
   Tiers tiers;
@@ -120,7 +121,7 @@ Tiers tiers_of(const FacetMesh& mesh, const TubeSet& tubes) {
   return tiers;
 }
 
-/// Facets in general position: no vertex shared, no two in line.
+/// Facets in general position: no vertex is shared, no two are collinear.
 Scene generic(std::uint64_t seed) {
   Random random(seed);
   return {"generic", make_random_triangles(random, 40, 1 << 27, 1 << 26),
@@ -146,8 +147,8 @@ TYPED_TEST(TiersOf, TheFirstDecidesEverythingInGeneralPosition) {
 }
 
 TYPED_TEST(TiersOf, NamesSettleTheZerosOfSharedVertices) {
-  // The same terrain with shared vertices, and with a copy of each vertex for each facet: only then do the
-  // zeros of shared edges reach the arithmetic.
+  // The same terrain with shared vertices, and with a copy of each vertex per facet. Only in the second
+  // case do the zeros of shared edges reach the arithmetic.
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
@@ -158,7 +159,7 @@ TYPED_TEST(TiersOf, NamesSettleTheZerosOfSharedVertices) {
       add_facet(apart, add_vertex(apart, shared.vertices[v[0]]), add_vertex(apart, shared.vertices[v[1]]),
                 add_vertex(apart, shared.vertices[v[2]]));
     const Tiers by_name = tiers_of<TypeParam>(shared, tubes), by_number = tiers_of<TypeParam>(apart, tubes);
-    // A depth plane holds the vertices that its two facets share; its name does not say so.
+    // A depth plane contains the vertices that its two facets share, but its name does not state this.
     EXPECT_EQ(by_name.zero, by_name.wide);
     EXPECT_LT(by_name.zero * 50, by_number.zero);
     EXPECT_EQ(by_name.exact, 0u);
@@ -184,8 +185,9 @@ TYPED_TEST(TiersOf, IntegersSettleTheZerosThatNoNameTells) {
 }
 
 TYPED_TEST(TiersOf, IntegersTellWhatIsAUnitFromZero) {
-  // Two planes through the ray a, a unit apart at its end, meet in a; a third plane misses a by a unit. Their
-  // determinant is some 2^120, the products in it 2^180: more than a double bridges.
+  // Two planes through the ray a, a unit apart at its end, intersect in a. A third plane misses a by a
+  // unit. Their determinant is about 2^120, and the products in it 2^180, which exceeds the precision of a
+  // double.
   Random random(7);
   Tiers tiers;
   Counting<TypeParam> arithmetic;
@@ -227,7 +229,7 @@ TYPED_TEST(TiersOf, IntegersTellWhatIsAUnitFromZero) {
   EXPECT_EQ(tiers.exact + tiers.first, not_zero);
 }
 
-/// What all views of one kind of small scene take.
+/// Counts the decisions for all views of one kind of small scene.
 template <class A>
 Tiers tiers_of_kind(std::string_view kind) {
   Tiers sum;
@@ -242,15 +244,15 @@ Tiers tiers_of_kind(std::string_view kind) {
 }
 
 TEST(Tiers, NeedleWallsNeedIntegersOnlyWhereTheirNormalsAreIntervals) {
-  // The normal of a wall is a difference of products of 2^60 that agree in all but the last bits. `fixed`
-  // takes it as integers first and rounds afterwards.
+  // The normal of a wall is a difference of products of 2^60 that agree in all except the last bits.
+  // `fixed` computes the difference in integers first and rounds afterwards.
   EXPECT_EQ(tiers_of_kind<FixedArithmetic>("needle tubes").exact, 0u);
   EXPECT_GT(tiers_of_kind<FilteredArithmetic>("needle tubes").exact, 1000u);
 }
 
 TEST(Tiers, SliversNeedIntegersWhereOneErrorBoundServesAllCoordinates) {
-  // A sliver's planes differ in a small coordinate of large normals. An interval per coordinate keeps that
-  // apart.
+  // The planes of a sliver differ in a small coordinate of large normals. An interval per coordinate
+  // resolves this difference.
   const Tiers fixed = tiers_of_kind<FixedArithmetic>("slivers");
   EXPECT_GT(fixed.exact, 10u);
   EXPECT_LT(fixed.exact * 500, fixed.first);
@@ -258,7 +260,7 @@ TEST(Tiers, SliversNeedIntegersWhereOneErrorBoundServesAllCoordinates) {
 }
 
 TYPED_TEST(TiersOf, DepthPlanesNeedWideIntegersOnlyForTheirZeros) {
-  // Facets that cut each other along lines through common points.
+  // Facets that intersect each other along lines through common points.
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);

@@ -6,7 +6,8 @@
 #include "fixtures/geometry/layered_scenes.hpp"
 #include "fixtures/geometry/looks.hpp"
 
-// Tubes that gather their facets together see what each of them sees alone, bit for bit.
+// Tests that tubes with common candidate facets have the same visible polygons as single tubes, bit for
+// bit.
 namespace tubefoot {
 namespace {
 
@@ -36,7 +37,7 @@ void expect_same(const TubeVisibility& together, const TubeVisibility& alone) {
   EXPECT_EQ(together.candidates, alone.candidates);
 }
 
-/// A sector straight ahead (+y) and a little down, in columns and rows of tubes.
+/// A sector straight ahead (+y) and slightly downwards, in columns and rows of tubes.
 TubeSet sector(GridPoint apex, double reach, Random& random, int columns, int rows) {
   AngularGrid grid;
   const double half_width = uniform(random, 50, 900) / 1000.0,
@@ -56,7 +57,7 @@ struct Compared {
   std::size_t tubes = 0, pieces = 0, occluders = 0;
 };
 
-/// `run` together, against each tube by itself.
+/// Compares the tubes of `run` together with each tube alone.
 void compare(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, TubeRun run,
              const VisibilityOptions& options, Compared& compared) {
   VisibilityScratch together_scratch, alone_scratch;
@@ -88,7 +89,7 @@ TEST(TubeRuns, SeeWhatEachTubeSeesAlone) {
                     grid = sector(scene.tubes.apex, scene.tubes.reach, random, 3, 5);
       for (const TubeSet* tubes : {&scene.tubes, &fan, &grid}) {
         for (const TubeRun run : runs_of(*tubes)) compare(scene.mesh, tree, *tubes, run, options, compared);
-        // Any tubes may run together, not only neighbours.
+        // Any tubes may run together, not only adjacent ones.
         const auto last = static_cast<std::int32_t>(tubes->tubes.size()) - 1;
         const auto first = static_cast<std::uint32_t>(uniform(random, 0, last));
         const auto end =
@@ -114,7 +115,7 @@ TEST(TubeRuns, AreAllTubesInOrderAndSplitWhereTubesDoNotShareAWall) {
     next = run.end;
   }
   EXPECT_EQ(next, tubes.tubes.size());
-  // Columns of three, each tube above the one before it; then a fan that has no wall of theirs.
+  // Columns of three with each tube above the previous one, then a fan without a common wall.
   ASSERT_GE(runs.size(), 6u);
   for (std::uint32_t k = 0; k <= 4; ++k) EXPECT_EQ(runs[k].first, 3 * k);
   EXPECT_LT(runs.size(), 4u + 11u) << "neighbours run together";

@@ -9,14 +9,15 @@
 #include "fixtures/geometry/layered_scenes.hpp"
 #include "fixtures/geometry/looks.hpp"
 
-// Laws that what is seen obeys on every scene, whatever the algorithm. All are equalities of rationals.
+// Tests laws of visible polygons that hold in each scene, for any algorithm. All are equalities of
+// rationals.
 namespace tubefoot {
 namespace {
 
 using namespace test;
 
-/// Runs `check(scene, random)` on scenes of all kinds, every fourth time on the large layered ones as well;
-/// stops at the first that fails.
+/// Runs `check(scene, random)` on scenes of all kinds, and every fourth time also on the large layered
+/// ones. Stops at the first failure.
 template <class Check>
 void on_all_scenes(std::uint64_t first_seed, std::uint64_t seeds, const Check& check) {
   for (std::uint64_t seed = first_seed; seed < first_seed + std::max<std::uint64_t>(4, seeds / one_in);
@@ -36,7 +37,8 @@ FacetMesh mapped(FacetMesh mesh, const auto& map) {
 
 GridPoint sum(GridPoint a, GridPoint b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 
-/// Whether another facet lies in the plane of facet f (they may overlap, so that one must give way).
+/// Returns whether another facet lies in the plane of facet f. They may overlap, so that only one is
+/// visible.
 bool shares_plane(const FacetMesh& mesh, FacetId f, GridPoint apex) {
   FacetCone cone, other;
   if (!FacetCone::make(mesh, f, apex, cone)) return true;
@@ -146,7 +148,7 @@ TEST(VisibilityLaws, ScalingAboutTheApexAndTurningTheAxesKeepAreas) {
               expected)
         << "times " << factor;
 
-    // Which of two coplanar facets gives way is a matter of coordinates, so their sum is compared.
+    // The coordinates decide which of two coplanar facets is visible, so that the test compares their sum.
     const auto turn = [](GridPoint p) { return GridPoint{p.y, p.z, p.x}; };
     for (GridPoint& ray : tubes.rays) ray = turn(ray);
     const auto turned = areas_of(mapped(scene.mesh, [&](GridPoint p) { return turn(from_apex(p)); }), tubes);
@@ -249,7 +251,7 @@ TEST(VisibilityLaws, AddingAFacetUncoversNothing) {
   on_all_scenes(701, 16, [&](const Scene& scene, Random& random) {
     const auto before = areas_of(scene.mesh, scene.tubes);
     FacetMesh mesh = scene.mesh;
-    // Its vertices are vertices of the scene: it touches, and often cuts, what is there.
+    // Its vertices are vertices of the scene: it touches, and often cuts, other facets.
     const auto any = [&] { return mesh.facets[random() % mesh.facets.size()][random() % 3]; };
     const VertexId a = any(), b = any(), c = any();
     add_facet(mesh, a, b, c);
@@ -269,8 +271,8 @@ TEST(VisibilityLaws, NothingIsSeenThroughAWall) {
     Random random(seed);
     FacetMesh mesh = make_random_triangles(random, 40, 1000, 500);
     const auto behind = static_cast<FacetId>(mesh.facets.size());
-    // A rough wall of small facets, edges shared or (T-junctions) not; its relief stays before the random
-    // triangles.
+    // A rough wall of small facets with or without shared edges (T-junctions). Its relief stays before the
+    // random triangles.
     FacetMesh wall;
     add_plate(wall, 100, 12, 15, seed % 2 == 0);
     if (seed % 2)
@@ -305,7 +307,7 @@ TEST(VisibilityLaws, OfCoincidentFacetsExactlyOneIsSeen) {
         EXPECT_FALSE(twice[t].contains(facet + count)) << "both copies of facet " << facet << " are seen";
         merged[facet % count] += area;
       }
-      // The tiny grid has coincident facets of its own, of which either may win.
+      // The tiny grid has its own coincident facets, of which either may be visible.
       if (seed % 2) {
         EXPECT_EQ(merged, once[t]) << "tube " << t;
       }

@@ -13,8 +13,9 @@
 #include "geometry/visibility/exact_direction.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// What the kernel sees, against two methods that share nothing with it: rays cast by brute force, and Boolean
-// operations on polygons in the tube's gnomonic plane (CGAL Polygon_set_2). All in rationals; equalities.
+// Compares visible polygons with two independent methods: rays by brute force, and Boolean operations on
+// polygons in the gnomonic plane of the tube (CGAL Polygon_set_2). All comparisons are equalities of
+// rationals.
 namespace tubefoot {
 namespace {
 
@@ -41,7 +42,8 @@ std::vector<std::pair<FacetId, SeenFrom>> facets_from(const FacetMesh& mesh, Gri
 // ---- Rays
 
 struct Hit {
-  bool clear = true;             ///< the ray meets no facet's boundary, and no two planes at the same depth
+  /// the ray meets no boundary of a facet, and no two planes at the same depth
+  bool clear = true;
   std::vector<FacetId> nearest;  ///< more than one if coincident; none in open water
 };
 
@@ -95,7 +97,7 @@ std::vector<SeenCone> cones_of(const FacetMesh& mesh, GridPoint apex, const Tube
   return cones;
 }
 
-/// The pieces that hold direction d must be those of the facet that the ray meets first.
+/// Expects that the pieces that contain direction d are those of the facet that the ray meets first.
 void expect_pieces_agree(const std::vector<SeenCone>& cones, const V3& d, const Hit& hit) {
   int inside = 0, on_boundary = 0;
   for (const SeenCone& c : cones) {
@@ -131,8 +133,8 @@ TEST(VisibilityOracle, RaysMeetTheFacetWhosePieceHoldsThem) {
         const TubeVisibility seen = see_with_open_water(scene.mesh, scene.tubes, t);
         const auto cones = cones_of(scene.mesh, scene.tubes.apex, seen);
         const Cone tube = cone_of(scene.tubes, t);
-        // A positive combination of a cone's corners lies inside it. Large weights: anywhere; small ones: on
-        // symmetric places, where grids are degenerate.
+        // A positive combination of the corners of a cone lies inside it. Large weights give general
+        // positions. Small weights give symmetric positions, where grids are degenerate.
         const auto direction_in = [&](const Cone& cone, int largest_weight) {
           V3 d{0, 0, 0};
           for (const V3& corner : cone) d = minus(d, times(Q(-uniform(random, 1, largest_weight)), corner));
@@ -149,7 +151,7 @@ TEST(VisibilityOracle, RaysMeetTheFacetWhosePieceHoldsThem) {
           hits += !hit.nearest.empty();
           expect_pieces_agree(cones, d, hit);
         }
-        // However small a piece is, a ray through it must meet its facet first.
+        // For pieces of any size, a ray through a piece must meet its facet first.
         for (const SeenCone& c : cones) {
           const V3 d = direction_in(c.cone, 1000);
           const Hit hit = cast(facets, d);
@@ -187,7 +189,7 @@ Q twice_area(const PolygonSet& set) {
   return sum;
 }
 
-/// The section of a convex cone; nothing if it has no area.
+/// The section of a convex cone; empty if it has no area.
 std::vector<Polygon> section(const GnomonicPlane& plane, const Cone& cone) {
   if (cone.size() < 3) return {};
   const auto points = plane.polygon(cone);
@@ -199,15 +201,15 @@ std::vector<Polygon> section(const GnomonicPlane& plane, const Cone& cone) {
 }
 
 PolygonSet join_of(const std::vector<Polygon>& polygons) {
-  // One at a time: the join of a range, which CGAL divides and conquers, crashes now and then in 5.5.1,
-  // depending on where memory happens to lie (compare CGAL issue 8414).
+  // The test joins polygons one at a time. The join of a range, which CGAL computes by divide and conquer,
+  // crashes occasionally in 5.5.1, depending on memory addresses (compare CGAL issue 8414).
   PolygonSet set;
   for (const Polygon& polygon : polygons) set.join(polygon);
   return set;
 }
 
-/// Twice the visible area of every facet, by Boolean operations. Coplanar facets are counted together, under
-/// the first of them; which of them is seen where they overlap is not this oracle's business.
+/// Twice the visible area of each facet, by Boolean operations. Coplanar facets count together, under the
+/// first of them. This oracle does not decide which of them is visible where they overlap.
 std::map<FacetId, Q> areas_by_polygons(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
                                        const GnomonicPlane& plane, std::map<FacetId, FacetId>& group,
                                        Q& open) {
@@ -254,7 +256,8 @@ std::map<FacetId, Q> areas_by_polygons(const FacetMesh& mesh, const TubeSet& tub
   return areas;
 }
 
-/// Compares all tubes of a scene; returns how many facets (or groups of coplanar ones) are seen in a tube.
+/// Compares all tubes of a scene. Returns the number of facets (or groups of coplanar ones) that are
+/// visible in a tube.
 std::size_t compare_with_polygons(const Scene& scene) {
   std::size_t compared = 0;
   for (std::uint32_t t = 0; t < scene.tubes.tubes.size(); ++t) {
@@ -269,7 +272,8 @@ std::size_t compare_with_polygons(const Scene& scene) {
     for (const SeenCone& c : cones_of(scene.mesh, scene.tubes.apex, seen)) {
       const Q area = plane.area(c.cone);
       EXPECT_GT(area, 0);
-      // The library's own area is that of the plane, the oracle's that of its projection along one axis.
+      // The area of the library is that of the plane. The area of the oracle is that of its projection
+      // along one axis.
       EXPECT_EQ(gnomonic_area(axis, c.cone) *
                     CGAL::max(CGAL::abs(axis[0]), CGAL::max(CGAL::abs(axis[1]), CGAL::abs(axis[2]))),
                 area);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MCAP files: chunks, compression, checksums, damage.
+// Tests MCAP files: order of messages, chunks, compression, checksums, damage, and limits on unpacked
+// sizes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,12 +21,12 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
 
-/// The picture's first value is `mark`.
+/// The first value of the picture is `mark`.
 Bytes ping(int mark) {
   Sonar sonar = small_sonar();
   sonar.data[0] = static_cast<char>(mark);
   sonar.sec = 0;
-  sonar.nanosec = 0;  // the recording's time is taken
+  sonar.nanosec = 0;  // the time of the recording is used
   return projected(sonar);
 }
 
@@ -69,7 +70,7 @@ TEST_F(Mcap, ChunksOfEveryCompressionAreRead) {
     const Bytes first =
         mcap::chunk(heads + mcap::message(1, 5, ping(50)) + mcap::message(1, 1, ping(10)), compression);
     const Bytes second = mcap::chunk(mcap::message(1, 3, ping(30)), compression);
-    // Between them what follows chunks, and is skipped: an index, metadata, what the future brings.
+    // Records between chunks that the reader skips: an index, metadata, and unknown future records.
     const Bytes others =
         mcap::record(7, "index") + mcap::record(12, "metadata") + mcap::record(0x90, "private");
     EXPECT_THAT(marks(mcap::file(first + others + second + others, true)), ElementsAre(10, 30, 50));
@@ -96,7 +97,7 @@ TEST_F(Mcap, CutAtEveryLengthAFileIsRefused) {
     for (std::size_t length = 0; length < file.size(); ++length) {
       SCOPED_TRACE(length);
       EXPECT_THROW(read(file.substr(0, length)), InputError);
-      if (length == file.size() - mcap::magic.size()) continue;  // that makes it whole
+      if (length == file.size() - mcap::magic.size()) continue;  // this prefix is complete
       EXPECT_THROW(read(file.substr(0, length) + mcap::magic), InputError) << "with its end put on";
     }
   }
@@ -142,7 +143,8 @@ TEST_F(Mcap, SizesThatLieAreRefused) {
   refused(mcap::file(text), "needs 4294967295 bytes");
 }
 
-/// 1 GiB of zeros packs into some 30 kB: refused for its size or its content, never kept.
+/// 1 GiB of zeros packs into about 30 kB: the reader rejects it for its size or its content, and never
+/// stores it.
 TEST_F(Mcap, ABombOfZerosIsRefused) {
   const Bytes zeros = zstd(Bytes(std::size_t{64} << 20, '\0'));
   ASSERT_LT(zeros.size(), 10'000u);
@@ -151,7 +153,7 @@ TEST_F(Mcap, ABombOfZerosIsRefused) {
   refused(mcap::file(heads + mcap::message(1, 0, zeros)), "are left behind its last field");
 }
 
-/// Many zeros before pictures in each of two chunks, and messages that go to and fro between them in time.
+/// Many zeros before pictures in each of two chunks, and messages whose times alternate between the chunks.
 TEST_F(Mcap, ChunksAreUnpackedOnceWhateverTheOrderOfTimes) {
   constexpr int messages = 300;
   Bytes records = heads;
@@ -182,7 +184,7 @@ TEST_F(Mcap, ChunksThatUnpackToFarMoreThanTheFileAreRefused) {
             hostile_input_s);
 }
 
-/// The same of messages that are packed each by itself.
+/// The same for messages that are compressed individually.
 TEST_F(Mcap, MessagesThatUnpackToFarMoreThanTheFileAreRefused) {
   const Bytes image = zstd(camera_image(8192, 8192, "mono8", 8192, Bytes(std::size_t{8192} * 8192, '\0')));
   Bytes records = mcap::schema(1, image_type) + mcap::channel(1, 1, "/sonar");
@@ -201,7 +203,7 @@ TEST_F(Mcap, TensOfThousandsOfChannelsAreReadInTime) {
             hostile_input_s);
 }
 
-/// Schemas that repeat take no more room; channels that are new do, whatever they hold.
+/// Repeated schemas take no more space. New channels do, for any content.
 TEST_F(Mcap, OnlyWhatIsNewIsCountedAgainstTheMost) {
   constexpr std::size_t most = std::size_t{16} << 20;
   const auto packed = [](const Bytes& record) { return mcap::chunk(record, "zstd"); };
@@ -235,7 +237,7 @@ TEST_F(Mcap, WhatStandsWhereItMayNotIsRefused) {
           "behind the end of the data");
   refused(mcap::magic + mcap::magic, "without a footer");
   refused(mcap::magic, "no magic bytes at its end");
-  // Only the data are believed: a summary may say what it wants.
+  // The reader trusts only the data section. The summary may contain anything.
   const Bytes summary = mcap::schema(1, "another/msg/Type") + mcap::record(11, "statistics");
   EXPECT_THAT(marks(mcap::magic + mcap::header() + heads + message + mcap::record(15, little(0u)) + summary +
                     mcap::footer() + mcap::magic),
@@ -261,7 +263,7 @@ TEST_F(Mcap, ATopicIsChosenOrTold) {
           "has no topic with pictures");
   refused(mcap::file(""), "it has none");
   refused(mcap::file(heads), "has no topic with pictures");  // no message
-  // HoloOcean's lists are no picture: what stands beside them is one.
+  // The lists of HoloOcean are no picture. The reader takes the picture next to them.
   const Bytes lists = mcap::schema(4, "holoocean_interfaces/msg/ImagingSonar") +
                       mcap::channel(4, 4, "/lists") +
                       mcap::message(4, 1, Bytes("\0\1\0\0", 4) + Bytes(24, '\0'));

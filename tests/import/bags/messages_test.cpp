@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One serialized message (.cdr): its bytes to a picture.
+// Tests the conversion of one serialized message (.cdr) to a picture: byte orders, encodings, directions,
+// and damaged messages.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,7 +42,7 @@ class Messages : public testing::Test {
 
 TEST_F(Messages, AProjectedImageIsReadInBothByteOrders) {
   for (const bool big : {false, true})
-    for (const char* name : {"", "a", "abc", "abcd", "abcdefg"}) {  // moves what is aligned behind it
+    for (const char* name : {"", "a", "abc", "abcd", "abcdefg"}) {  // shifts the aligned fields after it
       SCOPED_TRACE(std::string(big ? "big " : "little ") + name);
       Sonar sonar = small_sonar();
       sonar.big_endian = big;
@@ -116,7 +117,7 @@ TEST_F(Messages, TwoBeamsAbeamAreNoDave) {
   Sonar sonar = small_sonar();
   sonar.beams = 2;
   sonar.data.resize(8);
-  sonar.directions = {0, -1, 0, 0, 1, 0};  // z is 0, and both lie in the message's own plane
+  sonar.directions = {0, -1, 0, 0, 1, 0};  // z is 0, and both lie in the plane of the message
   const ForeignData data = read(projected(sonar));
   EXPECT_EQ(data.frames.at(0).rows, 2u);
   EXPECT_THAT(data.frames.at(0).azimuth_rad, ElementsAre(-M_PI / 2, M_PI / 2));
@@ -232,7 +233,7 @@ TEST_F(Messages, CountsThatLieAreRefused) {
   refused(camera_image(0, 5, "mono8", 5, ""), image_type, "has no samples");
 }
 
-/// A list that claims 2^32 - 1 entries is refused before memory is taken for them.
+/// A list that claims 2^32 - 1 entries is rejected before memory is allocated.
 TEST_F(Messages, HugeListsAreRefusedBeforeAnythingIsAllocated) {
   const auto begin = [] {
     Cdr cdr;

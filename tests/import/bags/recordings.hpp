@@ -16,13 +16,14 @@
 #include <string>
 #include <vector>
 
-// Recordings and messages, byte by byte from their specifications (OMG CDR, mcap.dev/spec, rosbag2's
-// tables); nothing of what reads them is used.
+// Writes recordings and messages byte by byte from their specifications (OMG CDR, mcap.dev/spec, the tables
+// of rosbag2). It shares no code with the readers.
 namespace tubefoot::recordings {
 
 using Bytes = std::string;
 
-/// Plain CDR: numbers at multiples of their size, counted behind the four bytes of the encapsulation.
+/// Plain CDR: numbers at multiples of their size, counted from the end of the four bytes of the
+/// encapsulation.
 class Cdr {
  public:
   explicit Cdr(bool big_endian = false) : big_(big_endian) {}
@@ -53,7 +54,7 @@ class Cdr {
     body_ += values;
     return *this;
   }
-  /// Where the next byte goes, of all.
+  /// Offset of the next byte in the whole message.
   std::size_t size() const { return 4 + body_.size(); }
   Bytes done() const { return Bytes{'\0', big_ ? '\0' : '\1', '\0', '\0'} + body_; }
 
@@ -63,11 +64,11 @@ class Cdr {
 };
 
 struct Sonar {
-  bool big_endian = false;       ///< the message
-  bool big_endian_data = false;  ///< what image.data holds
+  bool big_endian = false;       ///< byte order of the message
+  bool big_endian_data = false;  ///< byte order of image.data
   std::int32_t sec = 100;
   std::uint32_t nanosec = 250'000'000;
-  std::string frame_id = "sonar";  ///< its length moves everything behind it
+  std::string frame_id = "sonar";  ///< its length shifts all later fields
   std::vector<double> directions;  ///< x, y, z of each
   std::vector<float> ranges;
   std::uint32_t dtype = 0, beams = 0;
@@ -167,7 +168,7 @@ inline Bytes message(int channel, std::uint64_t time_ns, const Bytes& data) {
   return record(5, little(static_cast<std::uint16_t>(channel)) + little(std::uint32_t{0}) + little(time_ns) +
                        little(time_ns) + data);
 }
-/// Of any compression; `crc` and `size` as given, not as they are.
+/// A chunk of any compression, with the given `crc` and `size`, which need not be correct.
 inline Bytes chunk(const Bytes& packed, const Bytes& compression, std::uint64_t size, std::uint32_t crc) {
   return record(6, little(std::uint64_t{0}) + little(std::uint64_t{0}) + little(size) + little(crc) +
                        text(compression) + little(std::uint64_t{packed.size()}) + packed);
@@ -177,7 +178,7 @@ inline Bytes chunk(const Bytes& records, const Bytes& compression = "") {
   return chunk(packed, compression, records.size(), crc(records));
 }
 inline Bytes footer() { return record(2, Bytes(20, '\0')); }
-/// A whole file round records of the data section; with the checksum of the data where `checked`.
+/// A whole file around records of the data section, with the checksum of the data if `checked`.
 inline Bytes file(const Bytes& records, bool checked = false) {
   const Bytes data = magic + header() + records;
   return data + record(15, little(checked ? crc(data) : 0u)) + footer() + magic;

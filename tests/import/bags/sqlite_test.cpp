@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// rosbag2's SQLite files, and recordings that are folders.
+// Tests SQLite files of rosbag2, and recordings in folders: order of messages, damage, malicious schemas
+// and metadata.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -107,7 +108,7 @@ TEST_F(SqliteBag, DamageIsRefusedOrHarmless) {
     folder.write("r.db3", damaged);
     try {
       read_bag(folder / "r.db3");
-      ++read;  // a pixel, free space, what is not looked at
+      ++read;  // a pixel, free space, or bytes that the reader ignores
     } catch (const InputError&) {
     } catch (const UsageError&) {
     }
@@ -115,7 +116,7 @@ TEST_F(SqliteBag, DamageIsRefusedOrHarmless) {
   EXPECT_GT(read, 0);
 }
 
-/// The root page of messages made a child of itself: a tree without end.
+/// Makes the root page of the messages a child of itself: an infinite tree.
 TEST_F(SqliteBag, ATableWithoutEndIsRefused) {
   {
     Database database(folder / "r.db3");
@@ -133,7 +134,7 @@ TEST_F(SqliteBag, ATableWithoutEndIsRefused) {
       const auto high = static_cast<unsigned char>(bytes[at + 12 + 2 * k]),
                  low = static_cast<unsigned char>(bytes[at + 13 + 2 * k]);
       const std::size_t cell = at + high * 256u + low;
-      // All children are the first one.
+      // All children are the first child.
       if (k > 0)
         bytes.replace(cell, 4, bytes,
                       at + static_cast<unsigned char>(bytes[at + 12]) * 256u +
@@ -198,7 +199,7 @@ TEST_F(BagFolder, WhatItsMetadataMayNotSay) {
   metadata("    - ..\n");
   refused(folder.path(), "expected the name of a file");
   metadata("    - ../../../../etc/passwd\n");
-  refused(folder.path(), "passwd: cannot be opened");  // in the folder, whatever is before its name
+  refused(folder.path(), "passwd: cannot be opened");  // in the folder, for any path before its name
   metadata("    []\n");
   refused(folder.path(), "has no relative_file_paths");
   metadata("    - r_0.db3\n", "  compression_format: lz4\n");

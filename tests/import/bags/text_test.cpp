@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Messages as ros2 topic echo prints them.
+// Tests messages in the text form of `ros2 topic echo`: pictures, truncated lists, errors with line
+// numbers, and aliases.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -109,7 +110,8 @@ TEST_F(PrintedMessages, WhatIsWrongIsNamedByItsLine) {
   expect_refused<InputError>([&] { read(std::string(100'000, '[')); }, "is no message as");
 }
 
-/// Aliases of aliases, each ten times the one before, are 10^10 numbers; they are counted, not made.
+/// Nested aliases, each ten times the previous one, are 10^10 numbers. The reader counts them without
+/// expanding them.
 TEST_F(PrintedMessages, AliasesWithoutEndAreRefused) {
   std::string text = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
   for (int k = 1; k < 10; ++k) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Builds that may compute other bits do not work together. The other build is a copy of the program in which
-// the hash of its sources is another, as if a line of them were.
+// Tests that builds that may compute different bits do not work together. The other build is a copy of the
+// program with a different hash of its sources, as if one line differed.
 #include "run/checkpoint/build_identity.hpp"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ struct Builds : LongRun {
                     others = std::string(sources.size(), '0');
 
   Builds() : LongRun(1000) {}
-  /// A program of its own, beside what it loads.
+  /// Makes a copy of the program next to its libraries.
   fs::path other_build() const {
     std::string program = bytes_of(TUBEFOOT_PROGRAM);
     std::size_t found = 0;
@@ -84,7 +84,7 @@ TEST_F(Builds, TellWhatTheyAre) {
   ASSERT_EQ(run_program(run_here()).exit_code, 0);
   const auto stats = nlohmann::json::parse(bytes_of(results / "stats.json"));
   EXPECT_EQ(stats["build"]["sources"], sources);
-  // Nothing of the machine it was built on, nor of the time.
+  // The identity contains nothing of the build machine or the build time.
   EXPECT_EQ(stats["build"].dump().find(TUBEFOOT_SOURCE_DIR), std::string::npos);
 }
 

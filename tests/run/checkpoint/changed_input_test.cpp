@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Whatever a scene is made of may change while it is run: it is noticed, of every kind of file, of those that
-// are read along with a named one and of those that were not there.
+// Tests that a run detects changes of its input files, for each kind of file. This includes files that are
+// read with a named one and files that did not exist.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -70,7 +70,7 @@ struct ChangedInput : testing::Test {
 
 TEST_F(ChangedInput, OfEveryKindIsNoticed) {
   files["map.prj"] = "";          // a companion that appears
-  files["bed.asc.aux.xml"] = "";  // likewise
+  files["bed.asc.aux.xml"] = "";  // the same for another companion
   for (const auto& [name, good] : files) {
     SCOPED_TRACE(name);
     fs::remove(partial);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What fuzzing found in what tubefoot takes up again (docs/fuzzing.md), minimised, named by what it shows.
+// Repeats the findings of fuzzing for files that tubefoot resumes from (docs/fuzzing.md), minimised. The
+// test names state the findings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a run that did not end has kept: damaged anywhere, of another version or of another scene, it is
-// measured again or refused, never taken for what it is not.
+// Tests the checkpoint of an interrupted run. If the file is damaged, of another version or of another
+// scene, the run computes the pings again or rejects the file. It never uses wrong pings.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ struct KeptPings : LongRun {
         {"run", (folder / "scene.toml").string(), "-o", results.string(), "--quiet", "--resume"},
         surroundings);
   }
-  /// Refused, with the transmit leg, and left as it was.
+  /// Expects that the run rejects the file with its path, and leaves the file unchanged.
   void expect_refused(const std::string& bytes, const std::string& why) const {
     folder.write("results.partial", bytes);
     const Outcome outcome = run();
@@ -45,7 +45,7 @@ TEST_F(KeptPings, OfAnotherVersionAreRefused) {
   ASSERT_NE(kept.find(version), std::string::npos);
   std::string other = kept;
   other[other.find(version) + version.size()] = '9';
-  expect_refused(other, "is damaged");  // nobody's version: its sum does not fit
+  expect_refused(other, "is damaged");  // an unknown version: its checksum does not match
   const std::string format = "tubefoot pings ";
   ASSERT_TRUE(kept.starts_with(format));
   other = kept;
@@ -67,11 +67,11 @@ TEST_F(KeptPings, WithOneBitTurnedEndInTheSameOrAreRefused) {
   folder.write("results.partial", kept);
   ASSERT_EQ(run().exit_code, 0);
   const std::string whole = bytes_of(results / "echoes.nc");
-  const std::size_t end_of_pings = kept.find_last_not_of('\0');  // the rest is room for the others
+  const std::size_t end_of_pings = kept.find_last_not_of('\0');  // the rest is space for the other pings
   const std::size_t before_pings = 600 * (3 * sizeof(std::uint64_t) + sizeof(PingCounts));
   int refused = 0, ended = 0;
   for (int k = 0; k < 8; ++k) {
-    // Half of them in what comes before the energies: the header, the identity, the sums.
+    // Half of the cases lie before the energies: in the header, the identity, the checksums.
     const std::size_t end = k % 4 == 0 ? 600 : k % 2 == 0 ? before_pings : end_of_pings;
     const std::size_t at = std::uniform_int_distribution<std::size_t>(0, end - 1)(random);
     const int bit = static_cast<int>(random() % 8);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pings in few bytes: the same values back, and no bytes of a stranger's are taken for a ping.
+// Tests the compact storage of pings. Unpacking returns the same values, and rejects bytes that are not a
+// ping of this run.
 #include "run/checkpoint/packed_ping.hpp"
 
 #include <gmock/gmock.h>
@@ -31,7 +32,7 @@ PingCounts counts() {
   return made;
 }
 
-/// Values of every kind in every density, and runs of zeros of every length.
+/// Values of each kind in each density, and runs of zeros of each length.
 PingValues filled(const StoreLayout& layout, std::size_t group, double lit, std::mt19937& random) {
   std::uniform_real_distribution<double> some(0, 1);
   PingValues made;
@@ -57,7 +58,7 @@ TEST(PackedPings, ComeBackToTheBit) {
       for (const PingUnit& unit : {PingUnit{0, 3}, PingUnit{1, 1}}) {
         const StoreLayout all = layout(with_bounds);
         const PingValues made = filled(all, unit.group, lit, random);
-        PingValues back = filled(all, 1 - unit.group, 1, random);  // of a ping before it
+        PingValues back = filled(all, 1 - unit.group, 1, random);  // of an earlier ping
         const std::string packed = packed_ping(all, unit, counts(), made);
         EXPECT_EQ(packed, packed_ping(all, unit, counts(), made));
         const PackedHead head = head_of_packed(packed, all);
@@ -101,7 +102,7 @@ TEST(PackedPings, WithAnyByteChangedOrCutAreRefused) {
   EXPECT_THROW(head_of_packed(packed, shorter), DamagedPing);
 }
 
-// Who writes bytes on purpose makes their sums fit: then nothing is trusted that they say.
+// A forger makes the checksums fit, so that the reader must trust no other field.
 TEST(PackedPings, ThatWereForgedDoNoHarm) {
   const StoreLayout all = layout(true);
   PingValues back;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The file of a part of a run: what was finished is kept, and nothing else is taken for a ping.
+// Tests the file of a shard. It keeps finished pings, and accepts nothing else as a ping after cuts,
+// changed bits or other layouts.
 #include "run/checkpoint/part_file.hpp"
 
 #include <gmock/gmock.h>
@@ -30,7 +31,7 @@ std::string packed(std::size_t ping) {
   return packed_ping(layout(), {0, ping}, {}, made);
 }
 
-/// A file with pings 0, 2 and 3.
+/// Makes a file with pings 0, 2 and 3.
 fs::path made_in(const TestFolder& folder) {
   const fs::path path = folder / "out.part-1-of-1";
   PartFile file(path);
@@ -39,7 +40,7 @@ fs::path made_in(const TestFolder& folder) {
   return path;
 }
 
-/// Which pings are there, each of which must be what it was.
+/// Returns which pings exist, and checks that each has its original values.
 std::vector<bool> there(const PartFile& file) {
   std::vector<bool> found;
   PingValues room;
@@ -71,7 +72,7 @@ TEST(PartFiles, AreGoneOnWith) {
   EXPECT_EQ(there(file), (std::vector<bool>{true, true, true, true}));
 }
 
-// A program can be killed, or a disk be full, at any byte.
+// The end of the program or a full disk may cut the file at any byte.
 TEST(PartFiles, CutAnywhereKeepWhatIsWholeAndGoOn) {
   TestFolder folder;
   const fs::path path = made_in(folder);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests `PingStore`, which stores finished pings in memory or in a file. It resumes ping by ping, keeps
+// empty pings to the bit, and rejects damaged pings.
+
 #include "run/checkpoint/ping_store.hpp"
 
 #include <gmock/gmock.h>
@@ -32,7 +35,7 @@ PingValues made(const StoreLayout& layout, std::size_t group, std::size_t ping) 
   return values;
 }
 
-/// All channels of a ping.
+/// Returns all channels of a ping.
 std::vector<double> kept(const PingStore& store, const StoreLayout& layout, std::size_t sensor,
                          std::size_t ping, bool bound = false) {
   std::vector<double> all;
@@ -95,7 +98,7 @@ TEST(PingStore, IsTakenUpAgainPingByPing) {
   EXPECT_EQ(kept(*again, layout(true), 1, 3, true)[0], 1003);
 }
 
-// What is silent, and zeros that are not all bits zero.
+// Tests pings without echoes, and zeros whose bits are not all zero.
 TEST(PingStore, KeepsSilenceToTheBit) {
   TestFolder folder;
   StoreLayout line;
@@ -127,7 +130,7 @@ TEST(PingStore, KeepsSilenceToTheBit) {
     }
 }
 
-// Of three pings the middle one's bytes are not what they were: it is made again, behind the others.
+// The bytes of the middle one of three pings are changed. It is computed again and stored after the others.
 TEST(PingStore, MakesDamagedPingsAgainAndKeepsTheOthers) {
   TestFolder folder;
   const StoreLayout all = layout(true);
@@ -154,7 +157,7 @@ TEST(PingStore, MakesDamagedPingsAgainAndKeepsTheOthers) {
   }
 }
 
-// Ranks and parts hand over pings as they were packed.
+// Ranks and shards exchange pings in packed form.
 TEST(PingStore, TakesPackedPingsOfThisRunOnly) {
   TestFolder folder;
   const StoreLayout all = layout(true);
@@ -179,13 +182,14 @@ TEST(PingStore, TakesPackedPingsOfThisRunOnly) {
   }
 }
 
-/// Memory that a mapping of a file takes, in KB, as the system counts it.
+/// Returns the memory of a file mapping in KB, as the system reports it.
 std::size_t mapped_kb(const std::filesystem::path& file) {
   std::ifstream maps("/proc/self/smaps");
   std::size_t kb = 0;
   bool ours = false;
   for (std::string line; std::getline(maps, line);) {
-    const bool a_mapping = std::isupper(static_cast<unsigned char>(line.front())) == 0;  // its figures follow
+    // its figures follow
+    const bool a_mapping = std::isupper(static_cast<unsigned char>(line.front())) == 0;
     if (a_mapping)
       ours = line.ends_with(std::filesystem::canonical(file).string());
     else if (line.starts_with("Rss:") && ours)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A ping begins with zeros, whatever the one before it has left in the memory.
+// Tests that a ping starts with zeros, whatever an earlier ping has left in the memory.
 #include "run/checkpoint/ping_values.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 StoreLayout layout(bool with_bounds) {
   StoreLayout made;
   made.sensors = {{4, 60}, {4, 7}, {2, 67}, {2, 200}};
-  made.groups = {{{0, 1}, 4}, {{2}, 2}, {{3}, 2}};  // the first two take as much
+  made.groups = {{{0, 1}, 4}, {{2}, 2}, {{3}, 2}};  // the first two take the same memory
   made.with_bounds = with_bounds;
   return made;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A run that is killed leaves its finished pings under another name, and --resume makes of them what the run
-// would have made.
+// Tests that a killed run leaves its finished pings under another name. `--resume` completes them to the
+// result of an uninterrupted run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,14 +26,14 @@ struct Resume : LongRun {
     words.insert(words.end(), more.begin(), more.end());
     return run_program(words, surroundings);
   }
-  /// Ends a run by a signal once it has finished `enough` pings.
+  /// Ends a run by a signal after it has finished `enough` pings.
   Outcome stopped(int signal, std::size_t enough, const std::vector<std::string>& more = {}) const {
     return run(results, more, stopped_at(enough, signal));
   }
   static void expect_same(const fs::path& a, const fs::path& b) {
     ASSERT_EQ(names_below(a), names_below(b));
     for (const std::string& name : names_below(a)) {
-      if (name == "stats.json") continue;  // tells the seconds
+      if (name == "stats.json") continue;  // it contains the elapsed seconds
       EXPECT_TRUE(bytes_of(a / name) == bytes_of(b / name)) << name;
     }
   }
@@ -102,13 +102,13 @@ TEST_F(Resume, FinishedPingsAreNeverThrownAway) {
   EXPECT_EQ(run(results, {"--resume"}).exit_code, 0);
 }
 
-// A page that did not reach the disk: the ping is measured again.
+// If a page did not reach the disk, the run computes the ping again.
 TEST_F(Resume, DamagedPingsAreMeasuredAgain) {
   const fs::path whole = folder / "whole";
   ASSERT_EQ(run(whole).exit_code, 0);
   stopped(SIGKILL, 300);
   {
-    // Behind what it says of each of them the finished pings lie one after the other.
+    // The finished pings lie one after the other behind their table.
     const std::string bytes = bytes_of(partial);
     const std::size_t end = bytes.find_last_not_of('\0');
     std::fstream file(partial, std::ios::in | std::ios::out | std::ios::binary);
@@ -142,7 +142,7 @@ TEST_F(Resume, RefusesFilesThatAreNoPings) {
 
 TEST_F(Resume, BeginsWhereThereIsNothingToGoOnWith) { EXPECT_EQ(run(results, {"--resume"}).exit_code, 0); }
 
-// The space is taken before anything is computed.
+// The run reserves the disk space before it computes anything.
 TEST_F(Resume, FullDiskIsMetBeforeTheFirstPing) {
   Surroundings small_disk;
   small_disk.largest_file_bytes = 100000;

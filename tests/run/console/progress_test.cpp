@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What somebody reads who waits, where standard error is no terminal (on one: Stop.*).
+// Tests progress messages on standard error if it is no terminal (for terminals see Stop.*).
 #include "run/console/progress.hpp"
 
 #include <gmock/gmock.h>
@@ -35,7 +35,7 @@ class SaidOnStandardError {
   SaidOnStandardError(const SaidOnStandardError&) = delete;
   SaidOnStandardError& operator=(const SaidOnStandardError&) = delete;
 
-  /// The next line; empty if none comes for so long.
+  /// Returns the next line, or an empty string if none comes within this time.
   std::string line(int at_most_ms) {
     std::string line;
     for (char next = 0; next != '\n';) {
@@ -50,7 +50,7 @@ class SaidOnStandardError {
   int before_ = -1, ends_[2] = {-1, -1};
 };
 
-/// Far longer than the first line of a step that takes long is waited for.
+/// far longer than the delay of the first line of a long step
 constexpr int long_ms = 60'000, at_once_ms = 0;
 
 TEST(Progress, TellsStepsOfOthersWhileTheyTakeLong) {

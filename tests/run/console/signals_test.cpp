@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What signals and limits do to a run: it goes on where it can, else it ends in order, its pings kept.
+// Tests the effect of signals and limits on a run. The run continues if it can. Otherwise it ends in order
+// and keeps its pings.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -73,7 +74,7 @@ TEST_F(Signals, AFileTooLargeIsSaidAndLosesNothing) {
   for (const std::string& name : names_below(results))
     largest = std::max<std::size_t>(largest, fs::file_size(results / name));
   fs::remove_all(results);
-  // Too little for the ping; enough for it, but not for its picture.
+  // The limit is too small for the ping, or large enough for the ping but not for its picture.
   for (const std::size_t bytes : {std::size_t{4096}, largest - 1}) {
     SCOPED_TRACE(bytes);
     Surroundings limited;
@@ -124,7 +125,8 @@ TEST_F(Signals, ThatAreIgnoredByWhoStartsItStayIgnored) {
   }
 }
 
-// Who presses Ctrl-\ wants the program dead, and its core: it is left alone.
+// A user who presses Ctrl-\ wants to end the program with a core file, so that the program does not handle
+// this signal.
 TEST_F(Signals, SigquitEndsItWhereItStandsAndLosesNothing) {
   Surroundings surroundings = stopped_at(5, SIGQUIT);
   surroundings.before = {"/bin/sh", "-c", "ulimit -c 0; exec \"$@\"", "sh"};
@@ -133,7 +135,7 @@ TEST_F(Signals, SigquitEndsItWhereItStandsAndLosesNothing) {
   EXPECT_EQ(run({}, {"--resume"}).exit_code, 0);
 }
 
-// It ends before its first ping, and says so: what was kept before is reported again.
+// The run ends before its first ping and reports so. It reports the earlier pings again.
 TEST_F(Signals, WhatWasKeptBeforeIsReportedAgain) {
   run(stopped_at(5, SIGTERM));
   const std::size_t kept = done();
@@ -151,7 +153,8 @@ TEST_F(Signals, WhatWasKeptBeforeIsReportedAgain) {
   EXPECT_GE(done(), kept);
 }
 
-/// A program that is started with its process number in a file, and is met when all its threads wait.
+/// A program that starts with its process number in a file, and whose threads are all waiting when it is
+/// observed.
 struct Waiting {
   fs::path number;
   int waited = 0;
@@ -162,7 +165,7 @@ struct Waiting {
     return s;
   }
   pid_t process() const { return static_cast<pid_t>(std::atol(bytes_of(number).c_str())); }
-  /// Called every 10 ms: whether none of its threads has run in the last half second.
+  /// Returns whether none of its threads has run in the last half second. The caller calls it every 10 ms.
   bool met() {
     constexpr int often = 50;
     std::error_code gone;
@@ -176,7 +179,7 @@ struct Waiting {
   }
 };
 
-// Here in open(), until somebody reads the pipe.
+// The program waits in open(), until another process reads the pipe.
 TEST_F(Signals, EndAProgramThatWaitsAfterFiveSeconds) {
   folder.write("scene.toml", small_scene);
   ASSERT_EQ(run().exit_code, 0);
@@ -211,7 +214,7 @@ TEST_F(Signals, EndAProgramThatWaitsAtTheSecond) {
   surroundings.interrupt_when = [&] {
     if (!program.met()) return false;
     if (requested) return true;
-    program.waited = 0;  // the first has half a second to be noticed
+    program.waited = 0;  // the program has half a second to notice the first signal
     requested = kill(program.process(), SIGINT) == 0;
     return false;
   };
@@ -220,7 +223,7 @@ TEST_F(Signals, EndAProgramThatWaitsAtTheSecond) {
   EXPECT_LT(outcome.seconds_to_stop, 3);
 }
 
-// Each names a pipe without a writer: who opens it waits.
+// Each variable names a pipe without a writer, so that a process that opens it waits.
 TEST_F(Signals, VariablesOfLibrariesDoNotReachThem) {
   folder.write("scene.toml", small_scene);
   const std::string pipe = (folder / "settings").string();
@@ -232,7 +235,7 @@ TEST_F(Signals, VariablesOfLibrariesDoNotReachThem) {
   const Outcome outcome = run(hostile);
   EXPECT_EQ(outcome.signal, 0) << "it waited for a pipe";
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  // Echo files of the classic format are opened by netCDF alone.
+  // netCDF itself opens echo files of the classic format.
   int id = 0;
   const fs::path classic = folder / "classic.nc";
   ASSERT_EQ(nc_create(classic.c_str(), NC_CLOBBER, &id), NC_NOERR);

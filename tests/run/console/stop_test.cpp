@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One ping, one tube, one audit and one load may take long: each is reported how far it is, and can be
-// stopped in its middle. What was finished is kept, what was not is begun anew.
+// Tests long single steps: one ping, one tube, one audit and one load. Each reports its progress and can be
+// stopped in its middle. Finished work is kept, and unfinished work starts again.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -27,10 +27,10 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Far more than it takes, far less than the rest of the work does.
+/// far longer than a stop takes, and far shorter than the rest of the work
 constexpr double long_s = 10;
 
-/// A rough seabed seen at grazing angles, a camera that looks at it once.
+/// A rough seabed at grazing angles, and a camera with one ping.
 std::string rough_seabed(double cell_m, const std::string& more = {}) {
   return fmt::format(R"(title = "One long ping"
 [[materials]]
@@ -77,7 +77,8 @@ struct Stop : testing::Test {
     surroundings.interrupt_when = [until = Clock::now() + time] { return Clock::now() >= until; };
     return surroundings;
   }
-  /// It ended because it was told to, in the middle of what it was doing. Returns the seconds that it took.
+  /// Expects that the program ended because of the signal, in the middle of its work. Returns the elapsed
+  /// seconds.
   double expect_stopped(const Outcome& outcome) const {
     EXPECT_EQ(outcome.signal, 0);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
@@ -87,7 +88,8 @@ struct Stop : testing::Test {
     EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml"}));
     return outcome.seconds_to_stop;
   }
-  /// docs/limits.md promises one second. Of three trials the fastest counts, because the machine may be busy.
+  /// docs/limits.md promises one second. The fastest of three trials counts, because the machine may be
+  /// busy.
   void expect_stopped_within_a_second(const std::vector<std::string>& command,
                                       const std::string& word) const {
     double fastest_s = long_s;
@@ -137,8 +139,8 @@ TEST_F(Stop, CoverageInTheMiddleOfATransmission) {
                                  "transmissions 0/1; tubes [0-9]+/[0-9]+");
 }
 
-// Each of 40 pings sees two facets in 48 tubes. A few seconds go into cutting, and ten times as many into
-// sums of areas, numbers of many million bits.
+// Each of 40 pings sees two facets in 48 tubes. Cutting takes a few seconds. Sums of areas, which are
+// numbers of many million bits, take ten times as long.
 TEST_F(Stop, CoverageInTheMiddleOfAFacet) {
   scene = folder.write("scene.toml", R"(title = "Two facets"
 [[materials]]
@@ -194,7 +196,7 @@ TEST_F(Stop, LoadingInItsMiddle) {
   }
 }
 
-// Its bytes are hashed whole, with holes or not: how far that is, is said.
+// The program hashes the whole file, including holes, and reports its progress.
 TEST_F(Stop, HashingInItsMiddle) {
   folder.write("grid.tif", std::string("II*\0\x08\0\0\0\0\0", 10));
   fs::resize_file(folder / "grid.tif", std::uintmax_t{60} << 30);
@@ -224,7 +226,7 @@ TEST_F(Stop, PingsThatWereFinishedAreKept) {
   EXPECT_LT(outcome.seconds_to_stop, long_s);
 }
 
-// On a terminal the bar tells it, and Ctrl-C is what the terminal sends.
+// On a terminal the progress bar shows the progress, and the terminal sends Ctrl-C.
 TEST_F(Stop, OnATerminalTheBarTellsHowFarAPingIs) {
   const std::vector<std::string> words{TUBEFOOT_PROGRAM,          "run",         scene.string(), "-o",
                                        (folder / "out").string(), "--reference", "--threads",    "1"};

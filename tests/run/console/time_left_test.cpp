@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Estimates of the time that is left, by a clock that the test sets: within a factor of 1.5 once a tenth of
-// the work is done, and none before they mean something.
+// Tests estimates of the remaining time with a clock that the test sets. They are correct to a factor of
+// 1.5 after a tenth of the work, and absent before they are meaningful.
 #include "run/console/time_left.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,8 @@
 namespace tubefoot {
 namespace {
 
-/// When the steps of some work end, in order of time, if `threads` take the next one whenever they are free.
+/// Returns the end times of the steps in order, if `threads` threads each take the next step when they are
+/// free.
 std::vector<double> ends(std::size_t steps, int threads, double once_s,
                          const std::function<double(std::size_t)>& takes) {
   std::multiset<double> free;
@@ -33,7 +34,8 @@ std::vector<double> ends(std::size_t steps, int threads, double once_s,
   return ends;
 }
 
-/// The worst ratio of an estimate to what is left, either way, and how many steps were done at the first one.
+/// The worst ratio of an estimate to the remaining time, in either direction, and the number of steps done
+/// at the first estimate.
 struct Worst {
   double ratio = 1;
   std::size_t first_shown = 0, shown = 0;
@@ -48,7 +50,7 @@ Worst worst(const std::vector<double>& ends, int threads, double afterwards_s = 
       if (!estimate) continue;
       if (worst.shown++ == 0) worst.first_shown = k + 1;
       const double truth = ends.back() - now + afterwards_s;
-      // Nobody minds a second of the last steps.
+      // Errors in the last second do not matter.
       if (std::abs(*estimate - truth) > 0.05 * ends.back())
         worst.ratio = std::max({worst.ratio, *estimate / truth, truth / std::max(*estimate, 1e-9)});
     }
@@ -72,7 +74,7 @@ TEST(TimeLeft, IsWithinAFactorOfOneAndAHalfOnceATenthIsDone) {
   }
 }
 
-// As a scene that is refined by the first ping that looks at it.
+// This is like a scene that the first ping refines.
 TEST(TimeLeft, LeavesOutWhatHappensOnce) {
   for (const int threads : {1, 4}) {
     const Worst once = worst(ends(400, threads, 60, [](std::size_t) { return 1.0; }), threads);

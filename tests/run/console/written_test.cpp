@@ -24,7 +24,7 @@ TEST(WrittenLines, TellASequenceOnce) {
 TEST(WrittenLines, TellFewAndOthersOneByOne) {
   EXPECT_THAT(written_lines("a b", {"camera-0000.png", "camera-0001.png"}),
               ElementsAre("wrote a b/camera-0000.png", "wrote a b/camera-0001.png"));
-  // A sensor's name may end in a number; one digit is no sequence.
+  // The name of a sensor may end in a number. One digit is no sequence.
   EXPECT_THAT(written_lines("o", {"s1.png", "s2.png", "s3.png", "s1-0007.png", "s2-0007.png"}),
               ElementsAre("wrote o/s1.png", "wrote o/s2.png", "wrote o/s3.png", "wrote o/s1-0007.png",
                           "wrote o/s2-0007.png"));

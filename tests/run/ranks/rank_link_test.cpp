@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What carries messages between ranks, below any run.
+// Tests the message link between ranks, independent of any run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ struct RankLinks : testing::Test {
     if (!fs::exists(TUBEFOOT_MPIRUN) || !fs::exists(TUBEFOOT_MPI_LIBRARY))
       GTEST_SKIP() << "Open MPI is not installed: libopenmpi-dev, openmpi-bin";
   }
-  /// Short portions, so that most messages take several.
+  /// Messages have short portions, so that most of them take several.
   static Outcome storm(int ranks, Sending sending, const std::vector<std::string>& more = {}) {
     Surroundings surroundings;
     surroundings.before = mpirun(ranks, sending);
@@ -38,7 +38,7 @@ TEST_F(RankLinks, CarryEverythingWhereAllSendBeforeAnybodyReceives) {
     }
 }
 
-// That the tests which say so send nothing ahead.
+// Verifies that the setting `nothing_ahead` of these tests really sends nothing before its receiver waits.
 TEST_F(RankLinks, HoldAByteUntilItIsReceivedWhereNothingIsSentAhead) {
   EXPECT_EQ(storm(2, Sending::as_usual, {folder / "usual"}).out, "left at once\n");
   EXPECT_EQ(storm(2, Sending::nothing_ahead, {folder / "held"}).out, "held until it is received\n");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// mpirun makes of one run several processes, which together write what one would have written.
+// Tests runs of several processes with mpirun. Together they write the same files as one process, also
+// after one of them was killed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -30,7 +31,7 @@ std::size_t times(std::string_view text, std::string_view part) {
   return count;
 }
 
-/// The ranks of the runs in a folder.
+/// Returns the ranks of the runs in a folder.
 std::set<pid_t> ranks_at_work(const fs::path& folder) {
   std::set<pid_t> found;
   for (const fs::directory_entry& entry : fs::directory_iterator("/proc")) {
@@ -44,7 +45,7 @@ std::set<pid_t> ranks_at_work(const fs::path& folder) {
   return found;
 }
 
-/// The environment of a process tells its rank.
+/// Reads the rank of a process from its environment.
 int rank_of(pid_t process) {
   std::ifstream stream(fs::path("/proc") / std::to_string(process) / "environ", std::ios::binary);
   for (std::string entry; std::getline(stream, entry, '\0');)
@@ -112,7 +113,7 @@ TEST_F(Ranks, MakeTheBytesOfOneProcess) {
   EXPECT_FALSE(fs::exists(partial));
 }
 
-// Rank 0 deals while the others send results: nobody may wait for who waits.
+// Rank 0 distributes work while the others send results. No rank may wait for a rank that waits.
 TEST_F(Ranks, MakeTheBytesOfOneProcessWhereEverySendWaitsForItsReceiver) {
   const fs::path whole = folder / "whole";
   ASSERT_EQ(alone(whole).exit_code, 0);
@@ -142,7 +143,7 @@ TEST_F(Ranks, TellWhoseEnergiesAreAsOneProcessDoes) {
   expect_same(whole, results);
 }
 
-// What is cheapest within a tolerance was timed, so that another run may choose otherwise.
+// The choice for a tolerance depends on measured times, so that another run may choose differently.
 TEST_F(Ranks, ComputeWhatTheFirstChoseForATolerance) {
   const Outcome outcome = on_ranks(2, results, {"--tolerance", "10%"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -154,7 +155,7 @@ TEST_F(Ranks, ComputeWhatTheFirstChoseForATolerance) {
   EXPECT_TRUE(bytes_of(whole / "echoes.nc") == bytes_of(results / "echoes.nc")) << chosen;
 }
 
-// Whoever dies, whatever goes on then.
+// Any rank may die, and any rank may resume.
 TEST_F(Ranks, KeepWhatWasFinishedWhenOneDies) {
   const fs::path whole = folder / "whole";
   ASSERT_EQ(alone(whole).exit_code, 0);
@@ -187,7 +188,7 @@ TEST_F(Ranks, KeepWhatWasFinishedWhenOneDies) {
 }
 
 TEST_F(Ranks, StopWhenRequestedAndSayHowToGoOn) {
-  write_scene(20 * pings);  // more than are done before mpirun passes the signal on
+  write_scene(20 * pings);  // more pings than are done before mpirun passes the signal on
   for (const bool one_rank_only : {false, true}) {
     SCOPED_TRACE(one_rank_only);
     sending = one_rank_only ? Sending::nothing_ahead : Sending::as_usual;
@@ -225,7 +226,7 @@ TEST_F(Ranks, ReportErrorsOnceAndAsOneProcessDoes) {
   complaint("thing.obj");
 }
 
-// Nodes that see different files must not mix their pings.
+// Nodes with different files must not mix their pings.
 TEST_F(Ranks, RefuseToMixScenes) {
   folder.write("other.toml", bytes_of(folder / "scene.toml") + "# another\n");
   folder.write("start", "#!/bin/sh\n[ $OMPI_COMM_WORLD_RANK = 1 ] && scene=other || scene=scene\nexec " +

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Results that wait for a slow rank 0 take no more memory than they were given.
+// Tests the send queue of a worker process: results that wait for a slow rank 0 take no more memory than
+// their limit.
 #include "run/ranks/send_queue.hpp"
 
 #include <gtest/gtest.h>
@@ -30,7 +31,7 @@ TEST(ASendQueue, HasThreadsWaitForRoom) {
     send_queue.put("more");
     put = true;
   });
-  // Taken, but with the link still.
+  // The message is taken from the queue, but still in the link.
   EXPECT_EQ(send_queue.take(0).size(), 1u);
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_FALSE(put);
@@ -51,10 +52,10 @@ TEST(ASendQueue, LetsGoWhoWaitsOnceItIsOpen) {
   EXPECT_EQ(send_queue.take(0).size(), 2u);
 }
 
-/// Rank 0, as a helper sees it, that takes nothing before the helper has stopped sending.
+/// Rank 0, as seen by a worker. It takes nothing before the worker has stopped sending.
 class SlowLead : public RankLink {
  public:
-  /// What became of it: the link itself goes with the helper.
+  /// Results of the test, because the link itself ends with the worker.
   struct Figures {
     std::size_t most_unsent = 0, taken = 0, taken_bytes = 0;
     std::string failure;
@@ -108,7 +109,7 @@ TEST(AHelper, DoesNotRunAheadOfItsLink) {
       folder.write("scene.toml", lambert_material("sand", -27) + flat_terrain(20, 30) + fixed_at(0, 0, 2) +
                                      replaced(short_pings(pings), "samples = 40", "samples = 65536"));
   options.engine = "ray";
-  options.rays = 100000;  // which light enough of the samples that pings stay long
+  options.rays = 100000;  // enough rays to fill the range bins, so that packed pings stay long
   options.threads = 2;
   SceneDescription description = described(options);
   const RunRequest request = requested(options, description);
@@ -125,7 +126,7 @@ TEST(AHelper, DoesNotRunAheadOfItsLink) {
   EXPECT_EQ(figures.failure, "");
   EXPECT_TRUE(figures.left);
   EXPECT_EQ(figures.taken, pings);
-  // 8 MiB, and a result a thread.
+  // 8 MiB, and one result per thread.
   constexpr std::size_t may_wait = 8 * mebibyte + 2 * (cells * sizeof(double) + 4096);
   EXPECT_GT(figures.taken_bytes, may_wait + 2 * mebibyte);
   EXPECT_LE(figures.most_unsent, may_wait);

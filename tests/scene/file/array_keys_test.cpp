@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The keys of sensors that record signals, and of the scatterers that these come from.
+// Tests the keys of sensors that record element signals, and the keys of the scatterers whose echoes they
+// record.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -74,7 +75,7 @@ TEST(ArrayKeys, AllAreRead) {
               ElementsAre(std::array{1.0, 2.0, 3.0}, std::array{4.0, 5.0, 6.0}));
 }
 
-// Lists of lists are reported as what they are, each of them and each number in it.
+// Errors name nested lists as lists, and report each list and each number in it.
 TEST(ArrayKeys, WrongListsSayWhatIsExpected) {
   const auto said = [](const std::string& keys) -> std::string {
     try {
@@ -108,14 +109,14 @@ TEST(ArrayKeys, OfTheScatterers) {
               HasSubstr("'texture_shape' is of a texture"));
 }
 
-// The water tells how long samples are, and where half a wavelength lies.
+// The sound speed determines the length of samples and the position of half a wavelength.
 TEST(ArrayKeys, BecomeASonarInItsWater) {
   const SceneDescription scene = scene_with(
       "frequency_khz = 30\nbandwidth_khz = 6\nsampling_frequency_khz = 20\nrange_min_m = 2\n"
       "range_max_m = 10\nreceivers = 3\n");
   const auto sensor = make_sensor(in_water(scene.sensors.at(0), 1500));
   EXPECT_NEAR(sensor->samples().step_m, 0.0375, 1e-12);
-  EXPECT_EQ(sensor->samples().count, 213);  // 8 m of them
+  EXPECT_EQ(sensor->samples().count, 213);  // 8 m of samples
   EXPECT_EQ(sensor->beams().size(), 1u);
   const SignalModel* model = sensor->signals();
   ASSERT_NE(model, nullptr);

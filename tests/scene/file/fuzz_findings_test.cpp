@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What fuzzing found in readers of scenes (docs/fuzzing.md), minimised, named by what it shows.
+// Repeats the findings of fuzzing for readers of scenes (docs/fuzzing.md), minimised. The test names state
+// the findings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// The message of the InputError that reading a file of these bytes gives; empty if it gives none.
+/// The message of the InputError that a file with these bytes gives; empty if there is none.
 template <class Read>
 std::string refusal(const std::string& name, const std::string& content, const Read& read) {
   const TestFolder folder;
@@ -196,8 +197,8 @@ TEST(FuzzedScenes, BordersThatReachOverMoreThanADoubleHoldsAreRefused) {
               HasSubstr("scene.toml:2:1: the map's border at"));
 }
 
-/// A GeoTIFF of one pixel, 2 m wide, whose geokeys point at what is not there: GDAL warns when it is asked
-/// for the CRS.
+/// A GeoTIFF of one pixel, 2 m wide, whose geokeys refer to missing data: GDAL warns when the program
+/// queries the CRS.
 std::string tiff_with_broken_geokeys() {
   const auto entry = [](unsigned tag, unsigned type, unsigned count, unsigned value) {
     std::string bytes;
@@ -234,7 +235,7 @@ TEST(FuzzedScenes, NothingIsPrintedWhileADamagedMaterialMapIsRead) {
 
 // ---- Coordinate reference systems
 
-// GDAL takes the name of a file, or an address, for what is in it.
+// GDAL accepts a file name or an address and reads its contents.
 TEST(FuzzedScenes, CoordinateReferenceSystemIsNoNameOfAFile) {
   const TestFolder folder;
   const auto file = folder.write("crs.txt", "EPSG:32632");

@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A scene with a multibeam that has these keys too.
+/// A scene with a multibeam that has these keys, too.
 std::string scene_with(const std::string& lines) {
   return std::string(smallest_scene) + "[[sensors]]\nname = \"hull\"\n" + lines;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Micro-texture in scene files: keys, noise and maps as they are loaded, and what is refused.
+// Tests reflectivity textures (micro-texture) in scene files: keys, noise and maps after loading, and
+// rejected values.
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-/// The smallest scene with more lines below its material's name.
+/// The smallest scene with more lines below the name of its material.
 std::string with_texture(std::string_view lines) {
   return replaced(smallest_scene, "name = \"sand\"\n", "name = \"sand\"\n" + std::string(lines));
 }
@@ -119,7 +120,7 @@ std::shared_ptr<const ReflectivityField> load(const std::vector<MapReflectivityK
 TEST(ReflectivityMap, LiesWhereItsGeotransformSays) {
   const TestFolder folder;
   const auto map = load({keys_of(write(folder, {}))});
-  // Pixels' centres: north-west 10.25, 19.875.
+  // Centres of pixels: north-west 10.25, 19.875.
   EXPECT_NEAR(map->factor({10.25, 19.875, 3}), 1.0 / 3, 1e-6);
   EXPECT_NEAR(map->factor({10.75, 19.875, 3}), 2.0 / 3, 1e-6);
   EXPECT_NEAR(map->factor({10.25, 19.625, 3}), 1, 1e-6);
@@ -151,7 +152,7 @@ TEST(ReflectivityMap, OfAProjectionIsCarriedIntoTheFrame) {
   const auto map = load({keys_of(write(folder, utm))}, same);
   EXPECT_NEAR(map->factor({1, -1, 0}), 1.0 / 3, 1e-6);
   EXPECT_NEAR(map->factor({3, -3, 0}), 2, 1e-6);
-  // In a frame of geographic north the map is turned.
+  // In a frame of geographic north the map is rotated.
   const LocalFrame tangent = LocalFrame::at_lat_lon(54.2, -170, 0);
   std::vector<glm::dvec3> centre{{573001, 6012344, 0}};
   tangent.carry(centre, "EPSG:32602", {});
@@ -170,7 +171,7 @@ TEST(ReflectivityMap, IsRefusedWithItsFilesName) {
   expect(keys_of(write(folder, {})), frame, "coordinate reference system");
   expect(keys_of(write(folder, {.values = {1, 2, -1, 3}})), {}, "negative");
   expect(keys_of(write(folder, {.values = {0, 0, 0, 0}})), {}, "above 0");
-  // Metres for pixels, but 200 km of them: the Earth is round.
+  // The pixels are in metres, but the map covers 200 km: the curvature of the Earth is not negligible.
   expect(keys_of(write(folder, {.crs = "EPSG:32602", .geotransform = {473000, 1e5, 0, 6112345, 0, -1}})),
          frame, "parallelogram");
   folder.write("map.tif", "II*");

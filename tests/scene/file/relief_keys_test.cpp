@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the keys of relief in scene files: their order, errors with positions, and the relief of each
+// material after loading.
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// The smallest scene, its material with these lines more.
+/// The smallest scene with these additional lines in its material.
 std::string with_relief(std::string_view lines) {
   return replaced(smallest_scene, "name = \"sand\"\n", "name = \"sand\"\n" + std::string(lines));
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Keys of sonars that robots carry: a scanning head, and beams where a list says.
+// Tests the keys of sonars of underwater robots: a scanning head, beams at listed angles, and presets of
+// products.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -115,7 +116,7 @@ TEST(Presets, AreSonarsAllOfThem) {
   }
 }
 
-// Widths of the receivers' beams that the presets' comments promise, between the -3 dB points.
+// Widths of the receive beams between the -3 dB points, as the comments of the presets state.
 TEST(Presets, ReceiversAreAsWideAsTheirMakersSay) {
   constexpr double degree = 3.14159265358979 / 180;
   const std::pair<const char*, double> widths_deg[] = {

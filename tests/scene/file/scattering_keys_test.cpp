@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Materials that do not scatter as Lambert says: their keys, and the laws that loading makes of them.
+// Tests materials with scattering models other than Lambert's law: their keys, and the models that loading
+// makes of them.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +25,7 @@ std::string scene_with(std::string_view keys) {
   return replaced(smallest_scene, "\"sand\"", "\"sand\"\n" + std::string(keys));
 }
 
-/// The only material's law, and what loading warns of.
+/// The scattering model of the only material, and the warnings of loading.
 struct Loaded {
   std::shared_ptr<const ScatteringModel> model;
   std::vector<std::string> warnings;
@@ -144,7 +145,7 @@ TEST(ScatteringKeys, WhatScattersMoreThanItReceivesIsRefusedUnlessAllowed) {
   const Loaded allowed = load(folder, bright + "\nunbounded = true");
   ASSERT_EQ(allowed.warnings.size(), 1u);
   EXPECT_THAT(allowed.warnings[0], HasSubstr("material 'sand' scatters 1.02 times"));
-  // Low incidence is where a weak exponent breaks the bound.
+  // For a small exponent, energy conservation fails at low grazing angles.
   EXPECT_THAT(load_error(folder, "law = \"gsab\"\noblique_db = -12\noblique_exponent = 0"),
               HasSubstr("at a grazing angle of 0.1 degrees"));
   EXPECT_THAT(

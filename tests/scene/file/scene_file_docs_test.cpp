@@ -26,7 +26,7 @@ using Row =
 
 std::string or_dash(const std::string& cell) { return cell.empty() ? "-" : cell; }
 
-/// The text between the first two back quotes.
+/// The text between the first two backquotes.
 std::string in_back_quotes(const std::string& text) {
   const std::size_t begin = text.find('`');
   return begin == std::string::npos ? "" : text.substr(begin + 1, text.find('`', begin + 1) - begin - 1);

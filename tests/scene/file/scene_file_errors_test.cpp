@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests error messages of scene files: each error has its line and column, the expected value and, for
+// misspelt names, the nearest valid name.
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +26,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 /// The smallest scene with `from` replaced by `to` must fail at `place` ("line:column", empty for the whole
-/// file) and say `says`.
+/// file) with a message that contains `says`.
 struct Mistake {
   const char* from;
   const char* to;
@@ -42,7 +45,7 @@ void expect_mistakes(const std::vector<Mistake>& mistakes) {
   }
 }
 
-// The lines that most mistakes are made on.
+// The lines that most tests change.
 constexpr const char* material_name = "name = \"sand\"";                            // line 2
 constexpr const char* terrain = "[[terrain]]";                                      // line 3
 constexpr const char* flat = "kind = \"flat\"";                                     // line 4
@@ -366,7 +369,7 @@ TEST(SceneFileErrors, NestingDoesNotOverflowTheStack) {
               HasSubstr("not valid TOML"));
   EXPECT_THAT(scene_error(folder, "[" + repeated("a.", 64) + "a]\n" + repeated("a.", 64) + "a=1"),
               HasSubstr("unknown section or key 'a'"));
-  // Dots in comments and numbers do no harm.
+  // Dots in comments and numbers are harmless.
   EXPECT_EQ(scene_error(folder, "# " + repeated(".", 300) + "\n" + std::string(smallest_scene)), "");
 }
 
@@ -418,7 +421,7 @@ TEST(SceneFileErrors, NamedFilesNeedPermission) {
       AllOf(StartsWith("scene.toml:5:8: "), HasSubstr("grid.tif: may not be read (Permission denied)")));
 }
 
-// Every key against values of every wrong type, and numbers just beyond its range.
+// Tests each key with values of each wrong type, and with numbers just beyond its range.
 class EveryKey : public testing::Test {
  protected:
   EveryKey() { folder_.write("file.dat", "x"); }
@@ -430,7 +433,7 @@ class EveryKey : public testing::Test {
     return key.type == "text" ? "\"x\"" : "10";
   }
 
-  /// A scene that gives `key` this value, and what must stand with it.
+  /// A scene that gives `key` this value, with the other keys that it requires.
   static std::string scene(const SceneKey& key, const std::string& value) {
     std::string text = key.section + "\n" + key.kind + "\n";
     if (key.section == "[terrain.material_map]") text = "[terrain]\n" + some_kind("[[terrain]]") + text;
@@ -457,7 +460,7 @@ class EveryKey : public testing::Test {
     return section == "[[sensors]]" ? "kind = \"didson\"\n" : "";
   }
 
-  /// `value` must be refused, at its own place or `deeper` characters further.
+  /// Expects that `value` is rejected, at its own position or `deeper` characters further.
   void expect_refused(const SceneKey& key, const std::string& value, std::size_t deeper = 0) {
     const std::string text = scene(key, value);
     const auto after = key.section.starts_with("[[materials.") ? 2 : 0;  // lines of the material
@@ -493,7 +496,7 @@ TEST_F(EveryKey, RefusesNumbersThatAreNotFiniteOrBeyondTheRange) {
     }
     if (key.range.empty() || key.range.starts_with('"')) continue;
     const bool array = key.type.ends_with('s'), whole = key.type.find("integer") != std::string::npos;
-    // Ranges read "a to b", "> a, <= b", ">= a"; those of an array's elements stand between semicolons.
+    // Ranges read "a to b", "> a, <= b", ">= a". Those of array elements stand between semicolons.
     std::istringstream words(key.range.substr(0, key.range.find(';')));
     std::string relation = ">=";
     for (std::string word; words >> word;) {
@@ -523,7 +526,7 @@ TEST_F(EveryKey, RefusesNumbersThatAreNotFiniteOrBeyondTheRange) {
 TEST_F(EveryKey, IsMissedByOneLetterAndFound) {
   for (const SceneKey& key : scene_file_keys()) {
     if (key.name == "ph" || key.name == "kind" || key.name == "shape")
-      continue;  // too short, or needed itself
+      continue;  // too short, or itself required
     SceneKey misspelt = key;
     std::swap(misspelt.name[0], misspelt.name[1]);
     if (misspelt.name == key.name) continue;
@@ -540,7 +543,8 @@ TEST(SceneFileWords, EditDistanceCountsSlipsOfThePen) {
   EXPECT_EQ(edit_distance("beams", "beam"), 1u);
   EXPECT_EQ(edit_distance("baems", "beams"), 1u);
   EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
-  EXPECT_EQ(edit_distance("ca", "abc"), 3u);  // the optimal-alignment value; unrestricted it would be 2
+  // the optimal-alignment value; the unrestricted distance would be 2
+  EXPECT_EQ(edit_distance("ca", "abc"), 3u);
 }
 
 TEST(SceneFileWords, NearestIsNearEnoughOrNothing) {

@@ -44,7 +44,7 @@ TEST(SceneHash, IsThatOfTheTextAndTheNamedFilesInTheirOrder) {
   const std::string wreck = "o wreck\n", track(3000000, 't');
   folder.write("wreck.obj", wreck);
   folder.write("track.csv", track);
-  // Not the order of the structs: the trajectory stands first.
+  // The order in the file differs from that of the structs: the trajectory comes first.
   std::string scene =
       replaced(smallest_scene, "kind = \"fixed\"", "kind = \"waypoints\"\nfile = \"track.csv\"");
   scene += "[[objects]]\nfile = \"wreck.obj\"\nshape = \"mesh\"\nname = \"wreck\"\n";

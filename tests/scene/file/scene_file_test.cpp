@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests that scene files are read completely: every key with its value, defaults and inline tables. For
+// damaged input the result is a scene or an InputError.
+
 #include "sensors/kinds/scene_file.hpp"
 
 #include <gmock/gmock.h>
@@ -281,11 +284,12 @@ TEST(SceneFile, GeoreferenceMayBeAProjectedSystem) {
   EXPECT_THAT(scene.georeference->origin_crs, Optional(ElementsAre(573000, 6012345.5)));
 }
 
-// Keeps the test above complete: a new key has to be added to the full scene.
+// Keeps the previous test complete: a new key must be added to the full scene.
 TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
   const std::string text = "\n" + std::string(full_scene) +
-                           "\ncrs = \norigin_crs = \nrays_per_beam = \ntolerance = "  // of the tests after it
-                           "\nmaterial_map = "  // as tables of their own
+                           // of the tests after it
+                           "\ncrs = \norigin_crs = \nrays_per_beam = \ntolerance = "
+                           "\nmaterial_map = "  // as separate tables
                            "\nswath_deg = \nspacing = \nbeam_across_deg = \ndetection = "
                            "\ndetection_threshold_db = \ngrid_cell_m = "  // multibeam_keys_test.cpp
                            "\naxis_depression_deg = \nsampling_frequency_khz = \npulse_length_us = "
@@ -315,7 +319,7 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\nscan_deg = \nstep_deg = \nbeam_horizontal_deg = \nbeam_vertical_deg = "
                            "\nstep_interval_s = \nbeam_angles_deg = ";  // robot_sonar_keys_test.cpp
   for (const SceneKey& key : scene_file_keys()) {
-    // Not all of a beam pattern's keys go together: beam_pattern_keys_test.cpp reads them.
+    // Not all keys of a beam pattern can be combined: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&
         (key.name.starts_with("transmit_") || key.name.starts_with("receive_")))
       continue;
@@ -427,7 +431,7 @@ TEST(SceneFile, RangesIncludeTheirEndsUnlessTheySayOtherwise) {
   EXPECT_EQ(scene_error(folder, replaced(smallest_scene, "\"sand\"", "\"sand\"\nlambert_db = -4.9715")), "");
 }
 
-// Whatever the bytes: a scene, or an InputError that starts with the file's name.
+// For any bytes the result is a scene, or an InputError that starts with the file name.
 TEST(SceneFile, DamagedScenesAreReadOrRefused) {
   const unsigned seed = 20260101;
   SCOPED_TRACE(testing::Message() << "seed " << seed);

@@ -11,7 +11,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// A scene with a sidescan that has these keys too.
+/// A scene with a sidescan that has these keys, too.
 std::string scene_with(const std::string& lines) {
   return std::string(smallest_scene) + "[[sensors]]\nname = \"fish\"\n" + lines;
 }
@@ -28,7 +28,7 @@ TEST(SidescanKeys, SamplingFrequencyTakesThePlaceOfSamples) {
   EXPECT_THAT(
       scene_error(folder, scene_with("kind = \"sidescan\"\nsamples = 10\nsampling_frequency_khz = 20\n")),
       AllOf(HasSubstr("'samples' and 'sampling_frequency_khz'"), HasSubstr("remove one")));
-  // A preset's number of samples gives way to the scene's own sampling frequency.
+  // The sampling frequency of the scene replaces the number of samples of a preset.
   EXPECT_EQ(
       fan_of(read_scene(folder, scene_with("preset = \"klein-3000-445\"\nsampling_frequency_khz = 20\n")))
           .sampling_frequency_khz,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Smooth materials: their keys, and what loading makes of them.
+// Tests smooth materials: their keys, and the surfaces that loading makes of them.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ TEST(SmoothKeys, OnesThatDoNotGoTogetherAreRefused) {
   EXPECT_THAT(error_with("smooth = 1"), HasSubstr("true or false"));
 }
 
-// Energies know nothing of it: the scene says so once.
+// Energies do not depend on this key: the scene warns once.
 TEST(SmoothKeys, AreWarnedOfWhereNobodyReceivesPhases) {
   const TestFolder folder;
   const Scene scene = load_scene(read_scene(folder, scene_with("smooth = true")));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a scene file says of surveys, of seabeds on a slope and of sensors that look at a place.
+// Tests the keys of surveys, of sloping seabeds and of sensors that look at a position.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

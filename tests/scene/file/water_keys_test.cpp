@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the keys of the water: isovelocity water, profiles from tables, casts and formulas, and errors in
+// their files.
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +25,7 @@ class WaterKeys : public testing::Test {
     return SceneWater(read_scene(folder_, scene_with(lines)).water);
   }
   std::string error_of(const std::string& lines) { return scene_error(folder_, scene_with(lines)); }
-  /// Of loading the water from a file "p.csv".
+  /// The error of loading the water from a file "p.csv".
   std::string file_error(const std::string& profile, const std::string& csv) {
     const auto file = folder_.write("p.csv", csv);
     try {

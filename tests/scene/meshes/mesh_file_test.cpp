@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests mesh files in text and binary formats: the same tetrahedron in each format, polygons, non-manifold
+// meshes, truncated files, and error positions.
+
 #include "scene/meshes/mesh_file.hpp"
 
 #include <gmock/gmock.h>
@@ -31,7 +34,7 @@ std::string without_last(std::string text, std::size_t bytes) {
   return text;
 }
 
-// --- the same tetrahedron in every format ---
+// --- the same tetrahedron in each format ---
 
 constexpr const char* kObj =
     "# tetrahedron\nv 0 0 0\nv 7246504.123456 0 0\nv 0 1e0 0\nv 0 0 +1.5\n"
@@ -162,7 +165,8 @@ TEST(MeshFile, AConcaveQuadrangleIsCutAtItsReflexCorner) {
   for (const char* face : {"f 1 2 3 4", "f 2 3 4 1", "f 3 4 1 2", "f 4 3 2 1"}) {
     const ComponentMesh dart =
         read("t.obj", std::string("v 0 0 0\nv 4 -4 1\nv 1 0 0.25\nv 4 4 1\n") + face + "\n");
-    EXPECT_NEAR(area(dart), 4 * std::hypot(1, 0.25), 1e-12) << face;  // a tilted dart of horizontal area 4
+    // a tilted concave quadrangle of horizontal area 4
+    EXPECT_NEAR(area(dart), 4 * std::hypot(1, 0.25), 1e-12) << face;
     EXPECT_THAT(dart.warnings, IsEmpty());
   }
 }
@@ -180,7 +184,7 @@ TEST(MeshFile, ComplexVerticesAndEdgesAndDuplicatesAllTakePart) {
       read("bad.obj",
            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\n"  // three facets on the edge 1-2
            "f 1 2 3\nf 2 1 4\nf 1 2 5\n"
-           "v 5 0 0\nv 6 0 0\nv 6 1 0\nv 4 0 0\nv 4 1 0\n"  // two fans that share vertex 6 only
+           "v 5 0 0\nv 6 0 0\nv 6 1 0\nv 4 0 0\nv 4 1 0\n"  // two fans that share only vertex 6
            "f 6 7 8\nf 6 9 10\n"
            "f 6 7 8\nf 7 8 6\n"  // duplicates
            "f 1 1 2\n"           // a repeated vertex
@@ -334,8 +338,8 @@ TEST(MeshFile, EveryCutOfEveryFormatEndsWellOrInAnInputError) {
       const auto file = folder.write(std::to_string(size) + name, content.substr(0, size));
       try {
         const ComponentMesh mesh = read_mesh_file(file);
-        // Only a text that loses no more than line ends, a part of its last number, or whole faces of an OBJ
-        // may pass.
+        // A prefix may pass only if it lacks no more than line ends, a part of its last number, or whole
+        // faces of an OBJ.
         if (mesh.triangles.size() < 4 || !mesh.warnings.empty()) {
           EXPECT_EQ(name, "t.obj") << size;
         } else {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// [objects.materials]: what a mesh file calls its faces, and the scene's materials.
+// Tests [objects.materials], which maps the names of faces in a mesh file to materials of the scene:
+// priority, reports and errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// COLLADA, glTF, 3DS and FBX: where their nodes put them, axes and units, names, and files that would do
-// harm.
+// Tests COLLADA, glTF, 3DS and FBX files: node transformations, axes and units, names, and malicious files
+// that expand to large contents.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -72,11 +72,12 @@ TEST(Models, NodesPutMeshesWhereTheyBelongAndUnitsMakeThemMetres) {
   for (const Sample& sample : samples()) {
     SCOPED_TRACE(sample.name);
     const bool one = sample.name == "m.3ds";
-    // Told the same of all: z up, metres.
+    // With the same options for all formats: z up, metres.
     const NamedMesh mesh = read(folder, sample, {"z", 1.0});
     EXPECT_NEAR(area(mesh), one ? 2 : 2 + 4, 1e-5);
     const Box box = box_of(mesh);
-    // The second plate: x from 0 to 2 becomes y, y from 0 to 2 becomes -x; all moved by 3 and lifted by 0.5.
+    // The second plate: x from 0 to 2 becomes y, y from 0 to 2 becomes -x. All is moved by 3 and lifted by
+    // 0.5.
     EXPECT_LT(glm::distance(box.lo, one ? glm::dvec3(3, 0, 0) : glm::dvec3(1, 0, 0)), 1e-6);
     EXPECT_LT(glm::distance(box.hi, one ? glm::dvec3(4, 2, 0) : glm::dvec3(4, 2, 0.5)), 1e-6);
   }
@@ -103,7 +104,7 @@ TEST(Models, WhatTheFileDeclaresIsTaken) {
      {0.01, -0.005, 0}, {0.04, 0, 0.02});
 }
 
-// What an FBX turns its nodes by besides: the inverse of PostRotation, about the node's own axes.
+// An FBX file also rotates its nodes by the inverse of PostRotation, about the axes of the node itself.
 TEST(Models, PivotsOfAnFbxTurnAsTheyShould) {
   const TestFolder folder;
   std::string text = fbx_model();
@@ -121,7 +122,7 @@ TEST(Models, PivotsOfAnFbxTurnAsTheyShould) {
     for (const std::string& name : names) EXPECT_EQ(name.find("AssimpFbx"), name.npos) << name;
 }
 
-// Positions in whole numbers are what the reader cannot take.
+// The reader does not support quantised integer positions.
 TEST(Models, QuantisedPositionsAreRefused) {
   const TestFolder folder;
   std::string text = gltf_model(R"(,"uri":"numbers.bin")");
@@ -172,7 +173,7 @@ TEST(Models, FacesGoByMaterialMeshAndNodes) {
     const auto& names = mesh.names[mesh.names_of.front()];
     ASSERT_FALSE(names.empty()) << sample.name;
     EXPECT_EQ(names.front(), "steel") << sample.name;
-    if (sample.name == "m.3ds") continue;  // names no more than materials without key frames
+    if (sample.name == "m.3ds") continue;  // contains only names of materials without key frames
     EXPECT_THAT(names, AllOf(Contains("plate"), Contains("hull"))) << sample.name;
     EXPECT_THAT(mesh.names[mesh.names_of.back()], AllOf(Contains("child"), Contains("hull"))) << sample.name;
   }
@@ -184,7 +185,7 @@ TEST(Models, PolygonsAreCutByOurselves) {
   const auto put = [&](const std::string& from, const std::string& to) {
     text.replace(text.find(from), from.size(), to);
   };
-  // The U of mesh_polygons_test.cpp.
+  // The U-shaped outline of mesh_polygons_test.cpp.
   put("count=\"12\">0 0 0 1 0 0 1 2 0 0 2 0",
       "count=\"24\">0 0 0 1 0 0 1 1.2 0 1.8 1.2 0 1.8 0 0 2.8 0 0 2.8 2 0 0 2 0");
   put("count=\"4\" stride", "count=\"8\" stride");
@@ -277,7 +278,7 @@ TEST(Models, NestingWithoutEndIsRefused) {
 }
 
 TEST(Models, NodesThatDoubleAndDoubleEndInALimit) {
-  // Each node holds the next twice: 2^60 plates.
+  // Each node contains the next node twice: 2^60 plates.
   const TestFolder folder;
   std::string nodes;
   for (int i = 0; i < 60; ++i)
@@ -291,9 +292,9 @@ TEST(Models, NodesThatDoubleAndDoubleEndInALimit) {
   EXPECT_THAT([&] { read(folder, {"m.dae", text}); }, ThrowsMessage<InputError>(HasSubstr("Assimp")));
 }
 
-// --- small files that stand for much ---
+// --- small files with large contents ---
 
-/// A glTF with the buffer of model_samples.hpp: 4 places (accessor 0), 6 corners (accessor 1).
+/// A glTF with the buffer of model_samples.hpp: 4 positions (accessor 0), 6 corners (accessor 1).
 std::string gltf_of(const std::string& nodes, const std::string& roots, const std::string& meshes) {
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)" + roots + R"(]}],"nodes":[)" + nodes +
          R"(],"meshes":[)" + meshes +
@@ -314,7 +315,8 @@ std::string numbers_up_to(int count) {
 }
 const std::string plate = R"({"attributes":{"POSITION":0},"indices":1})";
 
-/// What is said of it, empty where it is read; within what hostile input may take.
+/// Returns the error message, or an empty string if the file is valid. The time must be within the limit
+/// for malicious input.
 std::string said_in_time(const TestFolder& folder, const Sample& sample) {
   std::string said;
   EXPECT_LT(processor_seconds([&] {
@@ -339,7 +341,7 @@ TEST(Models, ManyInstancesEndInTime) {
     said_in_time(folder, {"m.gltf", gltf_of(nodes + R"(,{"children":[)" + numbers_up_to(count) + "]}",
                                             std::to_string(count), mesh)});
   }
-  // A larger mesh in many places: 1000 plates, 100 000 times.
+  // A larger mesh at many positions: 1000 plates, 100 000 times.
   const std::string large = R"({"primitives":[)" + repeated(plate, 1000) + "]}";
   EXPECT_THAT(said_in_time(folder, {"m.gltf", gltf_of(repeated(R"({"mesh":0})", 100'000),
                                                       numbers_up_to(100'000), large)}),
@@ -361,7 +363,7 @@ TEST(Models, ManyPrimitivesAndMorphTargetsEndInTime) {
   }
 }
 
-/// Of one accessor of many places.
+/// The primitives share one accessor of many positions.
 TEST(Models, SharedVerticesOfManyPrimitivesAreRefused) {
   const TestFolder folder;
   const auto with_places = [&](const std::string& primitive, int times) {
@@ -404,7 +406,7 @@ TEST(Models, NodesOfGltfFormTrees) {
   EXPECT_THAT(said(R"({"mesh":0},{"children":[2]},{"children":[1]})", "0"), HasSubstr("or in itself"));
 }
 
-// --- relatives of other formats: Assimp's own limit, or that of what nodes place ---
+// --- similar files of other formats: Assimp's own limit, or that of placed nodes ---
 
 TEST(Models, InstancesOfColladaEndInTime) {
   const TestFolder folder;
@@ -413,7 +415,7 @@ TEST(Models, InstancesOfColladaEndInTime) {
     instances += fmt::format("<node id=\"i{}\"><instance_geometry url=\"#g\"/></node>", k);
   text.insert(text.find("<node id=\"n2\""), instances);
   said_in_time(folder, {"m.dae", text});
-  // 17 nodes of 10 instances each of the next would be 10^17.
+  // 17 nodes with 10 instances each of the next would be 10^17.
   std::string nodes;
   for (int k = 0; k < 17; ++k) {
     nodes += fmt::format("<node id=\"d{}\">", k);
@@ -440,7 +442,7 @@ TEST(Models, ConnectionsOfFbxEndInTime) {
   said_in_time(folder, {"m.fbx", text});
 }
 
-// --- work in a process of its own ---
+// --- work in a separate process ---
 
 using End = ApartResult::End;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Polygons of mesh files, cut into triangles: areas by the shoelace formula, and what is no polygon.
+// Tests polygons of mesh files that are cut into triangles: areas by the shoelace formula, and invalid
+// polygons.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -60,10 +61,10 @@ std::string one_face(std::size_t corners) {
   return face + "\n";
 }
 
-// An upright slab with two legs, 3 m wide, 2 m high, 1 m legs: 4.4 m2 in front.
+// An upright slab with two legs, 3 m wide, 2 m high, legs of 1 m: 4.4 m2 in front.
 const Outline u_shape{{0, 0}, {1, 0}, {1, 1.2}, {1.8, 1.2}, {1.8, 0}, {2.8, 0}, {2.8, 2}, {0, 2}};
 
-/// The prism over an outline: two caps of many corners and a quadrangle a side.
+/// The prism over an outline: two caps of many corners and one quadrangle per side.
 std::vector<glm::dvec3> prism_points(const Outline& outline, double height) {
   std::vector<glm::dvec3> points;
   for (const double z : {0.0, height})
@@ -119,7 +120,7 @@ TEST(MeshPolygons, AUShapedPrismHasItsOwnAreaInEveryFormat) {
     EXPECT_NEAR(area(mesh), expected, 1e-12) << name;
     EXPECT_THAT(mesh.triangles, SizeIs(2 * 6 + 8 * 2)) << name;
     EXPECT_THAT(mesh.warnings, IsEmpty()) << name;
-    // Closed: every edge there and back.
+    // Closed: each edge occurs in both directions.
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
     for (const auto& t : mesh.triangles)
       for (int k = 0; k < 3; ++k) {
@@ -137,7 +138,7 @@ TEST(MeshPolygons, AnyOutlineTurnedInSpaceKeepsAreaSideAndCorners) {
   std::uniform_real_distribution<double> unit(0, 1);
   for (int trial = 0; trial < 200; ++trial) {
     SCOPED_TRACE(fmt::format("seed {}, trial {}", seed, trial));
-    // Around a middle at growing angles: simple, and as ragged as radii are.
+    // Corners around a middle at increasing angles: simple, with random radii.
     Outline outline;
     const int corners = 4 + static_cast<int>(random() % 40);
     for (int i = 0; i < corners; ++i) {
@@ -162,7 +163,7 @@ TEST(MeshPolygons, AnyOutlineTurnedInSpaceKeepsAreaSideAndCorners) {
 }
 
 TEST(MeshPolygons, CornersOnALineWithTheirNeighboursStay) {
-  // A square with a corner in the middle of each side, and two on one: what adjoins may end there.
+  // A square with a corner in the middle of each side, and two on one side: adjacent facets may end there.
   const Outline square{{0, 0}, {1, 0}, {2, 0}, {3, 0}, {3, 1.5}, {3, 3}, {1, 3}, {0, 3}, {0, 2}};
   std::vector<glm::dvec3> points;
   for (const glm::dvec2 p : square) points.emplace_back(p, 0);
@@ -176,13 +177,13 @@ TEST(MeshPolygons, CornersOnALineWithTheirNeighboursStay) {
 }
 
 TEST(MeshPolygons, AHoleOnABridgeIsAHole) {
-  // A square of 4 x 4 with a hole of 1 x 1 that hangs on a corner by an edge there and back; then on the
-  // middle of a side.
+  // A square of 4 x 4 with a hole of 1 x 1, which an edge in both directions connects to a corner. The
+  // second case connects the hole to the middle of a side.
   const std::string corners =
       "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 2 0\nv 2 2 0\nv 2 1 0\nv 1 0 0\n";
   EXPECT_DOUBLE_EQ(area(read("m.obj", corners + "f 1 2 3 4 1 5 6 7 8 5\n")), 15);
   EXPECT_DOUBLE_EQ(area(read("m.obj", corners + "f 1 9 5 6 7 8 5 9 2 3 4\n")), 15);
-  // Corners of their own instead of the same twice.
+  // Separate corners instead of repeated ones.
   EXPECT_DOUBLE_EQ(area(read("m.obj", corners + "v 1 1 0\nv 0 0 0\nf 1 2 3 4 11 5 6 7 8 10\n")), 15);
 }
 
@@ -198,19 +199,19 @@ TEST(MeshPolygons, WhatCrossesItselfIsRefusedAtItsLine) {
         << faces;
   };
   refuses("f 1 3 2 4\n");          // a bow tie
-  refuses("f 1 3 2 5\n");          // one of unequal halves
+  refuses("f 1 3 2 5\n");          // one with unequal halves
   refuses("f 1 2 3 4 1 2 3 4\n");  // twice around
   const std::string star = "v 0 1 0\nv -0.6 -0.8 0\nv 1 0.3 0\nv -1 0.3 0\nv 0.6 -0.8 0\nf 1 2 3 4 5\n";
   EXPECT_THROW(read("m.obj", star), InputError);
 }
 
 TEST(MeshPolygons, WhatIsNotFlatIsReportedWithHowFar) {
-  // A square with one corner 0.4 higher: the corners are 0.1 off their plane, about.
+  // A square with one corner 0.4 higher: the corners are about 0.1 off their plane.
   const NamedMesh mesh = read("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.4\nv 0 1 0\nf 1 2 3 4\n");
   EXPECT_THAT(mesh.triangles, SizeIs(2));
   EXPECT_THAT(mesh.warnings,
               ElementsAre(HasSubstr("1 polygons are not flat, that of line 5 the most (0.0962")));
-  // Rounding to single precision is not worth a word.
+  // Rounding to single precision gives no warning.
   EXPECT_THAT(read("m.obj", "v 0 0 100\nv 1 0 100\nv 1 1 100.000004\nv 0 1 100\nf 1 2 3 4\n").warnings,
               IsEmpty());
 }
@@ -218,14 +219,14 @@ TEST(MeshPolygons, WhatIsNotFlatIsReportedWithHowFar) {
 TEST(MeshPolygons, WithoutAreaAPolygonStaysAsFacetsWithoutArea) {
   EXPECT_THAT(read("m.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nv 3 3 3\nv 0 1 0\nf 1 2 3 4\nf 1 2 5\n").triangles,
               SizeIs(3));
-  // A quadrangle with the same corner twice is a triangle.
+  // A quadrangle with a repeated corner is a triangle.
   const NamedMesh twice = read("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2 3\n");
   EXPECT_THAT(twice.triangles, SizeIs(1));
   EXPECT_DOUBLE_EQ(area(twice), 0.5);
 }
 
 TEST(MeshPolygons, ManyCornersTakeNoTimeToSpeakOf) {
-  // A comb of 20 000 teeth: from no corner does one see all of it.
+  // A comb of 20 000 teeth: no corner sees the whole comb.
   constexpr int teeth = 20000;
   Outline comb{{0, 0}, {2 * teeth, 0}};
   for (int i = teeth; i-- > 0;) {
@@ -238,7 +239,7 @@ TEST(MeshPolygons, ManyCornersTakeNoTimeToSpeakOf) {
   EXPECT_NEAR(area(mesh), shoelace(comb), 1e-6);
 }
 
-// Teeth a thousand times as long as they are apart, in a plane of no axis.
+// Teeth a thousand times as long as their distance, in an oblique plane.
 TEST(MeshPolygons, LongTeethTakeNoTimeToSpeakOf) {
   for (const double lean : {0.0, 300.0}) {
     constexpr int teeth = 5000;

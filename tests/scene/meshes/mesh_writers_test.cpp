@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What programs write into text meshes beside the letter of their formats: read, or refused with the reason.
+// Tests text meshes that deviate from the letter of their formats, as some programs write them. The reader
+// accepts them, or rejects them with the reason.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -57,7 +58,7 @@ TEST(MeshWriters, Utf16IsRefusedByItsName) {
       bare += {c, '\0'};
     }
     for (const std::string& wide : {small, large, bare}) {
-      if (name == "m.stl" && wide == bare) continue;  // begins as a binary STL may
+      if (name == "m.stl" && wide == bare) continue;  // may be the beginning of a binary STL
       const std::string file = name;
       const auto reading = [&] { read(file, wide); };
       EXPECT_THAT(reading, ThrowsMessage<InputError>(AllOf(HasSubstr("UTF-16"), HasSubstr("iconv")))) << name;
@@ -79,7 +80,7 @@ TEST(MeshWriters, BinaryPlyBehindAHeaderWithReturns) {
   std::string bytes = with_returns(
       "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
       "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n");
-  // The first byte of the numbers is a line feed: no part of the header's last line end.
+  // The first byte of the numbers is a line feed, which does not belong to the last line end of the header.
   float first = 0;
   const std::uint32_t bits = 0x4000000au;
   std::memcpy(&first, &bits, 4);

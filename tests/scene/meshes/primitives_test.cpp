@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests spheres, cylinders, cones and boxes of facets: closed surfaces with outward facets, volumes, and
+// chord errors within their limit.
+
 #include "scene/meshes/primitives.hpp"
 
 #include <gmock/gmock.h>
@@ -20,8 +23,8 @@ using testing::ThrowsMessage;
 constexpr double kPi = std::numbers::pi;
 const SourcePlace kPlace{"scene.toml", 4, 1};
 
-// Closed and consistently oriented: each directed edge occurs once, with its opposite. One body without
-// handles: Euler's V - E + F = 2. No facet without area.
+// Expects a closed and consistently oriented surface: each directed edge occurs once, with its opposite. It
+// is one body without handles: Euler's V - E + F = 2. No facet is without area.
 void expect_closed(const ComponentMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (const auto& t : mesh.triangles) {
@@ -36,7 +39,7 @@ void expect_closed(const ComponentMesh& mesh) {
   EXPECT_EQ(mesh.points_m.size() + mesh.triangles.size() - edges.size() / 2, 2u);
 }
 
-// By the divergence theorem; positive only if facets face outwards.
+// By the divergence theorem: positive only if facets face outwards.
 double volume(const ComponentMesh& mesh) {
   double sum = 0;
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -92,7 +95,7 @@ TEST(Sphere, VolumeConvergesAsTheChordErrorDoes) {
   double last = exact;
   for (double chord : {0.1, 0.01, 0.001, 0.0001}) {
     const double missing = exact - volume(sphere_facets({2.0}, chord, kPlace));
-    EXPECT_GT(missing, 0);                // of all bodies with that area the sphere holds most
+    EXPECT_GT(missing, 0);                // of all bodies with this area the sphere has the largest volume
     EXPECT_LT(missing, 8 * kPi * chord);  // a shell of half that thickness
     EXPECT_LT(missing, 0.2 * last);
     last = missing;

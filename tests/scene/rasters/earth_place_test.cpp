@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a frame's axes lie on Earth, against other ways to work that out.
+// Compares the orientation of the axes of a frame on the Earth with independent computations: meridian
+// convergence and scale.
 #include "scene/rasters/earth_place.hpp"
 
 #include <gtest/gtest.h>
@@ -20,13 +21,13 @@ namespace {
 const SourcePlace kPlace{"scene.toml", 3, 1};
 constexpr double degree = std::numbers::pi / 180;
 
-/// Of grid north, clockwise from true north.
+/// Angle of grid north, clockwise from true north.
 double convergence_deg(const EarthPlace& place) {
   const glm::dvec3 north = place.to_east_north_up[1];
   return std::atan2(north.x, north.y) / degree;
 }
 
-/// Metres of the map for one on the ellipsoid, where the map is conformal.
+/// Metres of the map per metre on the ellipsoid, for a conformal map.
 double scale(const EarthPlace& place) { return 1 / glm::length(place.to_east_north_up[1]); }
 
 EarthPlace place_of(const LocalFrame& frame, glm::dvec3 point) {
@@ -42,7 +43,7 @@ TEST(EarthPlace, MeridiansOfUtmConvergeAsTheMercatorProjectionSays) {
     double x = 0, y = 0, gamma_deg = 0, k = 0;
     GeographicLib::UTMUPS::Forward(latitude, longitude, zone, north, x, y, gamma_deg, k, 33);
     const char* crs = north ? "EPSG:32633" : "EPSG:32733";
-    // Away from the origin, so that the point counts, not the frame.
+    // The point lies away from the origin, so that the test depends on the point and not on the frame.
     const EarthPlace place =
         place_of(LocalFrame::projected(crs, x - 3000, y + 4000, 12, kPlace), {3000, -4000, -50});
     EXPECT_NEAR(place.lon_lat_height.x, longitude, 1e-9);
@@ -91,7 +92,7 @@ TEST(EarthPlace, MeridiansOfAPolarMapAreItsRadii) {
     }
 }
 
-// Neither lengths nor angles are kept by this one.
+// This projection preserves neither lengths nor angles.
 TEST(EarthPlace, DirectionsOfAMapThatIsNotConformalAreThoseOfItsPoints) {
   const LocalFrame frame = LocalFrame::projected("+proj=eqc +lat_ts=40 +lon_0=10 +datum=WGS84 +units=m",
                                                  500000, 6500000, 0, kPlace);
@@ -120,7 +121,7 @@ TEST(EarthPlace, OfATangentFrameLeansWithTheDistance) {
   double latitude = 0, longitude = 0, height = 0;
   std::vector<double> m(9);
   tangent.Reverse(local.x, local.y, local.z, latitude, longitude, height, m);
-  // The library's matrix takes true directions into the frame.
+  // The matrix of the library converts true directions into the frame.
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
       EXPECT_NEAR(place.to_east_north_up[row][column], m[std::size_t(3 * row + column)], 2e-9);
@@ -135,7 +136,8 @@ TEST(EarthPlace, AMapOutOfScaleIsWarnedOf) {
   EXPECT_FALSE(scale_warning(LocalFrame::projected("EPSG:5041", 2000000, 2000000, 0, kPlace))) << "0.994";
   const auto warning = scale_warning(LocalFrame::projected("EPSG:3857", 1.2e6, 8.4e6, 0, kPlace));
   ASSERT_TRUE(warning);
-  // 6378137 m over the parallel's radius and over that of the meridian times the latitude's cosine.
+  // 6378137 m over the radius of the parallel, and over that of the meridian times the cosine of the
+  // latitude.
   EXPECT_NE(warning->find("(60.0012 N, 10.7798 E)"), std::string::npos) << *warning;
   EXPECT_NE(warning->find("east as 1.995 m and one to the north as 1.998 m"), std::string::npos) << *warning;
 }

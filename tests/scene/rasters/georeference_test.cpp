@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests local frames: tangent frames and projected frames, conversion to longitude and latitude and back,
+// precision, and their map systems.
+
 #include "scene/rasters/georeference.hpp"
 
 #include <gmock/gmock.h>
@@ -58,7 +61,7 @@ TEST(TangentFrame, AgreesWithGeocentricCoordinatesTurnedByHand) {
 
 TEST(TangentFrame, UtmPointsArriveWhereTheirLatitudeAndLongitudeDo) {
   const LocalFrame frame = LocalFrame::at_lat_lon(0.4, -171, 0);
-  // On zone 2's central meridian 1 degree is 110574.3886 m of arc (Snyder, Map Projections, WGS 84
+  // On the central meridian of zone 2, 1 degree is 110574.3886 m of arc (Snyder, Map Projections, WGS 84
   // constants), times 0.9996.
   glm::dvec3 point(500000, 0.9996 * 55287.1536, -10);  // half a degree: 55287.1536 m
   frame.carry({&point, 1}, "EPSG:32602", kPlace);
@@ -94,7 +97,7 @@ TEST(ProjectedFrame, TakesItsUnitIntoAccount) {
   expect_near(point, {1200, 2400, 5}, 1e-9);
 }
 
-/// Random local points of a survey, 5 km about the origin.
+/// Random local points of a survey, within 5 km of the origin.
 std::vector<glm::dvec3> survey_points() {
   std::mt19937_64 random(20240917);
   std::uniform_real_distribution<double> across(-5000, 5000), height(-300, 20);
@@ -111,8 +114,8 @@ void expect_round_trip(const LocalFrame& frame, double tolerance_m) {
   for (std::size_t k = 0; k < points.size(); ++k) expect_near(back[k], points[k], tolerance_m);
 }
 
-// A double holds a longitude of 3 degrees to 2.5e-11 m and one of 168 degrees to 1.6e-9 m; the geocentric
-// coordinates that the tangent frame goes through, to 5e-10 m each.
+// A double resolves a longitude of 3 degrees to 2.5e-11 m and one of 168 degrees to 1.6e-9 m. It resolves
+// the geocentric coordinates that the tangent frame uses to 5e-10 m each.
 TEST(LocalFrame, GoesToLongitudeAndLatitudeAndBack) {
   expect_round_trip(LocalFrame::at_lat_lon(1.5, 3, 20), 4e-9);
   expect_round_trip(LocalFrame::projected("EPSG:32631", 500000, 160000, 20, kPlace), 1e-9);
@@ -162,7 +165,7 @@ TEST(LocalFrame, ItsMapShowsLocalPointsWhereTheyAre) {
   EXPECT_EQ(LocalFrame().map().crs_wkt, "");
 }
 
-// On the ellipsoid the map of a tangent frame is exact; h above it, coordinates are too small by h / R.
+// On the ellipsoid the map of a tangent frame is exact. At height h, coordinates are too small by h / R.
 TEST(TangentFrame, ItsMapIsOrthographic) {
   const LocalFrame frame = LocalFrame::at_lat_lon(48.3, -4.5, 0);
   const glm::dvec3 on_map = lon_lat_on_map(frame.map(), 1000, -2000);

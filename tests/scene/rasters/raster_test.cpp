@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests terrain from rasters: vertices at cell centres, holes, windows, units, coordinate systems, formats,
+// and rejected files.
+
 #include "scene/rasters/raster.hpp"
 
 #include <gdal_priv.h>
@@ -111,7 +114,7 @@ TEST(Raster, NoDataAndNanAreHolesAndThreeCornersKeepATriangle) {
       EXPECT_EQ(mesh.hole_cells, 1u);
     }
   }
-  // A hole in the middle of 5 x 5 centres: 12 cells whole, 4 with a triangle each.
+  // A hole in the middle of 5 x 5 centres: 12 whole cells, and 4 cells with a triangle each.
   TestRaster raster{5, 5, std::vector<double>(25, 7.0)};
   raster.values[12] = kNoData;
   const ComponentMesh mesh = read(raster, utm_frame());
@@ -162,8 +165,8 @@ TEST(Raster, UtmCostsNoPrecision) {
   for (int row = 0; row < 50; ++row) {
     for (int column = 0; column < 50; ++column) {
       const glm::dvec3 snapped = grid.to_metres(grid.snap(mesh.points_m[50 * row + column]));
-      // In long double, from the file's own numbers. One spacing of doubles at 7e6 m, 9.3e-10 m, is in the
-      // coordinate itself.
+      // In long double, from the numbers of the file. The coordinate itself has the spacing of doubles at
+      // 7e6 m, 9.3e-10 m.
       const long double east = 620152.872885372955352L - 620000 + (column + 0.5L) * 0.1L;
       const long double north = 7246504.911727688275278L - 7246000 - (row + 0.5L) * 0.1L;
       EXPECT_LE(std::abs(static_cast<double>(snapped.x - east)), 0.5 * grid.unit_m() + 1e-9);
@@ -257,7 +260,7 @@ TEST(Raster, RefusesWindowsWithoutFacets) {
   expect_refused(empty, "no facet");
 }
 
-// --- formats, whole and cut off ---
+// --- formats, whole and truncated ---
 
 std::filesystem::path copy_as(const TestFolder& folder, const char* driver, const char* name,
                               char** options = nullptr) {
@@ -273,7 +276,7 @@ std::filesystem::path copy_as(const TestFolder& folder, const char* driver, cons
   return file;
 }
 
-// The units are in the file where it has any, and else the values say it.
+// The file may contain units. Otherwise the values decide.
 TEST(Raster, DegreesWithoutCrsAreNotTakenForMetres) {
   TestFolder folder;
   RasterTerrain terrain;
@@ -311,7 +314,7 @@ TEST(Raster, DegreesWithoutCrsAreNotTakenForMetres) {
         out->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, 4, 3, flat.data(), 4, 3, GDT_Float32, 0, 0, nullptr),
         CE_None);
   }
-  // Its coordinates say degrees_north; which datum it was is taken out of it.
+  // Its coordinates have the unit degrees_north. The test removes the datum from the file.
   int id = 0, count = 0;
   nc_open(terrain.file.c_str(), NC_WRITE, &id);
   nc_inq_nvars(id, &count);
@@ -321,7 +324,7 @@ TEST(Raster, DegreesWithoutCrsAreNotTakenForMetres) {
   refused("its coordinates are in degrees");
 }
 
-/// z(y, x) as netCDF-C writes it; coordinates without attributes, if any.
+/// z(y, x) as netCDF-C writes it, with optional coordinates without attributes.
 std::filesystem::path write_netcdf(const TestFolder& folder, bool coordinates, bool north_first,
                                    bool turned_over = false, double bend = 0) {
   constexpr std::size_t rows = 3, columns = 4;
@@ -385,7 +388,7 @@ TEST(Raster, RefusesNetcdfThatDoesNotSayWhereItLies) {
   refused("its coordinates 'y' are not evenly spaced");
 }
 
-// Whatever is asked of it: red is no height, no reflectivity and no class.
+// For any use: a red channel is no height, no reflectivity and no class.
 TEST(Raster, PicturesInColoursAreRefused) {
   TestFolder folder;
   GDALAllRegister();

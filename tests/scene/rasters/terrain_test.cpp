@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests flat and fractal terrain: facets, slopes, reproducible seeds, heights, the Hurst exponent, and
+// ripples.
+
 #include "scene/rasters/terrain.hpp"
 
 #include <gmock/gmock.h>
@@ -16,7 +19,7 @@ using testing::ThrowsMessage;
 
 const SourcePlace kPlace{"scene.toml", 9, 1};
 
-// Area of the facets seen from above; all must face up.
+// Area of the facets in plan view. All facets must face up.
 double area_from_above(const ComponentMesh& mesh) {
   double sum = 0;
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -39,7 +42,7 @@ TEST(FlatTerrain, IsTwoFacetsOrAGrid) {
   FlatTerrain cells = terrain;
   cells.cell_m = 0.1;  // 30 / 0.1 is 299.99999999999994 or 300.00000000000006 in double, but 300 cells
   EXPECT_EQ(flat_facets(cells, kPlace).triangles.size(), std::size_t{2} * 300 * 200);
-  cells.cell_m = 7;  // none longer than 7 m: 5 x 3 cells of 6 m x 6.67 m
+  cells.cell_m = 7;  // no cell longer than 7 m: 5 x 3 cells of 6 m x 6.67 m
   EXPECT_EQ(flat_facets(cells, kPlace).triangles.size(), 30u);
   EXPECT_NEAR(area_from_above(flat_facets(cells, kPlace)), 600, 1e-9);
 }
@@ -85,8 +88,8 @@ TEST(FractalTerrain, SameSeedSameSeabedOtherSeedOtherSeabed) {
 }
 
 TEST(FractalTerrain, TheSeabedOfASeedStaysWhatItIs) {
-  // Written down on x86-64 with g++ 12: another compiler, machine or version must give the same seabed to the
-  // micrometre.
+  // These values come from x86-64 with g++ 12. Any other compiler, machine or version must give the same
+  // seabed to the micrometre.
   const ComponentMesh mesh = fractal_facets(seabed(), kPlace);
   EXPECT_NEAR(mesh.points_m[0].z, -30.116611127874801, 1e-7);
   EXPECT_NEAR(mesh.points_m[20000].z, -30.574243436307679, 1e-7);
@@ -105,7 +108,7 @@ TEST(FractalTerrain, HasItsMeanAndRmsHeight) {
   EXPECT_NEAR(area_from_above(mesh), 60 * 40, 1e-8);
 }
 
-// rms height difference over `lag` cells along x.
+// RMS height difference over `lag` cells along x.
 double difference(const ComponentMesh& mesh, std::size_t columns, std::size_t lag) {
   double square = 0;
   std::size_t count = 0;

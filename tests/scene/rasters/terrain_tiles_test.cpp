@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests terrain by tiles: the facets are those of the whole terrain in the same order, and the sources of
+// virtual rasters are found.
+
 #include "scene/rasters/terrain_tiles.hpp"
 
 #include <gdal_priv.h>
@@ -29,7 +32,7 @@ using testing::ThrowsMessage;
 constexpr int columns = 211, rows = 150;
 constexpr double no_data = 9999;
 
-/// `holes_of_1000` pixels without data among a thousand.
+/// Writes a raster with `holes_of_1000` pixels without data per thousand.
 RasterTerrain write_raster(const TestFolder& folder, unsigned seed, unsigned holes_of_1000,
                            const char* crs_name = "EPSG:32630") {
   GDALAllRegister();
@@ -99,7 +102,8 @@ void expect_parts_of_the_whole(const RasterTerrain& terrain, unsigned seed) {
     for (const std::uint32_t k : some) facets += tiles.tiles()[k].facets;
     EXPECT_EQ(part.size(), facets);
   }
-  // Who has a vertex in a tile's box is in it: the box holds the facets about the tile's, too.
+  // Each vertex in the box of a tile belongs to the tile. The box also contains the facets at the border of
+  // the tile.
   for (const std::uint32_t k : all) {
     const ComponentMesh own = tiles.read(std::vector{k});
     std::vector<glm::dvec3> points = own.points_m;
@@ -162,7 +166,7 @@ std::string vrt_of(const std::string& source, int relative = 1) {
 TEST(VrtSources, AreFoundThroughVirtualRastersAndEachOnce) {
   const TestFolder folder;
   const auto outer = folder.write("outer.vrt", vrt_of("inner.tif") + "<!-- -->"),
-             inner = folder.write("inner.tif", vrt_of("bed.asc"));  // told by its content, as GDAL does
+             inner = folder.write("inner.tif", vrt_of("bed.asc"));  // identified by its content, as in GDAL
   const auto seabed = folder.write("bed.asc", "ncols 2\n");
   EXPECT_THAT(companions_of(outer), ElementsAre(inner, seabed));
   EXPECT_THAT(companions_of(seabed), IsEmpty());

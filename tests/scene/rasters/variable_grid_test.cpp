@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BAGs of variable resolution: every node at the resolution it has, without cracks between supergrids. What
-// GDAL makes of each supergrid is the oracle for where the nodes lie.
+// Tests BAGs of variable resolution: each node at its resolution, without cracks between supergrids. The
+// oracle for the positions of nodes is GDAL's result for each supergrid.
 #include "scene/rasters/variable_grid.hpp"
 
 #include <gdal_priv.h>
@@ -31,7 +31,7 @@ constexpr double cell = 50, west = 620000, north = 7246000;
 constexpr float no_data = 1e6f;
 
 struct Grid {
-  std::uint32_t nodes = 0;  ///< a side; 0: none
+  std::uint32_t nodes = 0;  ///< per side; 0: none
   float first_x = -1;       ///< -1: half a step
 };
 
@@ -40,7 +40,7 @@ using Layout = std::vector<std::vector<Grid>>;
 
 double plane(double x, double y) { return -30 + 0.01 * (x - west) + 0.02 * (y - north); }
 
-/// A BAG of one resolution by GDAL's driver, and in it what makes it variable.
+/// A BAG of one resolution from GDAL's driver, to which the test adds the variable-resolution data.
 struct VariableBag {
   TestFolder folder;
   std::filesystem::path file = folder.path() / "vr.bag";
@@ -118,7 +118,7 @@ struct VariableBag {
     const hid_t table = write("/BAG_root/varres_metadata", static_cast<hsize_t>(rows),
                               static_cast<hsize_t>(columns), entry, entries.data());
     H5Dclose(write("/BAG_root/varres_refinements", 1, pairs.size() / 2, node, pairs.data()));
-    // Without these GDAL does not open it.
+    // GDAL does not open the file without these attributes.
     const hid_t scalar = H5Screate(H5S_SCALAR);
     for (const char* name :
          {"min_resolution_x", "min_resolution_y", "max_resolution_x", "max_resolution_y"}) {
@@ -153,7 +153,7 @@ double plan_area(const ComponentMesh& mesh) {
   return sum;
 }
 
-/// Edges that one facet alone has, and whether any other vertex lies within one of them.
+/// Counts edges of only one facet, and finds whether another vertex lies within such an edge.
 std::size_t border_edges(const ComponentMesh& mesh, bool& cracked) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
   for (const auto& t : mesh.triangles)
@@ -170,7 +170,7 @@ std::size_t border_edges(const ComponentMesh& mesh, bool& cracked) {
       const glm::dvec2 p(mesh.points_m[v]);
       const double along = glm::dot(p - a, b - a) / glm::dot(b - a, b - a),
                    off = std::abs((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x));
-      // On the outer rim nodes of one side of a cell may well lie in line; none of them within an edge.
+      // On the outer rim, nodes of one side of a cell may be collinear, but none lies within an edge.
       if (along > 1e-9 && along < 1 - 1e-9 && off < 1e-9) cracked = true;
     }
   }
@@ -209,8 +209,8 @@ TEST(VariableGrid, HasEveryNodeWhereGdalHasIt) {
   EXPECT_EQ(seen, 25u * 25 + 10 * 10 + 5 * 5 + 25 * 25 + 2 * 2);
 }
 
-// No crack, no overlap, no hole: a plane stays one, the edges that one facet has are the outline's, and the
-// area is what that encloses.
+// There are no cracks, overlaps or holes. A plane remains a plane, edges of only one facet form the
+// outline, and the area is that of the outline.
 TEST(VariableGrid, JoinsItsSupergridsWithoutCracks) {
   std::mt19937 random(7);
   for (int trial = 0; trial < 20; ++trial) {
@@ -225,7 +225,7 @@ TEST(VariableGrid, JoinsItsSupergridsWithoutCracks) {
     bool cracked = false;
     const std::size_t edges = border_edges(mesh, cracked);
     EXPECT_FALSE(cracked);
-    // By Euler: one piece without holes.
+    // By Euler's formula: one piece without holes.
     EXPECT_EQ(mesh.triangles.size(), 2 * mesh.points_m.size() - 2 - edges);
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
     for (const auto& t : mesh.triangles)
@@ -238,7 +238,7 @@ TEST(VariableGrid, JoinsItsSupergridsWithoutCracks) {
       enclosed += (a.x * b.y - b.x * a.y) / 2;
     }
     EXPECT_NEAR(area, enclosed, 1e-6);
-    // The outline runs within half of the widest step of the whole.
+    // The outline lies within half of the widest step from the border of the whole.
     EXPECT_GT(area, 150.0 * 100);
     for (const glm::dvec3& p : mesh.points_m) EXPECT_NEAR(p.z, plane(p.x + west, p.y + north), 1e-5);
   }
@@ -253,7 +253,7 @@ TEST(VariableGrid, WhatIsMissingIsAHoleAndCounted) {
   const VariableBag whole({{{5}, {5}}, {{5}, {5}}}, plane);
   const double area = plan_area(whole.read());
   EXPECT_DOUBLE_EQ(area, 90 * 90);
-  // One supergrid less: its own 40 x 40, two strips of 40 x 10, half of the square between the corners.
+  // One supergrid less: its own 40 x 40, two strips of 40 x 10, and half of the square between the corners.
   const VariableBag less({{{5}, {0}}, {{5}, {5}}}, plane);
   const ComponentMesh mesh = less.read();
   EXPECT_DOUBLE_EQ(area - plan_area(mesh), 40 * 40 + 2 * 40 * 10 + 50);
@@ -319,7 +319,7 @@ TEST(VariableGrid, RefusesWhatItCannotBe) {
   refused([&] { beyond.read(); }, "nodes from number");
 }
 
-// What advised_commands_test.py does for other files.
+// advised_commands_test.py does the same for other files.
 TEST(VariableGrid, AdvisedCommandGivesTheSameSurface) {
   if (std::system("gdal_translate --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no gdal_translate here";
   struct Case {
@@ -354,7 +354,7 @@ TEST(VariableGrid, AdvisedCommandGivesTheSameSurface) {
     EXPECT_LT(step, std::max(2 * one.coarsest, 25.0));
     for (const glm::dvec3& p : copy.points_m)
       EXPECT_NEAR(p.z, plane(p.x + west, p.y + north), 0.5 * step * 0.03 + 1e-5);
-    // No holes but those of the file: the rims are apart by one cell of the copy.
+    // No holes except those of the file: the rims differ by one cell of the copy.
     EXPECT_EQ(copy.hole_cells > 0, own.hole_cells > 0);
     EXPECT_NEAR(std::sqrt(plan_area(copy)), std::sqrt(plan_area(own)), 2 * step);
   }

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests material maps: areas and positions of materials against the map itself, for any facets of the
+// terrain, and rejected maps.
+
 #include "scene/surfaces/material_map.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +22,7 @@
 #include "scene/meshes/mesh_file.hpp"
 #include "scene/scene.hpp"
 
-// What lies where: areas and places against the map itself, whatever the terrain's facets are.
+// Compares areas and positions with the map itself, for any facets of the terrain.
 namespace tubefoot {
 namespace {
 
@@ -27,7 +30,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// A seabed of 20 m x 30 m about the origin; the map's table begins in line 11, its keys in 12.
+/// A seabed of 20 m x 30 m about the origin. The table of the map begins in line 11, its keys in 12.
 std::string scene_with(const std::string& map) {
   return fmt::format(R"([[materials]]
 name = "sand"
@@ -71,7 +74,7 @@ class MaterialMaps : public testing::Test {
     }
     return {};
   }
-  /// Local polygons: WKT-like corner lists with a name each.
+  /// Local polygons: lists of corners as in WKT, with a name each.
   std::string polygons(const std::vector<std::pair<std::string, std::string>>& rings,
                        const std::string& more = "") const {
     std::string features;
@@ -82,7 +85,7 @@ class MaterialMaps : public testing::Test {
     folder_.write("areas.geojson", R"({"type":"FeatureCollection","features":[)" + features + "]}");
     return "kind = \"polygons\"\nfile = \"areas.geojson\"\ncoordinates = \"local\"\n" + more;
   }
-  /// An ASCII grid of 2 m cells over the whole seabed, 10 x 15 of them, unless told otherwise.
+  /// An ASCII grid of 2 m cells over the whole seabed, 10 x 15 of them by default.
   std::string raster(const std::vector<int>& classes, const std::string& named, int columns = 10,
                      int rows = 15, double cell = 2, double x = -10, double y = -15) const {
     std::string text =
@@ -96,7 +99,7 @@ class MaterialMaps : public testing::Test {
   TestFolder folder_;
 };
 
-/// Areas seen from above, by material.
+/// Areas in plan view, by material.
 std::vector<double> plan_areas(const Scene& scene) {
   std::vector<double> areas(scene.description.materials.size());
   for (std::size_t f = 0; f < scene.mesh.facets.size(); ++f) {
@@ -109,7 +112,7 @@ std::vector<double> plan_areas(const Scene& scene) {
   return areas;
 }
 
-/// Material of the facet straight below or above a place; the mesh must be met once.
+/// Material of the facet straight below or above a position. The vertical line must meet the mesh once.
 std::uint16_t material_below(const Scene& scene, const SceneTree& tree, double x, double y) {
   const GridPoint p = scene.grid.snap({x, y, 0});
   std::vector<FacetId> near;
@@ -121,10 +124,10 @@ std::uint16_t material_below(const Scene& scene, const SceneTree& tree, double x
   return met.empty() ? std::uint16_t{0xffff} : scene.mesh.material[met.front()];
 }
 
-/// A half-edge mesh takes every facet with three corners, and from within the seabed no tube finds water
+/// A half-edge mesh accepts each facet with three corners. From within the seabed no tube finds water
 /// between facets.
 void expect_closed(const Scene& scene) {
-  // A border that all but follows an edge leaves slivers, of which corners may fall together on the grid.
+  // A border that almost follows an edge leaves slivers, whose corners may coincide on the grid.
   const auto slivers = std::ranges::count_if(
       scene.mesh.facets, [](const auto& f) { return f[0] == f[1] || f[1] == f[2] || f[2] == f[0]; });
   EXPECT_EQ(facets_outside_halfedge(scene.mesh, 0, static_cast<FacetId>(scene.mesh.facets.size())),
@@ -154,12 +157,12 @@ const std::string hills = "kind = \"fractal\"\ncell_m = 1.7\nrms_height_m = 0.3"
 constexpr double unit_area = 1e-4;  // 30 m borders moved by half a micrometre, many times over
 
 TEST_F(MaterialMaps, PolygonsGiveTheirAreas) {
-  // A square with a hole, a triangle over its corner, and one that lies half beyond the seabed.
+  // A square with a hole, a triangle over its corner, and a polygon that lies half beyond the seabed.
   const std::string map =
       polygons({{"mud", "[[-8,-8],[2,-8],[2,2],[-8,2],[-8,-8]],[[-6,-6],[-5,-6],[-5,-3],[-6,-3],[-6,-6]]"},
                 {"gravel", "[[0,0],[4.5,0],[0,6.5],[0,0]]"},
                 {"gravel", "[[6,-9],[14,-9],[14,-1],[6,-1],[6,-9]]"}});
-  // Of the triangle, x <= 2 and y <= 2 lies over the square: 2 x 2, all of it below the slope.
+  // The part x <= 2, y <= 2 of the triangle lies over the square: 2 x 2, all of it below the slope.
   const double triangle = 4.5 * 6.5 / 2, square = 100 - 3;
   for (const std::string& terrain : {std::string("kind = \"flat\""), hills}) {
     const Scene scene = load(map, terrain);
@@ -247,17 +250,18 @@ TEST_F(MaterialMaps, RasterCellsLieWhereTheyAre) {
   }
 }
 
-// Long straight borders are one piece, so that few facets come of them; what lies beyond the seabed cuts
-// nothing.
+// Long straight borders are one piece, so that they give few facets. Borders beyond the seabed cut nothing.
 TEST_F(MaterialMaps, StraightBordersOfCellsAreMerged) {
   std::vector<int> halves(150, 1);
   for (std::size_t i = 0; i < halves.size(); ++i)
     if (i % 10 >= 4) halves[i] = 7;
   const std::string map = raster(halves, "{ 1 = \"mud\", 7 = \"sand\" }");
   const Scene scene = load(map);
-  EXPECT_EQ(scene.mesh.facets.size(), 6u);  // x = -2 through two facets: a triangle and a quadrilateral each
+  // x = -2 through two facets: a triangle and a quadrilateral each
+  EXPECT_EQ(scene.mesh.facets.size(), 6u);
   EXPECT_NEAR(plan_areas(scene)[mud], 8 * 30, 1e-9);
-  // The same, placed by the scene file: the seabed's western half lies under the raster's eastern columns.
+  // The scene file places the same map: the western half of the seabed lies under the eastern columns of
+  // the raster.
   EXPECT_NEAR(plan_areas(load(map + "origin_m = [-18, -200]\ncell_m = 25\n"))[mud], 600, 1e-9);
   EXPECT_NEAR(plan_areas(load(map + "origin_m = [-110, -200]\ncell_m = 25\n"))[mud], 0, 1e-9);
 }
@@ -269,7 +273,7 @@ TEST_F(MaterialMaps, MapsLargerSmallerAndElsewhere) {
   const Scene elsewhere = load(polygons({{"mud", "[[40,0],[50,0],[50,9],[40,0]]"}}));
   EXPECT_EQ(plan_areas(elsewhere)[sand], 600);
   EXPECT_EQ(elsewhere.mesh.facets.size(), 2u);
-  // Along the outline of the seabed, and the same polygon twice.
+  // A polygon along the outline of the seabed, and the same polygon twice.
   const std::string same = "[[-10,-15],[10,-15],[10,15],[-10,15],[-10,-15]]";
   const Scene outline = load(polygons({{"mud", same}, {"gravel", same}}));
   EXPECT_EQ(plan_areas(outline)[gravel], 600);
@@ -284,14 +288,15 @@ TEST_F(MaterialMaps, PatchesKeepTheirSharesAndTheirSeed) {
   expect_closed(scene);
   const std::vector<double> areas = plan_areas(scene);
   EXPECT_NEAR(std::accumulate(areas.begin(), areas.end(), 0.0), 600, unit_area);
-  // 496 patches: a share of one half is off by 0.025 or so, and patches differ in size.
+  // 496 patches: a share of one half has an error of about 0.025, and patches differ in size.
   EXPECT_NEAR(areas[mud] / 600, 0.5, 0.1);
   EXPECT_NEAR(areas[gravel] / 600, 0.25, 0.1);
   EXPECT_NEAR(areas[sand] / 600, 0.25, 0.1);
 
   EXPECT_EQ(load(patches, hills).mesh.material, scene.mesh.material);
   EXPECT_NE(plan_areas(load(patches + "seed = 2\n", hills)), areas);
-  // Of place alone: a larger terrain with other facets has the same patches, and so has one of two facets.
+  // Patches depend on position alone. A larger terrain with other facets has the same patches, and so has
+  // one of two facets.
   const Scene larger = load_scene(read_scene(
       folder_, replaced(replaced(scene_with(patches), "width_m = 20", "kind = \"flat\"\nwidth_m = 33"),
                         "length_m = 30", "length_m = 31")));
@@ -355,7 +360,8 @@ TEST_F(MaterialMaps, CarriesPolygonsIntoTheFrame) {
   }
 }
 
-// Cells of UTM in a frame tangent to the Earth are neither square nor straight, but they are where they are.
+// Cells of UTM in a frame tangent to the Earth are neither square nor straight, but have their correct
+// positions.
 TEST_F(MaterialMaps, CarriesRastersIntoTheFrame) {
   GDALAllRegister();
   const LocalFrame utm = LocalFrame::projected("EPSG:32630", 300000, 5372000, 0, {});
@@ -383,7 +389,7 @@ TEST_F(MaterialMaps, CarriesRastersIntoTheFrame) {
   const Scene scene = load_scene(read_scene(
       folder_, fmt::format("[georeference]\norigin_lat_lon_deg = [{:.12f}, {:.12f}]\n", origin.y, origin.x) +
                    replaced(scene_with(map), "[[terrain]]\n", "[[terrain]]\nkind = \"flat\"\n")));
-  EXPECT_NEAR(plan_areas(scene)[mud], 64, 0.1);  // the projection's scale is within 0.05 % of one
+  EXPECT_NEAR(plan_areas(scene)[mud], 64, 0.1);  // the scale of the projection is within 0.05 % of one
   EXPECT_NEAR(plan_areas(scene)[gravel], 16, 0.03);
   const SceneTree tree(scene.mesh);
   EXPECT_EQ(material_below(scene, tree, corner.x, corner.y), gravel);
@@ -439,13 +445,13 @@ TEST_F(MaterialMaps, MistakesAreNamed) {
   }
 }
 
-// Each of these maps is small, and kept the program for minutes.
+// Each of these maps is small. An earlier version of the program took minutes for it.
 TEST_F(MaterialMaps, PolygonsThatOverlapManyTimesAreRefusedInTime) {
   std::mt19937 random(20261127);
   std::uniform_real_distribution<double> x(-10, 10), y(-15, 15);
   std::vector<std::pair<std::string, std::string>> rings;
   for (int k = 0; k < 400; ++k) {
-    std::string ring = "[";  // a star of random corners about a random place
+    std::string ring = "[";  // a star of random corners about a random point
     const double east = x(random), north = y(random);
     std::string first;
     for (int i = 0; i <= 40; ++i) {
@@ -495,7 +501,7 @@ TEST_F(MaterialMaps, ThousandsOfAttributesAreRefusedInTime) {
   EXPECT_THAT(told(feature(many)),
               AllOf(HasSubstr("areas.geojson:2: has more than 1000 attributes"), HasSubstr("-select")));
   EXPECT_THAT(told("/* \" */" + feature(many)), HasSubstr("more than 1000 attributes"));
-  // Fewer, but each feature names them in another order.
+  // Fewer attributes, but each feature has them in another order.
   std::mt19937 random(1);
   std::vector<int> order(300);
   std::iota(order.begin(), order.end(), 0);

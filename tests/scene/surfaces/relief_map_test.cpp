@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests relief from height maps: position, projection, tiling, units, cells without data, and rejected
+// files.
+
 #include "scene/surfaces/relief_map.hpp"
 
 #include <gdal_priv.h>
@@ -94,8 +97,8 @@ TEST(ReliefMap, WithoutAnyReferenceLocalMetresAreMeant) {
 }
 
 TEST(ReliefMap, IsCarriedIntoAnotherFrame) {
-  // A hill on geographic cells, about as long as wide at 60 degrees north, in a frame tangent there: what the
-  // frame says of a latitude and longitude is where its height has to be.
+  // A hill on geographic cells, which are about square at 60 degrees north, in a frame tangent there. The
+  // position of each height is that of its latitude and longitude in the frame.
   constexpr int n = 60;
   const auto hill = [](double column, double row) {
     const double x = (column - 30) / 9, y = (row - 24) / 12;
@@ -107,7 +110,7 @@ TEST(ReliefMap, IsCarriedIntoAnotherFrame) {
                     .geotransform = {20, 0.0002, 0, 60.006, 0, -0.0001},
                     .crs = "EPSG:4326"};
   for (const double turn : {0.0, 1.0}) {
-    // The second frame lies along a projection of another zone, whose north is turned by some degrees.
+    // The second frame uses a projection of another zone, whose north is rotated by some degrees.
     const LocalFrame frame = turn == 0 ? LocalFrame::at_lat_lon(60.002, 20.004, 0)
                                        : LocalFrame::projected("EPSG:32632", 1110000, 6700000, 0, {});
     const auto field = read(map, frame);
@@ -121,7 +124,7 @@ TEST(ReliefMap, IsCarriedIntoAnotherFrame) {
 }
 
 TEST(ReliefMap, RepeatsEveryTile) {
-  // 8 x 6 square cells of 0.5 m, from the origin: georeference or not does not count.
+  // 8 x 6 square cells of 0.5 m, from the origin, with or without a georeference.
   for (const double cell : {0.0, 2.0}) {
     const auto field = read({.value = wavy, .geotransform = {500000, cell, 0, 0, 0, -3}}, {}, 4.0, -2);
     for (int row = 0; row < 6; ++row)

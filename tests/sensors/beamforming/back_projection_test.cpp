@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Synthetic apertures over points: strengths come back with their phases, resolution is the window's.
+// Tests synthetic apertures for point targets: strengths have the correct phases, and the resolution is
+// that of the weighting window.
 #include "sensors/beamforming/back_projection.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ constexpr double c = 1500, frequency_hz = 100e3, wavelength_m = c / frequency_hz
 const glm::dvec3 target(50, 1.5, -10);
 const Complex strength(0.3, -0.4);
 
-/// 150 pings along 3 m, northwards, the point abeam of the middle.
+/// 150 pings along 3 m, northwards. The point is abeam of the middle.
 VehicleMotion rail(double speed_m_s, bool stop_and_hop) {
   std::vector<double> starts;
   for (int k = 0; k < 150; ++k) starts.push_back((k + 0.5) * 0.02 / speed_m_s);
@@ -43,12 +44,13 @@ TEST(BackProjection, GivesAPointItsStrengthAndPhase) {
   const PixelPlane pixel{target, {}, {}, 1, 1};
   EXPECT_LT(std::abs(back_projected(recorded(rail(1, true), waveform), pixel, interpolator)[0] - strength),
             2e-5);
-  // On the way between transmission and reception, 10 cm: the exact delay, and then the wrong one.
+  // The vehicle moves 10 cm between transmission and reception: first with the exact delay, then with the
+  // wrong one.
   ElementSignals moving = recorded(rail(1.5, false), waveform);
   EXPECT_LT(std::abs(back_projected(moving, pixel, interpolator)[0] - strength), 5e-4);
   moving.motion = rail(1.5, true);
   EXPECT_GT(std::abs(back_projected(moving, pixel, interpolator)[0] - strength), 0.1);
-  // Without undoing the spreading it is what a transducer receives.
+  // Without correction of the spreading loss the value is that of a transducer.
   const Complex received = back_projected(recorded(rail(1, true), waveform), pixel, interpolator,
                                           {{}, {}, std::nullopt, false})[0];
   EXPECT_NEAR(std::abs(received) * 2600, 0.5, 1e-3);
@@ -63,7 +65,7 @@ TEST(BackProjection, ResolvesAsTheWindowsTheorySays) {
   } const cases[] = {{{Law::uniform}, 0.8859, -13.26, 0.1},
                      {{Law::hann}, 1.4406, -31.47, 0.3},
                      {{Law::taylor, 30, 4}, 1.1189, -30, 0.5}};
-  // Along the track a long tone, so that range plays no part: lambda r / 2 L.
+  // The resolution along the track, with a long tone so that range has no effect: lambda r / 2 L.
   const ElementSignals tone = recorded(rail(1, true), continuous_wave_pulse(frequency_hz, 5e-3, 1), 10e3);
   const PixelPlane along{target - glm::dvec3(0, 1.5, 0), {0, 1e-3, 0}, {}, 3001, 1};
   for (const auto& [window, width, side_lobe_db, tolerance_db] : cases) {
@@ -75,7 +77,7 @@ TEST(BackProjection, ResolvesAsTheWindowsTheorySays) {
     EXPECT_NEAR(figures.half_power_width / (wavelength_m * range_m / (2 * 3.0)), width, 0.02 * width);
     EXPECT_NEAR(figures.highest_side_lobe_db, side_lobe_db, tolerance_db);
   }
-  // Across it a chirp: c / 2 B along the slant range.
+  // The resolution across the track, with a chirp: c / 2 B along the slant range.
   const ElementSignals chirp = recorded(rail(1, true), linear_chirp(85e3, 115e3, 6e-3), 120e3);
   const glm::dvec3 away = glm::dvec3(50, 0, -10) / range_m;
   const PixelPlane across{target - 0.2 * away, 1e-3 * away, {}, 401, 1};
@@ -104,8 +106,8 @@ TEST(BackProjection, IsARealApertureOfThePingNearestAbeam) {
   BackProjection how;
   how.nearest_abeam_only = true;
   const std::vector<Complex> real = back_projected(signals, along, interpolator, how);
-  // Pings are at 0.01, 0.03, ... and a pixel at 0.02 k is as near to two of them, but for rounding: take
-  // those a little forward of it.
+  // Pings are at 0.01, 0.03, ... A pixel at 0.02 k is equally near to two of them, except for rounding. The
+  // test takes pixels slightly forward of it.
   const PixelPlane beside{along.first_m + glm::dvec3(0, 0.004, 0), along.column_step_m, {}, 149, 1};
   const std::vector<Complex> own = back_projected(signals, beside, interpolator, how);
   for (const std::size_t k : {0u, 40u, 75u, 148u}) {
@@ -114,20 +116,20 @@ TEST(BackProjection, IsARealApertureOfThePingNearestAbeam) {
     one.pressure.assign(signals.channel(k, 0).begin(), signals.channel(k, 0).end());
     EXPECT_EQ(own[k], back_projected(one, {beside.at(k, 0), {}, {}, 1, 1}, interpolator)[0]);
   }
-  // One element receives all around: its picture does not fall off within the metre in which a synthetic
-  // aperture's has.
+  // One element receives from all directions. Its image does not decrease within the metre in which that of
+  // a synthetic aperture does.
   const std::vector<Complex> focused = back_projected(signals, along, interpolator);
   EXPECT_NEAR(std::abs(real[75]), 0.5, 1e-3);
   EXPECT_NEAR(std::abs(focused[75]), 0.5, 1e-3);
   EXPECT_GT(std::abs(real[50]), 0.25);
   EXPECT_LT(std::abs(focused[50]), 0.1);
-  // Beyond the beam that is asked for it shows nothing.
+  // Outside of the requested beam the image is zero.
   how.half_beam_rad = 0.005;
   EXPECT_EQ(std::abs(back_projected(signals, {{50, 10, -10}, {}, {}, 1, 1}, interpolator, how)[0]), 0);
 }
 
 TEST(BackProjection, IsOneOfFourPicturesOfOneRecord) {
-  // 32 receivers to starboard, pings northwards; one point that is not abeam of any of them.
+  // 32 receivers to starboard, pings northwards, and one point that is not abeam of any of them.
   const ElementArray array = line_array(32, {wavelength_m / 2, 0, 0});
   const glm::dvec3 point(6, 8, -12);
   std::vector<double> starts;
@@ -146,15 +148,14 @@ TEST(BackProjection, IsOneOfFourPicturesOfOneRecord) {
   std::vector<double> angles;
   for (int k = -40; k <= 40; ++k) angles.push_back(k * 0.02);
   const double range_m = glm::length(point), sine = 6 / range_m;
-  // A multibeam's fan and a camera's fan receive the same cone about the array; each names it by its own
-  // angle.
+  // The fans of a multibeam and of a camera receive the same cone about the array. Each uses its own angle.
   const auto [below, below_m] = brightest(across_track_fan(angles));
   EXPECT_NEAR(std::sin(angles[below]), sine, 0.015);
   EXPECT_NEAR(below_m, range_m, 0.02);
   const auto [ahead, ahead_m] = brightest(forward_fan(angles, std::atan2(12, 10)));
   EXPECT_NEAR(std::sin(angles[ahead]) * std::cos(std::atan2(12, 10)), sine, 0.015);
   EXPECT_NEAR(ahead_m, range_m, 0.02);
-  // A sidescan is one beam a ping: the first to come nearest is the last of the line.
+  // A sidescan has one beam per ping. The first ping that comes nearest is the last of the line.
   const auto lines = [&](std::size_t ping) {
     const auto beam = delay_and_sum(signals, ping, {{{6, 0, -12}}, {}, {0, 0, 0}, true}, interpolator);
     std::size_t best = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Beams of points against the theory of windows, and against the one transducer that they stand for.
+// Compares beams of point targets with the theory of weighting windows, and with the single transducer that
+// they represent.
 #include "sensors/beamforming/beams.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +25,7 @@ constexpr double c = 1500, frequency_hz = 100e3, wavelength_m = c / frequency_hz
 
 VehicleMotion at_rest() { return {{{0, {}}}, {0}}; }
 
-/// 64 receivers half a wavelength apart to starboard, a tone from so far that its waves are plane.
+/// 64 receivers half a wavelength apart to starboard, and a tone from so far that its waves are plane.
 ElementSignals far_tone(double sine, double spacing_m = wavelength_m / 2, std::size_t receivers = 64) {
   constexpr double range_m = 20000;
   const glm::dvec3 target = range_m * glm::dvec3(sine, 0, -std::sqrt(1 - sine * sine));
@@ -48,8 +49,8 @@ std::vector<double> modulus_at(const std::vector<Complex>& beams, std::size_t sa
   return modulus;
 }
 
-/// Half-power width of Chebyshev's pattern, in lambda / aperture of half-wavelength elements: where his
-/// polynomial is 3 dB down.
+/// Half-power width of the Dolph-Chebyshev pattern, in lambda / aperture of half-wavelength elements: the
+/// point at which the Chebyshev polynomial is 3 dB down.
 double dolph_width(double elements, double down_db) {
   const double ratio = std::pow(10, down_db / 20), edge = std::cosh(std::acosh(ratio) / (elements - 1)),
                half = std::cosh(std::acosh(ratio / std::sqrt(2.0)) / (elements - 1));
@@ -87,7 +88,7 @@ TEST(Beams, HaveGratingLobesWhereElementsAreSparse) {
   const ElementSignals sparse = far_tone(0.1, 2 * wavelength_m, 16);
   const std::vector<double> pattern =
       modulus_at(phase_and_sum(sparse, 0, {by_sine(-0.95, step, 1901), {}}), 60, 30);
-  for (const double sine : {-0.9, -0.4, 0.1, 0.6})  // the target's, and half a sine apart from it
+  for (const double sine : {-0.9, -0.4, 0.1, 0.6})  // that of the target, and half a sine from it
     EXPECT_NEAR(pattern[std::size_t(std::lround((sine + 0.95) / step))], pattern[1050], 1e-2 * pattern[1050])
         << sine;
   EXPECT_LT(pattern[std::size_t(std::lround((0.1 + 0.25 + 0.95) / step))], 0.1 * pattern[1050]);
@@ -105,12 +106,12 @@ TEST(Beams, AreTheSameInTimeAndInFrequency) {
     for (const Complex& value : signals.pressure) largest = std::max(largest, std::abs(value));
     for (std::size_t k = 0; k < in_time.size(); ++k)
       worst = std::max(worst, std::abs(in_time[k] - in_frequency[k]));
-    EXPECT_LT(worst, error * largest + 2e-5 * largest);  // a pulse is not quite within a band
+    EXPECT_LT(worst, error * largest + 2e-5 * largest);  // a pulse is not strictly band-limited
   }
 }
 
 TEST(Beams, FocusedNearAreTheOneTransducerAtTheReference) {
-  // 0.96 m of array, two metres away: plane waves are wrong by wavelengths.
+  // 0.96 m of array, two metres away: the error of plane waves is several wavelengths.
   const ElementArray array = line_array(128, {wavelength_m / 2, 0, 0}, {0.2, 0.1, 0});
   const SignalSampling sampling{frequency_hz, 60e3, 0, 500};
   const glm::dvec3 reference(0.2, 0.1, 0.05);
@@ -156,7 +157,7 @@ TEST(Beams, AreLinear) {
 }
 
 TEST(Beams, BringTheEnergyOfEchoes) {
-  // A pulse of 1 J/sr at 1 m; of a point comes |f|^2 / r^4.
+  // A pulse of 1 J/sr at 1 m: a point returns |f|^2 / r^4.
   const glm::dvec3 target(3, 0, -12);
   const ElementSignals signals = point_signals(
       {{target, {0.6, 0.3}}}, line_array(16, {wavelength_m / 2, 0, 0}),

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests bottom detection by centroid, first return and maximum: ranges, sigmas, quality, flags and gates,
+// on synthetic beams and a flat Lambert seabed.
+
 #include "sensors/detection/bottom_detection.hpp"
 
 #include <gmock/gmock.h>
@@ -26,8 +29,8 @@ constexpr DetectionMethod methods[] = {DetectionMethod::first_return, DetectionM
 
 double middle(const RangeSamples& of, int k) { return of.first_m + (k + 0.5) * of.step_m; }
 
-/// Energies of a beam from `least` to `most` off the vertical, over a flat Lambert seabed `height` below: in
-/// a fan of azimuth dphi the part from R1 to R2 returns (mu height^2 dphi / 4) (R1^-4 - R2^-4).
+/// Energies of a beam from `least` to `most` off the vertical, over a flat Lambert seabed `height` below.
+/// In a fan of azimuth dphi the part from R1 to R2 returns (mu height^2 dphi / 4) (R1^-4 - R2^-4).
 std::vector<double> flat_seabed(double height, double least, double most, const RangeSamples& of) {
   const double near = height / std::cos(least), far = height / std::cos(most);
   const double scale = 2e-3 * height * height * 1.5 * degree / 4;
@@ -61,14 +64,14 @@ TEST(BottomDetection, CentroidOfTwoSamplesIsTheirLever) {
   EXPECT_EQ(found->sample, 100);
   EXPECT_EQ(found->energy_j, 3e-12);
   EXPECT_TRUE(found->flags.empty());
-  // w = 3/4, 1/4; distances 1/4 and 3/4 of a sample of 0.05 m.
+  // w = 3/4, 1/4; distances 1/4 and 3/4 of a range bin of 0.05 m.
   EXPECT_NEAR(found->range_sigma_m,
               0.05 * std::sqrt(9.0 / 16 * (1.0 / 16 + 1.0 / 12) + 1.0 / 16 * (9.0 / 16 + 1.0 / 12)), 1e-12);
-  // rms sqrt(3/4 / 16 + 1/4 9/16) of a sample of 400.
+  // rms sqrt(3/4 / 16 + 1/4 9/16) of 400 range bins.
   EXPECT_NEAR(found->quality, 1 - std::sqrt(3.0 / 16) * std::sqrt(12.0) / 400, 1e-12);
 }
 
-// A ball over the seabed: the mean range of both is in the water between them.
+// A sphere over the seabed: the mean range of both lies in the water between them.
 TEST(BottomDetection, ACentroidIsOfOneEchoNotOfTheWaterBetweenTwo) {
   std::vector<double> energies(400, 0.0);
   for (int k = 100; k < 106; ++k) energies[k] = 4e-12;
@@ -81,11 +84,11 @@ TEST(BottomDetection, ACentroidIsOfOneEchoNotOfTheWaterBetweenTwo) {
   found = detect_bottom(energies, samples);
   EXPECT_NEAR(found->range_m, middle(samples, 100) + 2.5 * 0.05, 1e-12);
   EXPECT_TRUE(found->flags.has(DetectionFlag::several_echoes));
-  for (int k = 150; k < 170; ++k) energies[k] = 0.1e-12;  // 2 of 24: not worth a word
+  for (int k = 150; k < 170; ++k) energies[k] = 0.1e-12;  // 2 of 24: below the threshold of a flag
   EXPECT_TRUE(detect_bottom(energies, samples)->flags.empty());
 }
 
-// A shadow of a few samples within the footprint: one echo, found where it shone.
+// A shadow of a few range bins within the footprint: the detection is one echo, in a bin with energy.
 TEST(BottomDetection, ACentroidInAShadowMovesToTheNearestEnergy) {
   std::vector<double> energies(400, 0.0);
   for (int k = 200; k < 205; ++k) energies[k] = energies[k + 8] = 1e-12;  // 205 to 207 are dark
@@ -93,7 +96,7 @@ TEST(BottomDetection, ACentroidInAShadowMovesToTheNearestEnergy) {
   EXPECT_DOUBLE_EQ(found->range_m, middle(samples, 204));
   EXPECT_EQ(found->sample, 204);
   EXPECT_TRUE(found->flags.empty());
-  energies[212] = 1.3e-12;  // the mean goes to the farther side of the gap
+  energies[212] = 1.3e-12;  // the mean moves to the farther side of the gap
   found = detect_bottom(energies, samples);
   EXPECT_DOUBLE_EQ(found->range_m, middle(samples, 208));
   EXPECT_EQ(found->sample, 208);
@@ -105,7 +108,7 @@ TEST(BottomDetection, AnEchoAtTheWindowsEndIsFlagged) {
     std::vector<double> energies(400, 0.0);
     for (int k = 380; k < 398; ++k) energies[k] = 1e-12;
     EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.empty());
-    energies[394] = energies[395] = 0;  // samples fade, and may at the window's end
+    energies[394] = energies[395] = 0;  // energies fade, and may do so at the end of the range gate
     EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
     for (int k = 394; k < 400; ++k) energies[k] = k < 399 ? 1e-12 : 0;
     EXPECT_TRUE(detect_bottom(energies, samples, {method})->flags.has(DetectionFlag::cut_by_window));
@@ -120,7 +123,7 @@ TEST(BottomDetection, AnEchoAtTheWindowsEndIsFlagged) {
   EXPECT_STREQ(name_of(DetectionFlags{}), "good");
 }
 
-// Whatever the energies: the sample that a detection names counts, and holds the range.
+// For any energies, the bin of a detection has energy and contains its range.
 TEST(BottomDetection, LiesWhereEnergyIs) {
   constexpr unsigned seed = 20261123;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -143,7 +146,8 @@ TEST(BottomDetection, LiesWhereEnergyIs) {
   }
 }
 
-// A gate is as if nothing else had been received, wherever its borders and the silence around echoes lie.
+// A gate has the effect that nothing else was received, for any position of its borders and of the empty
+// bins around echoes.
 TEST(BottomDetection, AGateIsAWindowOfItsSamplesAlone) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> energy(0.1, 1);
@@ -193,7 +197,7 @@ TEST(BottomDetection, FirstReturnIsTheFirstSampleOverBothThresholds) {
   EXPECT_DOUBLE_EQ(found->range_m, middle(samples, 81));
   EXPECT_DOUBLE_EQ(found->range_sigma_m, anywhere);
   EXPECT_EQ(found->energy_j, 1e-10);
-  rule.relative_db = -std::numeric_limits<double>::infinity();  // the absolute threshold alone
+  rule.relative_db = -std::numeric_limits<double>::infinity();  // only the absolute threshold
   rule.absolute_j = 0;
   EXPECT_EQ(detect_bottom(energies, samples, rule)->sample, 50);
   rule.absolute_j = 1e-9;
@@ -217,16 +221,16 @@ TEST(BottomDetection, TiesGoToTheNearest) {
   EXPECT_DOUBLE_EQ(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
                    middle(samples, 30));
   EXPECT_EQ(detect_bottom(energies, samples)->sample, 30);  // two echoes: the nearer of equal ones
-  energies[31] = 5e-11;                                     // two neighbours: their border
+  energies[31] = 5e-11;                                     // two adjacent bins: their border
   EXPECT_NEAR(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
               middle(samples, 30) + 0.025, 1e-12);
-  energies[32] = 5e-11;  // a plateau: still its near end, with the neighbour at its side
+  energies[32] = 5e-11;  // a plateau: still its near end, with the bin beside it
   EXPECT_NEAR(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
               middle(samples, 30) + 0.025, 1e-12);
-  energies[29] = std::nextafter(5e-11, 0);  // all but a tie of three
+  energies[29] = std::nextafter(5e-11, 0);  // almost a tie of three
   EXPECT_NEAR(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m,
               middle(samples, 30) + 0.025, 1e-12);
-  energies.assign(400, 1e-10);  // all alike: nothing to fit, the first sample
+  energies.assign(400, 1e-10);  // all equal: no parabola, the first bin
   EXPECT_DOUBLE_EQ(detect_bottom(energies, samples, {DetectionMethod::maximum})->range_m, middle(samples, 0));
 }
 
@@ -252,7 +256,7 @@ TEST(BottomDetection, WhatLiesOutsideTheGateDoesNotCount) {
   const std::vector<double> energies{9, 8, 0, 3, 1, 2, 0, 7, 9, 0};
   for (const DetectionMethod method : methods) {
     DetectionRule rule{method};
-    rule.nearest_m = rule.farthest_m = 3.5;  // just the middle of one sample
+    rule.nearest_m = rule.farthest_m = 3.5;  // exactly the middle of one bin
     const auto found = detect_bottom(energies, metres, rule);
     ASSERT_TRUE(found);
     EXPECT_EQ(found->range_m, 3.5);
@@ -307,7 +311,8 @@ TEST(BottomDetection, FlatSeabedUnderASeaBat8101) {
     const auto energies = flat_seabed(height, least, most, cells);
     const double near = height / std::cos(least), far = height / std::cos(most);
     const auto first = detect_bottom(energies, cells, {DetectionMethod::first_return});
-    // The sample that holds the footprint's near edge, or the next if too little of it is lit.
+    // The bin that contains the near edge of the footprint, or the next bin if this one has too little
+    // energy.
     EXPECT_GE(first->range_m, near - cells.step_m / 2);
     EXPECT_LE(first->range_m, near + 1.5 * cells.step_m);
     // Mean of R over the weight R^-5.
@@ -319,11 +324,11 @@ TEST(BottomDetection, FlatSeabedUnderASeaBat8101) {
     EXPECT_NEAR(centroid->range_m, mean_range, cells.step_m / 2);
     EXPECT_GT(centroid->quality, 0.85);
 
-    // Soundings: the sensor rolled and turned, so that only the pose brings them back to the seabed.
+    // Soundings of a rolled and turned sensor: only the pose places them on the seabed.
     const Pose pose{{100, -50, -3}, attitude_from_angles(0.7, 0, 0)};
     const glm::dvec3 axis{std::sin(angle), 0, -std::cos(angle)};
     const glm::dvec3 sounding = sounding_position(pose, axis, centroid->range_m);
-    // The weight R^-5 draws the centroid towards the sonar, away from the axis, by no more than this.
+    // The weight R^-5 moves the centroid towards the sonar, away from the axis, by at most this amount.
     const double axis_range = height / std::cos(angle), pull = (far - near) * (far - near) / near / 2;
     EXPECT_NEAR(centroid->range_m, axis_range, pull + cells.step_m);
     EXPECT_NEAR(sounding.z, -3 - height, (pull + cells.step_m) * std::cos(angle));
@@ -336,7 +341,8 @@ TEST(BottomDetection, FlatSeabedUnderASeaBat8101) {
 TEST(BottomDetection, FootprintsSeenBy8101AtTwentyMetresHaveTheirPublishedSizes) {
   const RangeSamples cells{18, 0.001, 60000};
   const auto edge = [](double range) { return std::sqrt(range * range - 400); };
-  // At 60 degrees: 2.09559 m across; the first and last lit cell give it to about a cell over sin 60.
+  // At 60 degrees: 2.09559 m across. The first and last bins with energy give it to about a cell over sin
+  // 60.
   auto energies = flat_seabed(20, 59.25 * degree, 60.75 * degree, cells);
   DetectionRule rule{DetectionMethod::first_return};
   rule.relative_db = -std::numeric_limits<double>::infinity();
@@ -345,7 +351,7 @@ TEST(BottomDetection, FootprintsSeenBy8101AtTwentyMetresHaveTheirPublishedSizes)
   const double far =
       2 * cells.first_m + cells.count * cells.step_m - detect_bottom(energies, cells, rule)->range_m;
   EXPECT_NEAR(edge(far) - edge(near), 2.09559, 0.0012);
-  // Below the sonar: 0.52363 m, of which the range axis has one half.
+  // Below the sonar: 0.52363 m, of which the range axis contains one half.
   energies = flat_seabed(20, 0, 0.75 * degree, {20, 1e-5, 1000});
   std::reverse(energies.begin(), energies.end());
   const double last = 20.01 - (detect_bottom(energies, {20, 1e-5, 1000}, rule)->range_m - 20);
@@ -359,7 +365,8 @@ TEST(BottomDetection, CentroidSpreadsUnderSpeckleAsItsSigmaSays) {
   SCOPED_TRACE(testing::Message() << "seed " << description.seed);
   const ReceiverChain chain(description);
   const RangeSamples cells{18, 0.02, 1500};
-  const auto energies = flat_seabed(20, 59.25 * degree, 60.75 * degree, cells);  // about 90 lit cells
+  // about 90 cells with energy
+  const auto energies = flat_seabed(20, 59.25 * degree, 60.75 * degree, cells);
   DetectionRule all{DetectionMethod::energy_centroid};
   all.relative_db = -std::numeric_limits<double>::infinity();
   const auto still = detect_bottom(energies, cells, all);
@@ -367,7 +374,7 @@ TEST(BottomDetection, CentroidSpreadsUnderSpeckleAsItsSigmaSays) {
   for (std::uint32_t ping = 0; ping < 2000; ++ping)
     ranges.push_back(detect_bottom(chain.receive(ping, energies, cells), cells, all)->range_m);
   EXPECT_NEAR(statistics::mean(ranges), still->range_m, 6 * still->range_sigma_m / std::sqrt(2000.0));
-  // Two effects of a few per cent: 1/90 of the shares' own spread, and 1/sqrt(4000) of the estimate.
+  // Two effects of a few per cent: 1/90 of the spread of the shares, and 1/sqrt(4000) of the estimate.
   EXPECT_NEAR(std::sqrt(statistics::variance(ranges)) / still->range_sigma_m, 1, 0.1);
 }
 

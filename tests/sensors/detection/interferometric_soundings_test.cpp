@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which of its angles a phase stands for: recordings of a seabed that are made up from its closed form.
+// Tests the choice among the possible angles of a phase. The recordings come from the closed form of a
+// seabed.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -72,7 +73,8 @@ TEST(InterferometricSoundings, FollowTheSeabedFromItsNearestEchoOrFromTheAltitud
       EXPECT_NEAR(s.position_m.z, -13, 1e-9);
     }
   }
-  // Taken for a seabed as deep as the nearest echo is far, a far one is missed: the altitude has its part.
+  // An estimate that takes the nearest echo as the depth misses a distant seabed, so that the altitude is
+  // needed.
   const FlatSeabed far(20, unknown);
   const auto lost = interferometric_soundings(far.recording, 0, {});
   ASSERT_FALSE(lost.empty());
@@ -106,7 +108,7 @@ TEST(InterferometricSoundings, NoiseOfTheReceiversLowersCoherenceAndWidensSigma)
   }
 }
 
-// Every line has its phase, and the errors of all lines have the law's variance, at any coherence.
+// Each line has its phase. The errors of all lines have the variance of the law, at any coherence.
 TEST(InterferometricSoundings, NoisyPhasesLoseNoLineAndHaveTheLawsVariance) {
   for (const double coherence : {0.1, 0.3, 0.6, 0.9, 0.99})
     for (const double baseline : {baseline_m, wavelength_m / 2}) {

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests interferometry: phase and coherence of range bins, angles from phases, and their noise. The
+// comparisons are closed forms.
+
 #include "sensors/detection/interferometry.hpp"
 
 #include <gtest/gtest.h>
@@ -27,7 +30,7 @@ TEST(InterferometricSample, OnePathHasItsPhaseAndFullCoherence) {
 }
 
 TEST(InterferometricSample, TwoEqualPathsLoseCoherenceAsACosine) {
-  for (const double half : {0.0, 0.1, 0.7, 1.4}) {  // half of their difference in phase
+  for (const double half : {0.0, 0.1, 0.7, 1.4}) {  // half of their phase difference
     InterferometricSample sample;
     sample.add(1e-9, (0.3 + half) / (2 * pi) * wavelength, wavelength);
     sample.add(1e-9, (0.3 - half) / (2 * pi) * wavelength, wavelength);
@@ -105,7 +108,7 @@ TEST(Interferometer, LongBaselinesHaveAllAnglesOfAPhase) {
   for (double off = -88; off <= 88; off += 0.5) {
     const double angle = tilt + off * degree, phase = receiver_pair.phase(angle);
     const auto angles = receiver_pair.angles(phase);
-    EXPECT_GE(angles.size(), 6);  // 2 * 3.2 turns hold 6 or 7
+    EXPECT_GE(angles.size(), 6);  // 2 * 3.2 turns contain 6 or 7
     EXPECT_LE(angles.size(), 7);
     EXPECT_TRUE(std::is_sorted(angles.begin(), angles.end()));
     double nearest = 10;
@@ -114,21 +117,21 @@ TEST(Interferometer, LongBaselinesHaveAllAnglesOfAPhase) {
       nearest = std::min(nearest, std::abs(candidate - angle));
     }
     EXPECT_LT(nearest, 1e-10);
-    // An expectation within half a turn of phase finds the right one.
+    // An expected angle within half a turn of phase selects the correct angle.
     for (const double turns : {-0.49, 0.0, 0.49}) {
       const double expected_sine = std::sin(off * degree) + turns / ratio;
       if (std::abs(expected_sine) > 1) continue;
       const auto found = receiver_pair.angle_near(phase, tilt + std::asin(expected_sine));
       EXPECT_NEAR(found, angle, 1e-10);
     }
-    const double far = std::sin(off * degree) + 0.51 / ratio;  // and one beyond it the next
+    const double far = std::sin(off * degree) + 0.51 / ratio;  // and a farther one selects the next
     if (far > 1 || std::sin(off * degree) + 1 / ratio > 1) continue;
     EXPECT_NEAR(std::sin(receiver_pair.angle_near(phase, tilt + std::asin(far)) - tilt),
                 std::sin(off * degree) + 1 / ratio, 1e-10);
   }
 }
 
-// Noise may bring a phase where the expected branch has no angle: there is one on another branch.
+// Noise may give a phase without an angle on the expected branch. There is an angle on another branch.
 TEST(Interferometer, EveryPhaseHasAnAngleFromHalfAWavelengthOn) {
   for (const double ratio : {0.5, 0.75, 1.0, 3.2}) {
     const Interferometer receiver_pair(ratio * wavelength, wavelength, 30 * degree);
@@ -137,7 +140,7 @@ TEST(Interferometer, EveryPhaseHasAnAngleFromHalfAWavelengthOn) {
         const double found = receiver_pair.angle_near(phase, expected * degree);
         ASSERT_NEAR(std::remainder(receiver_pair.phase(found) - phase, 2 * pi), 0, 1e-9)
             << ratio << " " << expected;
-        // No other angle of the phase is nearer to what is expected.
+        // No other angle of the phase is nearer to the expected one.
         const double wanted = std::sin(expected * degree - 30 * degree),
                      got = std::abs(std::sin(found - 30 * degree) - wanted);
         for (const double other : receiver_pair.angles(phase))
@@ -172,7 +175,7 @@ TEST(Interferometer, TiltedPlaneComesOutAtItsDepth) {
         InterferometricSample sample;
         sample.add(1e-10, baseline * std::sin(angle - 30 * degree), wavelength);
         const auto found = receiver_pair.angle_near(*sample.phase_rad(), expected);
-        expected = found;  // the sample before chooses among the angles
+        expected = found;  // the previous bin selects among the angles
         const DepthEstimate point = receiver_pair.point(range, found, 0);
         EXPECT_NEAR(point.depth_m, height + point.horizontal_m * std::tan(slope), 1e-9);
         EXPECT_NEAR(std::hypot(point.depth_m, point.horizontal_m), range, 1e-11);
@@ -182,8 +185,7 @@ TEST(Interferometer, TiltedPlaneComesOutAtItsDepth) {
 }
 
 TEST(Interferometer, ReceiversAtFiniteRangeAgreeToSecondOrder) {
-  // The true ways to two receivers, half a baseline above and below the middle of a receiver pair that is
-  // tilted.
+  // The true paths to two receivers, half a baseline above and below the middle of a tilted receiver pair.
   const double baseline = 0.03, tilt = 25 * degree, range = 20;
   const Interferometer receiver_pair(baseline, wavelength, tilt);
   for (double angle = -20 * degree; angle < 85 * degree; angle += degree) {

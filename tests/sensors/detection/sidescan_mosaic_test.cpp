@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests sidescan mosaics: positions of targets, weights by area, gaps between lines, map coordinates, and
+// sums of cells.
+
 #include "sensors/detection/sidescan_mosaic.hpp"
 
 #include <gdal_priv.h>
@@ -29,14 +32,14 @@ Pose heading_at(double east, double north, double heading_deg) {
   return {{east, north, -20}, attitude_from_angles(heading_deg * samples::degree, 0, 0)};
 }
 
-/// Pings as they are laid out one after the other: each knows those before and after it on its line.
+/// Adds pings in sequence, so that each has the previous and the next ping on its line.
 class SidescanMosaic {
  public:
   explicit SidescanMosaic(double cell_m, std::size_t most_bytes = CellMeans::default_most_bytes)
       : cells_(cell_m, most_bytes) {}
 
   void add(const SidescanPing& ping) {
-    sums_on_map(ping, nullptr, nullptr, cells_.cell_m());  // refuses it now
+    sums_on_map(ping, nullptr, nullptr, cells_.cell_m());  // rejects it now
     if (last_) lay_out(&ping.pose);
     last_ = Kept{ping, {ping.port.begin(), ping.port.end()}, {ping.starboard.begin(), ping.starboard.end()}};
   }
@@ -71,8 +74,8 @@ class SidescanMosaic {
   std::optional<Pose> before_;
 };
 
-/// Pings over a flat seabed with one bright target, which each receives at its slant range, on the side it
-/// lies, when it is abeam: the answer is the target's own place.
+/// Pings over a flat seabed with one bright target. Each ping receives the target at its slant range, on
+/// its side, when it is abeam. The result is the position of the target.
 class Survey {
  public:
   Survey(SidescanMosaic& mosaic, glm::dvec2 target) : mosaic_(mosaic), target_(target) {}
@@ -95,7 +98,7 @@ class Survey {
   glm::dvec2 target_;
 };
 
-/// Middle of the cells above the level of the seabed, weighted by how much.
+/// Middle of the cells above the level of the seabed, weighted by the excess.
 glm::dvec2 bright_place(const CellMeans& cells) {
   glm::dvec2 sum(0);
   double weight = 0;
@@ -113,7 +116,7 @@ glm::dvec2 bright_place(const CellMeans& cells) {
 
 void expect_at(const CellMeans& cells, glm::dvec2 target) {
   const glm::dvec2 found = bright_place(cells);
-  // A sample at 20 m is 5 cm long on the seabed, a cell 10 cm, pings are 50 cm apart.
+  // A range bin at 20 m is 5 cm long on the seabed, a cell is 10 cm, and pings are 50 cm apart.
   EXPECT_NEAR(found.x, target.x, 0.15);
   EXPECT_NEAR(found.y, target.y, 0.15);
 }
@@ -137,8 +140,8 @@ TEST(SidescanMosaic, ATargetToStarboardAsternLiesNorthWestOfABowToTheSouthEast) 
 
 TEST(SidescanMosaic, ATurnKeepsTheTargetInPlace) {
   SidescanMosaic mosaic(0.1);
-  // Around (30, 0) at a radius of 30 m, clockwise from north: the centre is to starboard, abeam all the time,
-  // so the target lies outside the turn, on the radius of 60 degrees.
+  // Around (30, 0) at a radius of 30 m, clockwise from north. The centre stays to starboard, abeam. The
+  // target thus lies outside the turn, on the radius of 60 degrees.
   const double at = 60 * samples::degree;
   const glm::dvec2 target = glm::dvec2(30, 0) + 44.0 * glm::dvec2(-std::cos(at), std::sin(at));
   Survey survey(mosaic, target);
@@ -164,16 +167,16 @@ TEST(SidescanMosaic, KeepsValuesAndLeavesNoHoles) {
   EXPECT_TRUE(std::isnan(cells.mean(0, -3))) << "before the line";
 }
 
-// A cell that two pings share is their mean by area; samples before the altitude are water.
+// The value of a cell that two pings share is their mean by area. Range bins before the altitude are water.
 TEST(SidescanMosaic, WeighsByAreaAndLeavesOutTheWater) {
   SidescanMosaic mosaic(10);
   const auto line = [&](double north, float value) {
-    std::vector<float> samples(400, value);                        // 0 to 20 m: ground to 19.08 m
+    std::vector<float> samples(400, value);                        // 0 to 20 m: seabed up to 19.08 m
     for (int k = 0; k < 120; ++k) samples[std::size_t(k)] = 1e6f;  // up to 6 m
     mosaic.add({heading_at(0, north, 0), kAltitude, 0, kStep, samples, samples});
   };
   line(0.001, 2);
-  line(4, 8);  // 2 reaches to 2.0005, 8 from there
+  line(4, 8);  // 2 extends to 2.0005, 8 from there
   line(10, 8);
   EXPECT_NEAR(mosaic.cells().mean(0, 0), 0.2 * 2 + 0.8 * 8, 0.01);
   EXPECT_NEAR(mosaic.cells().mean(-1, 0), 0.2 * 2 + 0.8 * 8, 0.01);
@@ -229,7 +232,8 @@ TEST(SidescanMosaic, TheRasterLiesOnTheMap) {
   EXPECT_EQ(local.data->GetSpatialRef(), nullptr);
   EXPECT_GT(local.at(-18.1, 12.1), 10);
 
-  // Where the tangent frame's raster says the target lies, by GDAL alone, the tangent frame finds it again.
+  // The tangent frame finds the target again from the coordinates that GDAL alone reads in the raster of
+  // this frame.
   const LocalFrame tangent = LocalFrame::at_lat_lon(48.3, -4.5, 0);
   mosaic.write_tiff(folder / "tangent.tif", tangent, "dB");
   Raster geo(folder / "tangent.tif");
@@ -246,8 +250,8 @@ TEST(SidescanMosaic, TheRasterLiesOnTheMap) {
   EXPECT_NEAR(there.y, 12.1, 1e-5);
 }
 
-// What is summed first and added then is what is added one by one, but for rounding; and of values whose sums
-// are exact, nothing.
+// Sums of partial sums equal sums of single values except for rounding, and exactly for values with exact
+// sums.
 TEST(CellMeans, SumsOfManyValuesAreTheValues) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> step(-0.9, 0.9);
@@ -282,7 +286,8 @@ TEST(CellMeans, SumsOfManyValuesAreTheValues) {
   EXPECT_THROW(CellSums(1).add(NAN, 0, 1, 1), std::invalid_argument);
 }
 
-// Rows longer than a few cells, again and again: a ping's sums grow with its cells, not with its samples.
+// Rows longer than a few cells, repeatedly: the sums of a ping grow with its cells, not with its range
+// bins.
 TEST(CellSums, AreNotManyMoreThanTheirCells) {
   CellSums sums(1);
   CellMeans one_by_one(1), summed(1);
@@ -306,7 +311,8 @@ TEST(CellMeans, CellsWestAndSouthOfTheOriginAreReportedApart) {
   EXPECT_TRUE(std::isnan(cells.mean(-130, 0)));
 }
 
-// Halves the ways to both neighbours, on one's own side: what a ping puts down is known from poses alone.
+// A ping covers half of the distances to both adjacent pings, on its own side. Its cells depend on poses
+// alone.
 TEST(SidescanMosaic, APingFillsHalfTheWayToItsNeighbours) {
   const std::vector<float> level(kSamples, 2.f);
   const Pose before = heading_at(0, -3, 0), after = heading_at(0, 5, 0);

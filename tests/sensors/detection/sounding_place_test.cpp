@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Soundings under one gradient, whose rays are arcs of circles.
+// Tests positions of soundings under one gradient, whose rays are arcs of circles, and in isovelocity
+// water.
 #include "sensors/detection/sounding_place.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +40,7 @@ Recording at_speed(double sound_speed_m_s) {
 TEST(SoundingPlacer, FollowsTheArcOfTheBeam) {
   const Pose pose{{5, -2, -7}, attitude_from_angles(40 * degree, 3 * degree, -5 * degree)};
   const double c = speed_at(-7);
-  // The recording's ranges may be by another speed than that at the sensor: they are travel times.
+  // The ranges of the recording may use another speed than that at the sensor: they represent travel times.
   for (const double recorded_m_s : {c, 1480.0}) {
     const SoundingPlacer placer(at_speed(recorded_m_s), under_a_gradient());
     ASSERT_TRUE(placer.traces_rays());
@@ -81,7 +82,8 @@ TEST(SoundingPlacer, IsTheStraightPlaceInUniformWater) {
                std::invalid_argument);
 }
 
-// Faster below, flat rays turn upwards: their greatest height bounds the depths that a file has to hold.
+// With faster sound below, flat rays turn upwards. Their greatest height bounds the depths that a file must
+// represent.
 TEST(SoundingPlacer, KnowsHowHighARayComes) {
   WaterDescription water;
   water.profile = "gradient";

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the table and the depth grid of soundings: units, signs, coordinate systems, reproducibility, full
+// disks, and the shaded picture.
+
 #include <OpenImageIO/imagebuf.h>
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
@@ -221,7 +224,7 @@ float brightness(const OIIO::ImageBuf& image, int x, int y) {
   return image.getchannel(x, y, 0, 0) + image.getchannel(x, y, 0, 1) + image.getchannel(x, y, 0, 2);
 }
 
-// Pings on the borders of cells, give or take what rounding does.
+// Pings on the borders of cells, except for rounding.
 TEST(SoundingGrid, RoundNumbersStayOnTheirSideOfABorder) {
   SoundingGrid grid(LocalFrame(), 1);
   for (int k = -50; k < 50; ++k)
@@ -245,7 +248,7 @@ TEST(SoundingGrid, LinesFillOnlyCellsThatHaveNoSounding) {
   EXPECT_NEAR(grid.depths().mean(0, 1), 11, 0.3);
   EXPECT_NEAR(grid.depths().mean(0, 2), 30, 1e-6);
   EXPECT_NEAR(grid.depths().mean(0, 3), 13, 0.3);
-  b.flags.set(DetectionFlag::cut_by_window);  // no depth: nothing of it is in a grid
+  b.flags.set(DetectionFlag::cut_by_window);  // no depth: it adds nothing to a grid
   b.position_m.x = 2.5;
   grid.add(b);
   grid.add_between(a, b);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Zero crossings of split beams' phases: exact lines, what noise does to them, and what is no line.
+// Tests zero crossings of split-beam phases: exact lines, the effect of noise on the crossing, and phases
+// that do not form a line.
 #include "sensors/detection/split_beam.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Phase slope (k - zero), moduli of all sizes, and noise of that standard deviation for a modulus of 1.
+/// Phase slope (k - zero), random moduli, and noise with this standard deviation for a modulus of 1.
 std::vector<Complex> line(double zero, double slope_rad, double noise_rad, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -53,8 +54,8 @@ TEST(SplitBeam, KnowsItsOwnError) {
   }
   EXPECT_NEAR(squares / said, 1, 0.1);  // a standard deviation of 2000 squares: 3 %
   EXPECT_GT(squares / draws, 0.1);
-  // Samples that are taken four times as fast tell nothing more: held values, the same places, the same
-  // error.
+  // A fourfold sampling rate gives no more information: repeated values give the same positions and the
+  // same error.
   const std::vector<Complex> once = line(50.2, 0.08, 0.3);
   std::vector<Complex> held;
   for (std::size_t k = 0; k < 4 * once.size(); ++k) held.push_back(once[k / 4]);
@@ -66,7 +67,7 @@ TEST(SplitBeam, KnowsItsOwnError) {
 }
 
 TEST(SplitBeam, FollowsTheBowOfALevelSeabed) {
-  // 10 m below, met at 60 degrees: phases of sines about the one at 20 m.
+  // A seabed 10 m below at 60 degrees: phases of sines relative to the one at 20 m.
   constexpr double step_m = 0.02, range_m = 20.0045, turn_rad = 80;
   std::vector<Complex> product;
   const auto sine = [](double r) { return std::sqrt(1 - 100 / (r * r)); };
@@ -85,7 +86,7 @@ TEST(SplitBeam, FollowsTheBowOfALevelSeabed) {
 TEST(SplitBeam, FindsNothingWhereThereIsNoLine) {
   EXPECT_FALSE(split_beam_zero({}, {0, 10, 1, 0, 1}));
   EXPECT_FALSE(split_beam_zero(std::vector<Complex>(200), {100, 10, 1, 0, 1}));
-  // Of a point beside the axis the phase is the same in all samples.
+  // For a point beside the axis the phase is the same in all samples.
   EXPECT_FALSE(split_beam_zero(std::vector<Complex>(200, std::polar(1.0, 0.4)), {100, 10, 1, 0, 1}));
   EXPECT_FALSE(split_beam_zero(line(100, 1e-3, 0), {100, 10, 1, 0, 1}));    // turns by 0.02
   EXPECT_FALSE(split_beam_zero(line(140, 0.05, 0), {100, 20, 1.4, 0, 1}));  // beyond the window

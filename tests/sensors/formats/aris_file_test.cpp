@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests ARIS files with an independent reader: each field, models by beam number, range gates in whole
+// microseconds, and amplitude codes.
+
 #include "sensors/formats/aris_file.hpp"
 
 #include <gmock/gmock.h>
@@ -48,7 +51,7 @@ TEST(ArisFile, every_field_of_the_format_is_as_told_or_zero) {
   const double size = 1024 + 2 * (1024 + 128 * 1000);
   EXPECT_EQ(reader.size(), size);
   EXPECT_EQ(bytes_of(folder / "a.aris").substr(0, 4), "DDF\x05");
-  // 2000 us of sound at 1480 m/s, there and back, are 1.48 m; 1000 samples of 8 us 5.92 m.
+  // 2000 us of sound at 1480 m/s, in both directions, are 1.48 m; 1000 samples of 8 us 5.92 m.
   expect_fields(reader.file_fields(), Fields{{"Version", 0x05464444},
                                              {"FrameCount", 2},
                                              {"FrameRate", 7},
@@ -101,7 +104,7 @@ TEST(ArisFile, every_field_of_the_format_is_as_told_or_zero) {
   expect_fields(reader.frame_fields(1), wanted);
 }
 
-// The file's header has codes where the frames have numbers.
+// The header of the file has codes for values that are numbers in the frames.
 TEST(ArisFile, its_header_says_the_water_that_its_frames_are_in) {
   const TestFolder folder;
   const struct {
@@ -213,7 +216,8 @@ TEST(ArisWindow, every_window_is_found_again_up_to_half_a_sample_off) {
                           std::uniform_int_distribution<std::uint32_t>(4, 100)(random)};
     const int samples = std::uniform_int_distribution(1, 4000)(random);
     const double speed = std::uniform_real_distribution(1400.0, 1600.0)(random);
-    // The length up to 0.49 of a sample off, but not nearer to another period; the start by 0.49 us.
+    // The length changes by up to 0.49 of a sample, but stays nearest to its period. The start changes by
+    // 0.49 us.
     const double shift = std::uniform_real_distribution(-0.49, 0.49)(random);
     const double microsecond_m = 1e-6 * speed / 2;
     const double start_m = told.start_m(speed) + shift * microsecond_m;
@@ -263,7 +267,7 @@ TEST(ArisWindow, the_nearest_is_one_that_is_found_again_or_none) {
 TEST(ArisAmplitude, eighty_decibels_fill_the_byte) {
   EXPECT_EQ(aris_amplitude(0), 0);
   EXPECT_EQ(aris_amplitude(80), 255);
-  EXPECT_EQ(aris_amplitude(40), 128);  // 127.5: halves go up
+  EXPECT_EQ(aris_amplitude(40), 128);  // 127.5: halves round up
   EXPECT_EQ(aris_amplitude(-INFINITY), 0);
   EXPECT_EQ(aris_amplitude(81), 255);
   EXPECT_THROW(aris_amplitude(std::nan("")), std::invalid_argument);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What DIDSON and ARIS files have in common: times and poses, bad frames, and that no half file is left.
+// Tests the common properties of DIDSON and ARIS files: times and poses, invalid frames, and no partial
+// files after errors.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -42,7 +43,7 @@ class CameraFile : public testing::Test {
 
   CameraFile() { frame.amplitudes = picture; }
 
-  /// The file of one frame, read back.
+  /// Writes the file of one frame and reads it back.
   Reader written() {
     File file(path, Format::header());
     file.add(frame);
@@ -64,7 +65,7 @@ TYPED_TEST(CameraFile, all_parts_of_a_time_are_of_one_instant) {
     double unix_s, day, hour, minute, second, hundredth;
     std::string date;
   };
-  // Known instants; rounding to hundredths carries through to the day.
+  // Known times: rounding to hundredths carries through to the day.
   for (const Case& known : {Case{0, 1, 0, 0, 0, 0, "1970-01-01_000000"},
                             Case{951782399.994, 28, 23, 59, 59, 99, "2000-02-28_235959"},
                             Case{951782399.996, 29, 0, 0, 0, 0, "2000-02-29_000000"},
@@ -205,8 +206,8 @@ TYPED_TEST(CameraFile, equal_frames_give_equal_bytes) {
   EXPECT_EQ(bytes_of(this->path), once);
 }
 
-// Sizes at which the disk is full: in a header, in the samples, in the last block (which is only found out by
-// writing what the library still holds).
+// Sizes at which the disk is full: in a header, in the samples, and in the last block. The last case
+// appears only when the library writes its buffer.
 TYPED_TEST(CameraFile, a_full_disk_is_reported_and_leaves_nothing) {
   this->written();
   const auto size = std::filesystem::file_size(this->path);
@@ -243,8 +244,8 @@ TYPED_TEST(CameraFile, a_missing_folder_is_reported) {
   EXPECT_THAT(said, HasSubstr("No such file or directory"));
 }
 
-/// What a reader in Python makes of the file: frames, then column (from the left), range and value of the
-/// brightest pixel. Empty without Python and numpy.
+/// Returns the result of a Python reader: frames, then column (from the left), range and value of the
+/// brightest pixel. Returns an empty list without Python and numpy.
 std::vector<double> seen_by_numpy(const TestFolder& folder, const std::filesystem::path& file) {
   const auto answer = folder / "answer";
   for (const std::string python : {"python3", "/usr/bin/python3"}) {
@@ -283,7 +284,7 @@ TEST(CameraFileOracle, numpy_sees_the_target_on_its_side_at_its_range) {
               testing::ElementsAre(2, 20, testing::DoubleNear((2000 + 300 * 8) * 1e-6 * 740, 1e-9), 251));
 }
 
-// So little that the library holds all of it until the file is closed.
+// So little data that the library buffers all of it until the file is closed.
 TEST(StreamedFile, a_disk_that_fills_with_the_last_block_is_reported_and_leaves_nothing) {
   const TestFolder folder;
   const auto path = folder / "small";
@@ -331,7 +332,7 @@ TEST(PacketBytes, refuses_a_field_outside) {
 TEST(PacketBytes, text_is_padded_cut_and_always_terminated) {
   const auto kept = [](std::string_view text) {
     PacketBytes record(std::endian::little, 6);
-    record.put_text(0, 6, "******");  // what was there before goes
+    record.put_text(0, 6, "******");  // earlier contents are removed
     record.put_text(0, 5, text);
     return std::string(record.bytes().begin(), record.bytes().end());
   };

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests DIDSON (DDF) files with an independent reader: each field, orientation of beams, codes of range
+// gates, frame rates, and amplitude codes.
+
 #include "sensors/formats/ddf_file.hpp"
 
 #include <gmock/gmock.h>
@@ -94,7 +97,7 @@ TEST(DdfFile, every_field_of_the_format_is_as_told_or_zero) {
   wanted.merge(camera_file::fields_of_a_dive());
   expect_fields(reader.frame_fields(0), wanted);
   wanted["FrameNumber"] = 1;
-  wanted["CompassHeading"] = 271.25;  // no attitude of its own: as the platform
+  wanted["CompassHeading"] = 271.25;  // no attitude of its own: that of the platform
   wanted["CompassPitch"] = single(-3.4);
   wanted["CompassRoll"] = single(1.7);
   expect_fields(reader.frame_fields(1), wanted);
@@ -285,7 +288,7 @@ TEST(DdfWindow, sample_rates_give_the_length_back_at_1500_metres_a_second) {
 TEST(DdfAmplitude, ninety_decibels_fill_the_byte) {
   EXPECT_EQ(ddf_amplitude(0), 0);
   EXPECT_EQ(ddf_amplitude(90), 255);
-  EXPECT_EQ(ddf_amplitude(45), 128);  // 127.5: halves go up
+  EXPECT_EQ(ddf_amplitude(45), 128);  // 127.5: halves round up
   EXPECT_EQ(ddf_amplitude(30), 85);
   EXPECT_EQ(ddf_amplitude(0.1764), 0);  // 0.4998
   EXPECT_EQ(ddf_amplitude(0.1766), 1);  // 0.5004

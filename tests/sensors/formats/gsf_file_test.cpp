@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// GSF files against the format's tables, with a reader of its own: every byte is either looked at or zero.
+// Compares GSF files with the tables of the format by an independent reader: each byte is either examined
+// or zero.
 #include "sensors/formats/gsf_file.hpp"
 
 #include <gmock/gmock.h>
@@ -34,7 +35,7 @@ std::filesystem::path scratch(const std::string& name) {
   return folder / (name + ".gsf");
 }
 
-/// Five beams over a flat bottom 20 m below, the outer ones at 60 degrees; the port-most one is rejected.
+/// Five beams over a flat bottom 20 m below, the outer ones at 60 degrees. The port-most beam is rejected.
 GsfPing five_beams() {
   GsfPing ping;
   ping.unix_time_s = 1735689599.25;
@@ -66,7 +67,7 @@ struct GsfRecord {
   PacketReader data;
 };
 
-/// The file cut into its records. Throws where one is not as the format has it, or does not end in the file.
+/// Returns the records of a file. Throws if one violates the format, or does not end in the file.
 std::vector<GsfRecord> records_of(const std::filesystem::path& path, bool checksums = false) {
   const auto bytes = file_content(path);
   const std::span<const unsigned char> all(bytes);
@@ -115,7 +116,7 @@ double read_unsigned(PacketReader& data, std::size_t at, unsigned bytes) {
   return bytes == 1 ? data.u8(at) : bytes == 2 ? data.u16(at) : data.u32(at);
 }
 
-/// Arrays of a ping as numbers. `scales` carries on from ping to ping, as in the format's library.
+/// Arrays of a ping as numbers. `scales` persists from ping to ping, as in the library of the format.
 std::map<unsigned, std::vector<double>> arrays_of(PacketReader& data, std::map<unsigned, ReadScale>& scales) {
   std::map<unsigned, std::vector<double>> arrays;
   const auto beams = static_cast<std::size_t>(data.i16(16));
@@ -241,7 +242,7 @@ TEST(GsfFile, An8101sOwnSubrecordFollowsTheArrays) {
   EXPECT_EQ(data.u16(at + 12), 240u);
   EXPECT_EQ(data.u16(at + 14), 14813u);
   EXPECT_EQ(data.u16(at + 16),
-            65535u);  // Hz: the finest that 75 m leave room for, 161 kHz, but for the field
+            65535u);  // Hz: the highest rate that 75 m permit is 161 kHz, but the field limits it
   EXPECT_EQ(data.u16(at + 18), 6250u);
   EXPECT_EQ(data.u16(at + 20), 8u);
   EXPECT_EQ(data.u16(at + 22), 75u);
@@ -279,7 +280,7 @@ TEST(GsfFile, ProcessingParametersAreTextsWithTheirLengths) {
   std::size_t at = 10;
   for (const std::string& parameter : parameters) {
     const std::size_t size = data.u16(at);
-    EXPECT_EQ(size, parameter.size() + 1);  // with the zero behind it
+    EXPECT_EQ(size, parameter.size() + 1);  // with the terminating zero
     EXPECT_EQ(data.text(at + 2, size), parameter);
     at += 2 + size;
   }
@@ -322,7 +323,7 @@ TEST(GsfFile, SoundSpeedProfileIsTwoTimesAPlaceAndItsPoints) {
   EXPECT_THAT(data.unread(), IsEmpty());
 }
 
-// Readers take records of 524288 bytes at most.
+// Readers accept records of at most 524288 bytes.
 TEST(GsfFile, AProfileOfMorePointsThanARecordHoldsIsThinned) {
   auto records = written("long_profile", {}, [](GsfFile& file) {
     GsfSoundSpeedProfile profile;
@@ -353,7 +354,7 @@ TEST(GsfFile, ScalesStandInTheFirstPingOnly) {
   EXPECT_THAT(arrays_of(records[2].data, scales)[1], ElementsAre(20, 20, 20, 20, 19.5));
 }
 
-// A ping that is refused must not take the scales with it.
+// A rejected ping must not consume the scales.
 TEST(GsfFile, ScalesWaitForThePingThatIsWritten) {
   auto records = written("refused_first", {}, [](GsfFile& file) {
     GsfPing bad = five_beams();
@@ -389,7 +390,7 @@ TEST(GsfFile, ChecksumsAreTheSumsOfTheBytes) {
   const auto records = written("sums", options, [&](GsfFile& file) {
     file.add_ping(five_beams());
     file.add_attitude({&level, 1});
-  });  // the reader has compared the sums
+  });  // the reader has compared the checksums
   EXPECT_THAT(records, SizeIs(3));
 }
 
@@ -402,7 +403,7 @@ TEST(GsfFile, HeadingRoundsToNorthNotToFullTurn) {
   EXPECT_EQ(records.at(1).data.u16(38), 0u);
 }
 
-// One step of a double (0.24 us) early, as arithmetic may leave it.
+// One step of a double (0.24 us) early, a typical result of arithmetic.
 TEST(GsfFile, TimesAreNotEarly) {
   GsfPing ping = five_beams();
   ping.unix_time_s = std::nextafter(1735689600.0, 0);
@@ -435,7 +436,7 @@ TEST(GsfFile, AttitudeHasEachFieldInItsPlace) {
   EXPECT_THAT(data.unread(), IsEmpty());
 }
 
-// Whatever is written comes back to half a unit of its scale, in each field size and with offsets.
+// All values are recovered to half a unit of their scale, in each field size and with offsets.
 TEST(GsfFile, RandomPingsComeBackToHalfAUnit) {
   const auto seed = std::random_device{}();
   SCOPED_TRACE(testing::Message() << "seed " << seed);

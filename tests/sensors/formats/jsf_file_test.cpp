@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// JSF files against the table of EdgeTech's description, with a reader of its own: every byte is either
-// looked at or zero.
+// Compares JSF files with the table of EdgeTech's description by an independent reader: each byte is either
+// examined or zero.
 #include "sensors/formats/jsf_file.hpp"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ std::vector<Complex> noise(std::size_t count, double size) {
   return values;
 }
 
-/// The messages of a file; throws where they do not fill it.
+/// Returns the messages of a file. Throws if they do not fill the file.
 std::vector<PacketReader> messages_of(const std::filesystem::path& file) {
   const auto bytes = file_content(file);
   std::vector<PacketReader> messages;
@@ -66,7 +66,7 @@ std::vector<PacketReader> messages_of(const std::filesystem::path& file) {
   return messages;
 }
 
-/// Samples of a message as its weighting factor says.
+/// Samples of a message, scaled by its weighting factor.
 std::vector<Complex> samples_of(PacketReader& m) {
   const std::size_t count = m.u16(16 + 114) | (m.u16(16 + 16) >> 8 & 0xF) << 16;
   const double unit = std::ldexp(1, -m.i16(16 + 168));
@@ -140,7 +140,7 @@ TEST(JsfFile, KeepsComplexSamplesToHalfAnInteger) {
   JsfFile out(file);
   const double sizes[] = {1e-9, 3e-5, 1, 32767, 2e6};
   for (const double size : sizes) out.add(ping(), noise(1000, size));
-  out.add(ping(), noise(70000, 1));  // more than 16 bits count
+  out.add(ping(), noise(70000, 1));  // a count of more than 16 bits
   out.add(ping(), std::vector<Complex>(5));
   out.finish();
   std::vector<PacketReader> messages = messages_of(file);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The 8101's packet, alone and inside an XTF file, against its table and against the geometry of a flat
+// Compares the 8101 packet, alone and inside an XTF file, with its table and with the geometry of a flat
 // bottom.
 #include "sensors/formats/reson_8101.hpp"
 
@@ -96,14 +96,15 @@ TEST(Reson8101, PacketHasEachFieldInItsPlace) {
   EXPECT_THAT(packet.unread(), IsEmpty());
 }
 
-// One step of a double (0.24 us) early, as arithmetic may leave it.
+// One step of a double (0.24 us) early, a typical result of arithmetic.
 TEST(Reson8101, TimesAreNotEarly) {
   PacketReader packet = packet_of(settings(), {{0, 0, 0}}, std::nextafter(1735689599.07, 0));
   EXPECT_EQ(packet.u32(8), 1735689599u);
   EXPECT_EQ(packet.u32(12), 70u);
 }
 
-// Of 101 beams the qualities fill 51 bytes; some expect 52, and then all intensities lie one byte later.
+// The qualities of 101 beams fill 51 bytes. Some readers expect 52, so that all intensities lie one byte
+// later.
 TEST(Reson8101, OddQualitiesEndAsRequested) {
   std::vector<Reson8101Beam> beams(101, {0.05, kBrightness, 7});
   PacketReader packet = packet_of(settings(), beams);
@@ -123,8 +124,8 @@ TEST(Reson8101, OddQualitiesEndAsRequested) {
   EXPECT_EQ(packet_of(even, beams).size(), packet_of(settings(), beams).size());
 }
 
-// Without a rate of one's own, the range setting is just held: a time of 2 R / c can be stored, and where the
-// rate is not at its largest, a rate 1 Hz higher could not store it.
+// Without a sampling rate in the scene, the rate just represents the range setting: a time of 2 R / c fits
+// its field. Unless the rate has its maximum, a rate 1 Hz higher would not fit.
 TEST(Reson8101, SampleRateHoldsTheRangeSettingAndNoMore) {
   for (const double range_m : {1., 20., 100., 187., 300., 1000., 5000.}) {
     Reson8101Settings sonar = settings();
@@ -139,7 +140,7 @@ TEST(Reson8101, SampleRateHoldsTheRangeSettingAndNoMore) {
 }
 
 // A flat bottom 20 m below, beams -75 to 75 degrees from port: c t / 2 = 20 / cos(angle), to half a count.
-// With a wall to port 10 m away, the beams that meet it are the first ones.
+// A wall 10 m to port gives the first beams.
 TEST(Reson8101, FlatBottomAndAWallToPortAreReadBack) {
   Reson8101Settings sonar = settings();
   sonar.sample_rate_hz.reset();
@@ -159,7 +160,7 @@ TEST(Reson8101, FlatBottomAndAWallToPortAreReadBack) {
     const double time_s = 0.25 * packet.u16(68 + 2 * static_cast<std::size_t>(beam)) / packet.u16(30);
     const double range_m = 0.5 * packet.u16(28) * time_s;
     EXPECT_NEAR(range_m, slant_m[static_cast<std::size_t>(beam)], 0.125 * 1480 / 2 / packet.u16(30)) << beam;
-    // As MB-System has it: across angle (n / 2 - i) * spacing, positive to port.
+    // As in MB-System: across angle (n / 2 - i) * spacing, positive to port.
     const double port_rad = (count / 2 - beam) * spacing_deg * std::numbers::pi / 180;
     if (port_rad > std::atan(0.5) + 1e-6) {
       EXPECT_NEAR(range_m * std::sin(port_rad), 10, 0.01) << beam;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// signals.nc, read by netCDF alone and read back; files of strangers, good and bad.
+// Tests signals.nc: files that tubefoot writes and that netCDF alone reads, and valid and invalid files of
+// other origin.
 #include "sensors/formats/signals_netcdf.hpp"
 
 #include <gmock/gmock.h>
@@ -34,7 +35,7 @@ class SignalsNetcdf : public testing::Test {
     write_signals(folder_ / "signals.nc", of, {"a title", "", "", "", "1.2"});
     return folder_ / "signals.nc";
   }
-  /// The file after something was done to it by netCDF.
+  /// The file after a change by netCDF.
   template <class Change>
   std::filesystem::path changed(const Change& change) const {
     const auto file = written(signals());

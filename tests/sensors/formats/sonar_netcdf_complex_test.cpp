@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Complex beams in SONAR-netCDF4: both parts come back, and equation type 1 gives the target strength.
+// Tests complex beams in SONAR-netCDF4: both parts are recovered, and equation type 1 gives the target
+// strength.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -94,7 +95,7 @@ TEST(SonarNetcdfComplex, GivesATargetItsStrengthByEquationOne) {
   SonarNetcdfFile out(folder / "line.nc", header());
   out.add(p);
   out.finish();
-  // From here on as a reader has it.
+  // From here on the test acts as a reader.
   const NetcdfReader file(folder / "line.nc");
   const auto real = file.lists(kBeamGroup, "backscatter_r")[1],
              imaginary = file.lists(kBeamGroup, "backscatter_i")[1];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The file is read back with the netCDF library by path, type, dimension and unit as the convention's tables
-// have them (SONAR-netCDF4 2.0; XSF 0.7 for the group Bathymetry).
+// Reads files back with the netCDF library by path, type, dimension and unit. The convention's tables
+// define these (SONAR-netCDF4 2.0; XSF 0.7 for the group Bathymetry).
 #include "sensors/formats/sonar_netcdf.hpp"
 
 #include <gmock/gmock.h>
@@ -55,7 +55,7 @@ SonarNetcdfHeader header() {
   return h;
 }
 
-/// Port to starboard; ragged time series, the last beam found nothing.
+/// Port to starboard. The time series have different lengths, and the last beam has no detection.
 SonarNetcdfPing ping(int number) {
   SonarNetcdfPing p;
   p.unix_time_ns = 1714979289'123456789 + number * 33'333'333LL;
@@ -98,7 +98,8 @@ void write(const std::filesystem::path& file, int pings) {
   out.finish();
 }
 
-/// "group | variable | type | dimensions | units": rows of the convention that are mandatory, or that apply.
+/// "group | variable | type | dimensions | units": rows of the convention that are mandatory, or that
+/// apply.
 constexpr const char* kTables = R"(
 /Annotation | time | uint64 | time | nanoseconds since 1970-01-01 00:00:00Z
 /Annotation | annotation_text | string | time | -
@@ -339,7 +340,7 @@ TEST(SonarNetcdf, KeepsEveryPing) {
   }
 }
 
-// So many lists that the file is opened anew on the way.
+// So many lists that the writer reopens the file during the line.
 TEST(SonarNetcdf, KeepsALongLine) {
   const TestFolder folder;
   constexpr int pings = 3500;
@@ -397,7 +398,7 @@ TEST(SonarNetcdf, TurnsSignsAndUnitsAsTheConventionWants) {
   EXPECT_EQ(file.values(kBeamGroup, "beamwidth_transmit_major")[0], 1.25);
 }
 
-// A bow to the east: what lies north is to port, what lies east is ahead.
+// A bow to the east: north is to port, and east is ahead.
 TEST(SonarNetcdf, PutsATargetToPortAhead) {
   const glm::dvec3 point = forward_starboard_down({10, 4, -30}, 90);
   EXPECT_NEAR(point.x, 10, 1e-12);
@@ -423,7 +424,7 @@ TEST(SonarNetcdf, KeepsSilenceAndALineWithoutPings) {
 TEST(SonarNetcdf, EqualPingsGiveEqualFiles) {
   const TestFolder folder;
   write(folder / "a.nc", 20);
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 knows a clock of seconds
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 stores times in seconds
   write(folder / "b.nc", 20);
   EXPECT_TRUE(bytes_of(folder / "a.nc") == bytes_of(folder / "b.nc"));
 }
@@ -463,7 +464,7 @@ TEST(SonarNetcdf, RefusesWhatDoesNotFit) {
               ThrowsMessage<std::runtime_error>(HasSubstr("No such file")));
 }
 
-/// Pings of 400 kB until the disk is full; the program must then end as if nothing had happened.
+/// Writes pings of 400 kB until the disk is full. The program must then end normally.
 [[noreturn]] void fill_disk(const std::filesystem::path& folder, std::size_t samples) {
   try {
     SonarNetcdfFile out(folder / "line.nc", header());
@@ -484,10 +485,10 @@ TEST(SonarNetcdf, RefusesWhatDoesNotFit) {
 TEST(SonarNetcdfDeathTest, SurvivesAFullDisk) {
   if (!full_disk::available()) GTEST_SKIP() << "no private file system can be mounted here";
   testing::FLAGS_gtest_death_test_style = "threadsafe";  // exit() joins threads of libraries
-  // From too small for an empty file to hundreds of pings, of long lists and of short ones.
+  // From too small for an empty file to hundreds of pings, with long lists and short ones.
   for (const std::size_t megabytes : {1, 5, 7, 10, 17})
     for (const std::size_t samples : {20000, 50}) {
-      if (samples == 50 && megabytes > 5) continue;  // all would go in
+      if (samples == 50 && megabytes > 5) continue;  // all pings would fit
       const TestFolder folder;
       EXPECT_EXIT(
           {
@@ -513,7 +514,7 @@ TEST(SonarNetcdfDeathTest, SurvivesAFileSizeLimit) {
   }
 }
 
-// netCDF4-python reads it as the users of GLOBE, PyAT and xarray do (Debian: python3-netcdf4).
+// netCDF4-python reads the file as the users of GLOBE, PyAT and xarray do (Debian: python3-netcdf4).
 TEST(SonarNetcdf, AnotherClientReadsIt) {
   if (std::system("/usr/bin/python3 -c 'import netCDF4' 2>/dev/null") != 0)
     GTEST_SKIP() << "python3-netcdf4 is not installed";

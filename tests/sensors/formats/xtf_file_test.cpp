@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// XTF files against the tables of X41, with a reader of its own: every byte is either looked at or zero.
+// Compares XTF files with the tables of the specification X41 by an independent reader: each byte is either
+// examined or zero.
 #include "sensors/formats/xtf_file.hpp"
 
 #include <gmock/gmock.h>
@@ -28,8 +29,8 @@ using testing::IsEmpty;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// 2024-12-31 23:59:59.25 UTC, the 366th day of its year, and its milliseconds from the midnight before its
-// day's.
+// 2024-12-31 23:59:59.25 UTC, the 366th day of its year, and its milliseconds from midnight of the previous
+// day.
 constexpr double new_years_eve = 1735689599.25;
 constexpr unsigned new_years_eve_tag = 2 * 86400000 - 750;
 
@@ -68,8 +69,8 @@ XtfPlace place() {
   return place;
 }
 
-/// The file cut into its header and packets. Throws where a packet is not as X41 4.2 has it, or where the
-/// last one does not end with the file.
+/// The file, divided into header and packets. Throws if a packet violates X41 4.2, or if the last one does
+/// not end with the file.
 struct XtfContent {
   PacketReader header{{}, false};
   std::vector<PacketReader> packets;
@@ -152,7 +153,7 @@ void expect_place(PacketReader& packet) {
   EXPECT_EQ(packet.u32(232), new_years_eve_tag);
 }
 
-/// A channel's header and samples, in the order of the file.
+/// Reads the header and the samples of a channel, in the order of the file.
 std::vector<unsigned> read_channel(PacketReader& packet, std::size_t& begin, unsigned index,
                                    double slant_range_m, unsigned frequency_khz) {
   EXPECT_EQ(packet.u16(begin), index);
@@ -249,8 +250,8 @@ TEST(XtfFile, SidescanPingHasEachFieldInItsPlace) {
   EXPECT_THAT(packet.unread(), IsEmpty());
 }
 
-// A point 30 m away to port, from a record of 50 m in 500 samples: it lies in the 301st sample from the
-// track, so 300 samples before the port record's end; starboard stays dark.
+// A point 30 m to port, in a record of 50 m with 500 samples. It lies in the 301st sample from the track,
+// 300 samples before the end of the port record. Starboard stays dark.
 TEST(XtfFile, TargetToPortLiesBeforeTheEndOfThePortRecord) {
   std::vector<std::uint16_t> port(500, 0), starboard(500, 0);
   port[300] = 4000;
@@ -363,7 +364,7 @@ TEST(XtfFile, ProjectedPositionsAreStoredAsTheyAre) {
   EXPECT_EQ(packet.f64(168), 388437.25);
 }
 
-// Any pings come back, whatever their lengths, and packets keep to blocks of 64.
+// Random pings are recovered for any lengths, and packets keep to blocks of 64.
 TEST(XtfFile, RandomPingsComeBack) {
   const auto seed = std::random_device{}();
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -414,11 +415,11 @@ TEST(XtfFile, RandomPingsComeBack) {
     EXPECT_EQ(packet.f32(204), static_cast<float>(one.place.pitch_deg));
     EXPECT_EQ(packet.f32(208), static_cast<float>(one.place.roll_deg));
     EXPECT_EQ(packet.f32(212), static_cast<float>(one.place.heading_deg));
-    // From midnight of the day before the first one's, turn by turn of 2^31.
+    // From midnight of the day before the first ping, in turns of 2^31.
     const double midnight_s = (std::floor(made.front().place.unix_time_s / 86400) - 1) * 86400;
     const double turns = (one.place.unix_time_s - midnight_s) * 1000 / 2147483648.0;
     EXPECT_EQ(packet.u32(224), (turns - std::floor(turns)) * 2147483648.0);
-    // The date against the system's own calendar.
+    // Compares the date with the calendar of the system.
     const auto seconds = static_cast<std::time_t>(one.place.unix_time_s);
     std::tm date{};
     gmtime_r(&seconds, &date);
@@ -433,8 +434,8 @@ TEST(XtfFile, RandomPingsComeBack) {
   }
 }
 
-// A time that arithmetic left one step of a double (0.24 us) early is still the time it stands for; nor is
-// the last microsecond of a second the next one's.
+// A time that arithmetic left one step of a double (0.24 us) early still stands for its nominal time. The
+// last microsecond of a second does not belong to the next second.
 TEST(XtfFile, TimesAreNeitherEarlyNorLate) {
   XtfContent content = written("hundredths", both_sonars(), [](XtfFile& file) {
     file.add_attitude({std::nextafter(1735689599.07, 0), 0, 0, 0, 0});
@@ -446,11 +447,12 @@ TEST(XtfFile, TimesAreNeitherEarlyNorLate) {
   EXPECT_EQ(content.packets.at(1).u32(26), 1000000000u);
 }
 
-// MB-System reads the tags of attitude packets as signed: those of half of all dates would have no order.
+// MB-System reads the tags of attitude packets as signed: for half of all dates they would have no order.
 TEST(XtfFile, TimeTagsStayBelowTwoToThe31AndFollowTheClock) {
   constexpr double half_period_s = 2147483.648, day_s = 86400;
   for (const double turn : {10.0, 401.0, 806.0, 807.0, 1234.0}) {
-    const double begin_s = std::floor(turn * half_period_s) - 3;  // 2^31 ms of the count since 1970 lie ahead
+    // 2^31 ms of the count since 1970 lie ahead
+    const double begin_s = std::floor(turn * half_period_s) - 3;
     XtfContent content = written("tags", both_sonars(), [&](XtfFile& file) {
       for (int k = 0; k < 7; ++k) {
         XtfPlace at = place();
@@ -610,7 +612,7 @@ TEST(XtfFile, SaysWhenTheDiskIsFull) {
   };
   {
     XtfFile file(path, both_sonars());
-    expect_full([&] { file.finish(); });  // all of it was still in memory
+    expect_full([&] { file.finish(); });  // all data was still in memory
   }
   XtfFile file(path, both_sonars());
   expect_full([&] {

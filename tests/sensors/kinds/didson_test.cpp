@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lens centres and cycles of an acoustic camera.
+// Tests acoustic cameras: centres of lens beams by the published polynomial, and firing cycles that share
+// out the beams.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +35,7 @@ std::vector<std::vector<GridPoint>> corners(const TubeSet& set) {
   return all;
 }
 
-/// Azimuths that the tubes reach, level with the camera.
+/// Range of azimuths of the tubes, horizontal at the camera.
 std::pair<double, double> extent_deg(const TubeSet& set) {
   std::pair extent{1e9, -1e9};
   for (const GridPoint& ray : set.rays) {
@@ -45,7 +46,7 @@ std::pair<double, double> extent_deg(const TubeSet& set) {
 }
 
 TEST(LensBeams, CentresAreThoseOfThePublishedPolynomial) {
-  // The formats sheet's tables, k = 1, 24, 49, 50 and the last.
+  // The tables of the formats sheet for k = 1, 24, 49, 50 and the last.
   const std::vector<double> high = lens_beam_centres(96);
   ASSERT_EQ(high.size(), 96u);
   EXPECT_NEAR(high[0] / degree, -14.252, 6e-4);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A kind of sensor is one file: nothing else in the program knows it by name.
+// Tests that each kind of sensor is one file. No other part of the program contains the name of a kind or
+// of its types.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Without what stands behind "//".
+/// Returns the line without its "//" comment.
 std::string code_of(const std::string& line) { return line.substr(0, line.find("//")); }
 
 std::vector<std::string> lines_with(const std::regex& words) {
@@ -47,7 +48,7 @@ TEST(SensorKinds, AreNamedInTheirOwnFilesAlone) {
     const std::string& name = kind->name();
     std::string type = name;
     type.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(type.front())));
-    // Types called Array are of arrays of other things, too.
+    // Types called Array also represent other arrays.
     const bool has_many_meanings = name == "array";
     const std::regex words("[\"']" + name + "[\"']|\\b" + type + "(Description|Kind)" +
                            (has_many_meanings ? "" : "?") + "\\b|\\b" + name + "_kind\\b|kind_" + name);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests multibeams: sectors and axes of beams, equidistant beams, patterns of two crossed lines, and bottom
+// detection on planes.
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -49,7 +52,7 @@ TEST(Multibeam, BeamsAreSectorsSideBySideFromPortToStarboard) {
       EXPECT_NEAR(std::abs(std::asin(ray.y)) / degree, 0.75, 0.75 * 4.6e-5);  // cone_tolerance
     }
   }
-  EXPECT_EQ(set.rays.size(), 2u * 102);  // neighbours share theirs: no gap
+  EXPECT_EQ(set.rays.size(), 2u * 102);  // adjacent tubes share their rays: no gap
   EXPECT_LT(unit(set.rays[set.tubes[0][0]]).x, 0);
 }
 
@@ -83,7 +86,7 @@ TEST(Multibeam, ASingleBeamLooksStraightDownInSlicesOfOneBeam) {
   EXPECT_NEAR(widest, 4, 1e-6);
 }
 
-// Mills cross: a line along the track sends, one across the track listens and is steered.
+// Mills cross: a line along the track transmits, and one across the track receives and is steered.
 TEST(Multibeam, PatternsOfALineAlongAndALineAcrossTheTrack) {
   SensorDescription description = multibeam();
   description.transmit.pattern = description.receive.pattern = "line";
@@ -132,8 +135,8 @@ TEST(Multibeam, RefusesWhatMakesNoSonar) {
 }
 
 // A beam of uniform solid angle on a Lambert plane whose nearest line lies `tilt` from straight down of the
-// sensor: dE = R^-3 exp(-beta R) d(angle), R = H / cos(angle - tilt). Integrated here by a fine midpoint
-// rule.
+// sensor: dE = R^-3 exp(-beta R) d(angle), R = H / cos(angle - tilt). The test integrates it by a fine
+// midpoint rule.
 TEST(BottomFinder, CentroidIsTheAxisRangeOnAPlaneOfAnySlope) {
   MultibeamDescription fan;
   fan.swath_deg = 120;
@@ -166,7 +169,7 @@ TEST(BottomFinder, CentroidIsTheAxisRangeOnAPlaneOfAnySlope) {
   }
 }
 
-// Noise of a hundredth of the echo in 1500 samples, amplified with the square of the range.
+// Noise of a hundredth of the echo in 1500 range bins, amplified with the square of the range.
 TEST(BottomFinder, NoiseAloneIsNoBottomAndDoesNotPullAtOne) {
   SensorDescription description = multibeam();
   description.signal.noise_level_db = 100;  // 1e-11 J at 210 dB

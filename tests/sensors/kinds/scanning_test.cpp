@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests scanning sonars and imaging beams: steps and times of the head, patterns that rotate with it, and
+// beams at listed angles.
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -67,7 +70,7 @@ TEST(Scanning, LooksAtWholeMultiplesOfItsStep) {
   }
 }
 
-// A Ping360's data sheet: 9 s for a scan of 2 m, 35 s for one of 50 m.
+// The data sheet of a Ping360: 9 s for a scan of 2 m, 35 s for one of 50 m.
 TEST(Scanning, TakesAsLongAsAPing360) {
   ScanningDescription scan;
   EXPECT_NEAR(make_sensor(described(scan))->transmission_delay_s(399), 35, 0.6);
@@ -155,7 +158,7 @@ TEST(ImagingBeams, EndMidwayBetweenTheListedAxes) {
   };
   refused({3});
   refused({1, 1});
-  refused({-179, 0, 179});  // of which the outermost would overlap
+  refused({-179, 0, 179});  // the outermost of these beams would overlap
 }
 
 TEST(ImagingBeams, OfAVerticalReceivePatternKeepTheirTubes) {

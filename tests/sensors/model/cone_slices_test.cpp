@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ideal beams are bounded by cones, tubes by planes: how far these are apart, for every kind of sensor.
+// Measures the distance between the cones that bound ideal beams and the planes that bound tubes, for each
+// kind of sensor.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +25,7 @@ struct Case {
   const char* name;
   SensorDescription sensor;
   glm::dvec3 axis;    // of the cones
-  double height_deg;  // of the beam over them, both ways
+  double height_deg;  // of the beam over them, in both directions
 };
 
 std::vector<Case> all_kinds() {
@@ -61,7 +62,7 @@ std::vector<Case> all_kinds() {
   return all;
 }
 
-/// Largest relative distance in tan(elevation) of the tubes' outer walls from the cones.
+/// Largest relative distance in tan(elevation) of the outer walls of tubes from the cones.
 double largest_error(const Case& kind) {
   const auto sensor = make_sensor(kind.sensor);
   const double cone = std::tan(kind.height_deg / 2 * samples::degree);
@@ -80,7 +81,8 @@ double largest_error(const Case& kind) {
         const double edge = std::sin(std::atan(cone)) / 2;
         if (!(std::min(std::abs(lean_a), std::abs(lean_b)) > edge && lean_a * lean_b > 0)) continue;
         ++walls;
-        for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0}) {  // a wall is all between its two rays
+        // a wall contains all directions between its two rays
+        for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0}) {
           const glm::dvec3 d = glm::normalize((1 - s) * a + s * b);
           const double sine = std::abs(glm::dot(d, kind.axis));
           worst = std::max(worst, std::abs(sine / std::sqrt((1 - sine) * (1 + sine)) / cone - 1));
@@ -113,7 +115,8 @@ TEST(ConeSlices, NoMoreSlicesThanTheToleranceTakes) {
 }
 
 TEST(ConeSlices, CornersAndMiddlesAreAsFarFromTheCone) {
-  EXPECT_EQ(height_of_corners(0.1, 0.017, 4e-5), 0.1);  // a degree: good enough as it is
+  // a degree: within the tolerance without a correction
+  EXPECT_EQ(height_of_corners(0.1, 0.017, 4e-5), 0.1);
   for (const double cone : {0.004, 0.3, 1.2})
     for (const double slice : {0.002, 0.03, 0.5}) {
       const double corner = std::tan(height_of_corners(cone, slice, 1e-9)) / std::tan(cone),

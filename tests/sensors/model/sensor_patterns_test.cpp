@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests beam patterns of sensors: axes of receive beams, patterns of sidescan sides, rotation with the
+// pose, and pattern files.
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +38,8 @@ TEST(SensorPatterns, ReceiveBeamsOfACameraLookAlongTheirAxesAndHearTheWholeFan) 
   for (std::size_t beam = 0; beam < 96; ++beam) {
     const double azimuth = sensor->beams()[beam].azimuth_rad / degree;
     EXPECT_NEAR(patterns.receive[beam].gain(toward(azimuth)), 1, 1e-12);
-    // 1.8 MHz and 0.1 m: 120 wavelengths, so the first null is 1/120 of the cosine away.
+    // 1.8 MHz and 0.1 m are 120 wavelengths, so that the first null is at a difference of 1/120 in the
+    // cosine.
     const double null = std::asin(std::sin(azimuth * degree) + 1.0 / 120) / degree;
     EXPECT_NEAR(patterns.receive[beam].gain(toward(null)), 0, 1e-20);
   }

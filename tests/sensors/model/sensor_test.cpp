@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests sensors: order and extent of beams, range bins, tubes, mountings and lever arms, and rejected
+// descriptions.
+
 #include "sensors/model/sensor.hpp"
 
 #include <gtest/gtest.h>
@@ -134,7 +137,7 @@ TEST(Sidescan, FanKeepsItsAlongTrackWidthAtEveryDepression) {
       const double depression = std::atan2(-a.z, std::abs(a.x)) / degree;
       shallowest = std::min(shallowest, depression);
       steepest = std::max(steepest, depression);
-      // The wall between two corners bulges by the tolerance at most (sensors/model/angles.hpp).
+      // The wall between two corners bulges by at most the tolerance (sensors/model/angles.hpp).
       if (a.y * b.y > 0) {
         EXPECT_LT(std::abs(std::tan(std::asin(glm::normalize(a + b).y))) / std::tan(0.5 * degree) - 1,
                   4.51e-5);
@@ -210,7 +213,7 @@ TEST(Mounting, TiltTurnsDownYawToStarboardRollStarboardDown) {
   EXPECT_TRUE(near(axes(0, 45, 0)[1], {0, s, -s}));
   EXPECT_TRUE(near(axes(90, 0, 0)[1], {1, 0, 0}));
   EXPECT_TRUE(near(axes(0, 0, 45)[0], {s, 0, -s}));
-  EXPECT_TRUE(near(axes(90, 45, 0)[1], {s, 0, -s}));  // tilt after yaw: about the turned sensor's own axis
+  EXPECT_TRUE(near(axes(90, 45, 0)[1], {s, 0, -s}));  // tilt after yaw: about the axis of the turned sensor
 }
 
 TEST(Mounting, LeverArmTurnsWithTheCarrier) {
@@ -246,7 +249,7 @@ TEST(Mounting, LookAtTurnsTheSensorToAPlaceWhateverItsCarrierDoes) {
   description.roll_deg = 90;
   EXPECT_NEAR((make_sensor(description)->pose_on(Pose{}).attitude * glm::dvec3(1, 0, 0)).y, 0, 1);
   EXPECT_LT((make_sensor(description)->pose_on(Pose{}).attitude * glm::dvec3(1, 0, 0)).z, -0.9);
-  // Straight down: the carrier's heading.
+  // Straight down: the heading of the carrier.
   description.lever_arm_m = {0, 0, 0};
   description.roll_deg = 0;
   description.look_at_m = {{0, 0, -3}};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Imaging sonar, echosounder and interferometric sidescan as sensors: beams, tubes, receiver pairs.
+// Tests imaging sonars, echosounders and interferometric sidescans as sensors: their beams, tubes and
+// receiver pairs.
 #include <gtest/gtest.h>
 
 #include <cmath>

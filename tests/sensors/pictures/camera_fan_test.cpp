@@ -11,7 +11,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-// The fan of a whole turn of 0.9 degrees a step begins at -180.45 degrees: no sector is missing behind.
+// The fan of a whole turn with steps of 0.9 degrees begins at -180.45 degrees: no sector behind is missing.
 TEST(CameraFan, OfAWholeTurnShowsWhatIsStraightBehind) {
   std::vector<double> azimuths;
   for (int step = 0; step < 400; ++step) azimuths.push_back((-180 + 0.9 * step) * degree);

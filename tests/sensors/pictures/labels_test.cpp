@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Texts of pictures stay apart from each other and inside their picture, whatever the sonar and its window.
+// Tests that texts of pictures do not overlap and stay inside their picture, for any sonar, number of pings
+// and range gate.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +21,7 @@
 namespace tubefoot {
 namespace {
 
-/// `least`: texts that must be there: titles, scales and their units, and some ticks of each axis.
+/// `least`: number of required texts: titles, scales with units, and some ticks of each axis
 void expect_apart(const Canvas& canvas, std::size_t least, const std::string& what) {
   if (label_font().empty()) GTEST_SKIP() << "no font is installed";
   const std::vector<PixelBox>& texts = canvas.texts();
@@ -91,7 +92,7 @@ TEST(Labels, OfWaterfallsAndPhasesStayApart) {
         InterferometricDescription receiver_pair;
         static_cast<SidescanDescription&>(receiver_pair) = description.kind.as<SidescanDescription>();
         for (const bool phases : {false, true}) {
-          if (phases && (spacing_m > 0 || pings == 1000)) continue;  // all the same for them
+          if (phases && (spacing_m > 0 || pings == 1000)) continue;  // no difference for phases
           if (phases)
             description.kind = receiver_pair;
           else

@@ -19,7 +19,7 @@ struct Decoded {
   std::vector<std::uint16_t> values;
 };
 
-/// What libpng finds in the bytes, which checks all sums of them.
+/// Decodes the bytes with libpng, which verifies all checksums.
 Decoded decoded(const std::vector<unsigned char>& bytes) {
   OIIO::Filesystem::IOMemReader memory(const_cast<unsigned char*>(bytes.data()), bytes.size());
   const auto input = OIIO::ImageInput::open("picture.png", nullptr, &memory);
@@ -31,7 +31,7 @@ Decoded decoded(const std::vector<unsigned char>& bytes) {
   return image;
 }
 
-/// All places between two codes, and what lies beyond 0 and 1.
+/// All values between two codes, and values outside of 0 to 1.
 std::vector<float> ramp(std::size_t pixels) {
   std::vector<float> components(3 * pixels);
   for (std::size_t k = 0; k < components.size(); ++k)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Texts that are kept from picture to picture look as the library draws them each time.
+// Tests that texts from the cache look the same as texts that the library draws each time.
 #include "sensors/pictures/text_mask.hpp"
 
 #include <OpenImageIO/imagebufalgo.h>
@@ -18,7 +18,7 @@ namespace {
 constexpr int width = 400, height = 60;
 constexpr Colour ground{0.1f, 0.2f, 0.3f}, ink{0.9f, 0.8f, 0.4f};
 
-/// What OpenImageIO makes of a line on an even ground.
+/// The pixels of a line of text that OpenImageIO draws on a uniform background.
 std::vector<float> drawn_at_once(int x, int baseline, const std::string& line, int size) {
   std::vector<float> pixels;
   for (int k = 0; k < width * height; ++k)

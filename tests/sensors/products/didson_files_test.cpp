@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// An acoustic camera's recording as a DIDSON or ARIS file: which of the two, levels, places, and why neither.
+// Tests the DIDSON or ARIS file of an acoustic camera: the choice of format, levels, positions, and the
+// reason for a missing file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +20,7 @@ using ::testing::HasSubstr;
 
 class CameraFiles : public testing::Test {
  protected:
-  /// A recording of three pings 0.1 s apart, 0.5 m of way in each.
+  /// A recording of three pings 0.1 s apart, with 0.5 m of motion per ping.
   samples::OwnedRecording recording(SensorDescription description) { return samples::silent(description, 3); }
   std::vector<std::filesystem::path> write(const samples::OwnedRecording& made) {
     return write_camera_files(folder.path(), made.recording, run, warnings);
@@ -73,12 +74,12 @@ TEST_F(CameraFiles, OfADidsonSayWhereThePlatformIsAndHowItLooks) {
   EXPECT_NEAR(file.number(0, "Roll"), -0.1 / degree, 1e-4);
   EXPECT_NEAR(file.number(0, "CompassPitch"), 0.05 / degree - 30, 0.3) << "the camera looks down";
   EXPECT_NEAR(file.number(0, "Depth"), 7, 1e-5);
-  EXPECT_NEAR(file.number(1, "Velocity"), 5 * std::cos(0.05), 1e-4);  // 0.5 m in 0.1 s, bow a little up
+  EXPECT_NEAR(file.number(1, "Velocity"), 5 * std::cos(0.05), 1e-4);  // 0.5 m in 0.1 s, bow slightly up
   EXPECT_EQ(file.number(0, "Altitude"), 2.5);
   EXPECT_EQ(file.number(1, "Altitude"), 0);
   EXPECT_NEAR(file.number(0, "Latitude"), 60, 1e-9);
   EXPECT_NEAR(file.number(0, "Longitude"), -5, 1e-9);
-  EXPECT_NEAR((file.number(2, "Latitude") - 60) * 111412, 0.8, 0.01);  // metres a degree at 60 north
+  EXPECT_NEAR((file.number(2, "Latitude") - 60) * 111412, 0.8, 0.01);  // metres per degree at 60 north
   EXPECT_NEAR((file.number(2, "Longitude") + 5) * 55800, 0.6, 0.01);
 }
 
@@ -103,8 +104,8 @@ TEST_F(CameraFiles, KnowTheDidsonByItsBeamsAndFrequency) {
 TEST_F(CameraFiles, OfOtherWindowsOrBeamsAreOfAnAris) {
   SensorDescription description = samples::camera(128, 600);
   auto& didson = description.kind.edit<DidsonDescription>();
-  didson.window_start_m = 1.48;               // 2 ms there and back at 1480 m/s
-  didson.window_length_m = 600 * 8 * 740e-6;  // 8 us a sample
+  didson.window_start_m = 1.48;               // 2 ms in both directions at 1480 m/s
+  didson.window_length_m = 600 * 8 * 740e-6;  // 8 us per sample
   auto made = recording(description);
   made.energy(1, 5, 17) = 1e-9;
   made.energy(1, 6, 17) = 1e-13;
@@ -129,7 +130,7 @@ TEST_F(CameraFiles, AreNotWrittenWhereNeitherFormatFitsAndAWarningSaysWhy) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 
   warnings.clear();
-  run.start_unix_s = -1e9;  // before 1970: found out only when the file is open
+  run.start_unix_s = -1e9;  // before 1970: detected only when the file is open
   EXPECT_TRUE(write(recording(samples::camera())).empty());
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_THAT(warnings[0], HasSubstr("1970"));

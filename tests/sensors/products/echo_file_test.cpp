@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests echoes.nc: its layout, compression, later changes, packed pings, behaviour on full disks, and files
+// larger than the memory limit.
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -176,12 +179,12 @@ TEST(EchoFile, IsTheSameByteForByteAtAnotherTime) {
   const auto camera = noisy_camera();
   const auto sidescan = samples::silent(samples::sidescan(6), 2);
   write_echoes(folder / "a.nc", {camera.recording, sidescan.recording}, provenance);
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 counts seconds where it counts time
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 stores times in seconds
   write_echoes(folder / "b.nc", {camera.recording, sidescan.recording}, provenance);
   EXPECT_EQ(bytes_of(folder / "a.nc"), bytes_of(folder / "b.nc"));
 }
 
-// netCDF opens no file for writing that does not keep the order in which variables were made.
+// netCDF opens a file for writing only if the file keeps the order of creation of its variables.
 TEST(EchoFile, TakesChangesWhenOpenedForWriting) {
   const TestFolder folder;
   const auto camera = noisy_camera();
@@ -227,7 +230,7 @@ TEST(EchoFile, AFullDiskIsAnErrorAndLeavesNothing) {
   const auto file = folder / "echoes.nc";
   write_echoes(file, {made.recording}, provenance);
   const auto size = std::filesystem::file_size(file);
-  // Full at the start, in the midst of the data, and at the very end.
+  // The disk is full at the start, within the data, and at the very end.
   for (const auto room : {std::uintmax_t(0), std::uintmax_t(4096), size / 2, size - 1}) {
     std::filesystem::remove(file);
     const samples::FullDisk full(room);
@@ -237,7 +240,7 @@ TEST(EchoFile, AFullDiskIsAnErrorAndLeavesNothing) {
   std::filesystem::create_symlink("/dev/full", file);
   samples::failure_naming(file, [&] { write_echoes(file, {made.recording}, provenance); });
   EXPECT_TRUE(std::filesystem::exists("/dev/full"));
-  // And netCDF is of use again afterwards.
+  // Afterwards netCDF works again.
   write_echoes(folder / "second.nc", {made.recording}, provenance);
   EXPECT_EQ(NetcdfReader(folder / "second.nc").values("/", "energy"), made.energies);
 }
@@ -257,7 +260,7 @@ TEST(EchoFile, KeepsNoSpaceThatWasSetAside) {
   samples::failure_naming(absent, [&] { write_echoes(absent, {made.recording}, provenance); });
 }
 
-// Pings that were packed as they were made become the same file.
+// Pings that were packed at their creation give the same file.
 TEST(EchoFile, TakesPackedPingsAsTheyAre) {
   const TestFolder folder;
   const auto made = noisy_camera(20);
@@ -278,7 +281,7 @@ TEST(EchoFile, IsPackedAlikeByAnyNumberOfThreads) {
   EXPECT_EQ(bytes_of(folder / "7.nc"), bytes_of(folder / "1.nc"));
 }
 
-// HDF5 would crash when the program ends.
+// Otherwise HDF5 would crash at the end of the program.
 TEST(EchoFile, AFullDiskIsMetBeforeALargeFileIsWritten) {
   const TestFolder folder;
   const auto made = noisy_camera(pings_beyond_memory);

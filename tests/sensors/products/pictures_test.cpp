@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the pictures of recordings: positions of echoes in fans and waterfalls, colour scales, sequences,
+// received pictures, and surfaces beyond the seabed.
+
 #include "sensors/products/pictures.hpp"
 
 #include <OpenImageIO/imageio.h>
@@ -82,7 +85,7 @@ Spot difference(const Image& a, const Image& b) {
   return spot;
 }
 
-/// Where one echo appears, without labels.
+/// Position of one echo, without labels.
 Spot camera_spot(std::size_t beam, std::size_t sample, const SensorDescription& camera = samples::camera()) {
   auto made = samples::silent(camera, 1);
   const Image before = read(draw_camera_frame(made.recording, 0, ""));
@@ -143,7 +146,7 @@ TEST(CameraPicture, FansOfAnyWidthAreDrawn) {
   }
 }
 
-/// Where one echo of a sidescan appears, without labels: 60 pings, 0.5 m apart.
+/// Position of one echo of a sidescan, without labels: 60 pings, 0.5 m apart.
 Spot waterfall_spot(std::size_t ping, std::size_t beam, std::size_t sample) {
   auto made = samples::silent(samples::sidescan(), 60);
   const Image before = read(Waterfall(made.recording, "").draw());
@@ -160,7 +163,7 @@ TEST(Waterfall, HasPortLeftTheLastPingOnTopAndEqualScales) {
   EXPECT_NEAR(port_late.y, starboard_late.y, 1e-9);
   const double pixels_per_m = (port_early.y - port_late.y) / (40 * 0.5);
   EXPECT_NEAR((port_late.x - port_far.x) / (400 * 49.5 / 1000), pixels_per_m, 0.02 * pixels_per_m);
-  // Slant range counts from the track: the sides mirror each other about it.
+  // Slant range counts from the track: the sides are mirror images.
   const double range_m = 0.5 + 405 * 49.5 / 1000;
   EXPECT_NEAR(starboard_late.x - port_late.x, 2 * range_m * pixels_per_m, 2);
 }
@@ -175,7 +178,8 @@ TEST(Waterfall, IsDrawnForASensorAtRestAndForASinglePing) {
 }
 
 TEST(Waterfall, AveragesPingsThatShareARow) {
-  // 20000 pings 0.1 mm apart: 240 rows. An echo in every other ping must not beat against the rows.
+  // 20000 pings 0.1 mm apart: 240 rows. An echo in every second ping must not give a moire pattern with the
+  // rows.
   auto made = samples::silent(samples::sidescan(2), 20000);
   for (std::size_t ping = 0; ping < 20000; ++ping) {
     made.recording.ping_pose[ping].position_m.y = 1e-4 * double(ping);
@@ -256,7 +260,7 @@ TEST(Pictures, AreThoseThatAreRequested) {
   EXPECT_THAT(files(camera.recording, Which::none), ElementsAre());
   EXPECT_THAT(files(camera.recording, Which::sequence), ElementsAre("camera-sequence.png"));
   EXPECT_EQ(files(camera.recording, Which::all).size(), 7u);
-  // Files of amplitudes stay; of a line there are no pictures by ping.
+  // Files of amplitudes remain. A line has no pictures by ping.
   EXPECT_THAT(files(sidescan.recording, Which::none), Not(Contains(HasSubstr(".png"))));
   EXPECT_THAT(files(sidescan.recording, Which::none), Not(Contains(HasSubstr(".exr"))));
   EXPECT_EQ(files(sidescan.recording, Which::sequence), files(sidescan.recording, Which::all));
@@ -288,7 +292,7 @@ TEST(Pictures, TellHowManyOfThemThereAreWhileTheyAreDrawn) {
   EXPECT_FALSE(Steps::at_hand());
 }
 
-/// Frames of a GIF: their sizes, and how long each is shown, in hundredths of a second.
+/// Frames of a GIF: their sizes, and their display times in hundredths of a second.
 struct Frames {
   std::vector<OIIO::ImageSpec> specs;
   std::vector<std::vector<float>> pixels;
@@ -328,10 +332,10 @@ TEST(Pictures, AnAnimationShowsPingAfterPingAsFastAsTheyWere) {
     bright.push_back(std::accumulate(frames.pixels[k].begin(), frames.pixels[k].end(), 0.0) /
                      double(frames.pixels[k].size()));
   }
-  // On one scale: the loud ping is bright, the others, 40 dB below it, are alike and dark.
+  // On a common scale the strong ping is bright. The others, 40 dB below it, are equally dark.
   EXPECT_GT(bright[2], bright[1] + 0.1);
   EXPECT_NEAR(bright[1], bright[3], 0.02);
-  // Blocks that say how long a frame is shown: 21 F9 04, flags, hundredths of a second.
+  // Blocks with the display time of a frame: 21 F9 04, flags, hundredths of a second.
   const std::string bytes = bytes_of(folder / "camera-sequence.gif");
   std::vector<int> shown;
   for (std::size_t at = 0; (at = bytes.find("\x21\xf9\x04", at)) != std::string::npos; ++at)
@@ -389,7 +393,7 @@ TEST(Pictures, ACameraMayAskForItsSequenceAlone) {
               ElementsAre("camera-sequence.png"));
 }
 
-/// Root-mean-square difference of neighbouring pixels' green, from a part of a picture's width on.
+/// Root-mean-square difference of the green of adjacent pixels, from a part of the width of a picture on.
 double roughness_of(const Image& image, double from) {
   double sum = 0;
   int pixels = 0;
@@ -400,7 +404,7 @@ double roughness_of(const Image& image, double from) {
   return std::sqrt(sum / pixels);
 }
 
-/// A camera and a sidescan, their energies even: what they show of it has speckle.
+/// A camera and a sidescan with uniform energies: their received pictures have speckle.
 TEST(Pictures, WhatTheInstrumentShowsLiesBesideTheIdealPicture) {
   const TestFolder plain, both;
   for (const bool camera : {true, false}) {
@@ -461,7 +465,8 @@ TEST(Pictures, AreTheSameByteForByteAtAnotherTime) {
   auto made = samples::silent(samples::camera(5, 7), 1);
   made.energy(0, 2, 3) = 1e-9;
   const auto files = camera_pictures(a.path(), made.recording, {});
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // EXR files like to say at which second
+  // EXR files may contain the second of their creation
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
   camera_pictures(b.path(), made.recording, {});
   for (const auto& file : files) EXPECT_EQ(bytes_of(a / file.string()), bytes_of(b / file.string())) << file;
 }
@@ -514,7 +519,7 @@ TEST(Pictures, AreLabelledWhereThereIsAFont) {
   EXPECT_GT(difference(read(plain), read(labelled)).pixels, 100);
 }
 
-/// The colour of a picture's pixel.
+/// The colour of a pixel of a picture.
 Colour colour_at(const Image& image, double x, double y) {
   const int column = static_cast<int>(x), row = static_cast<int>(y);
   return {image.at(column, row, 0), image.at(column, row, 1), image.at(column, row, 2)};
@@ -527,8 +532,7 @@ void expect_colour(Colour found, Colour wanted, const std::string& what) {
   EXPECT_NEAR(found.blue, wanted.blue, sixteen_bits) << what;
 }
 
-/// Beyond the surfaces of a beam it is neither echo nor shadow: unless something is received there all the
-/// same.
+/// Beyond the surfaces of a beam there is neither echo nor shadow, unless the beam receives energy there.
 TEST(Pictures, ShowWhereABeamHasNoSurfaceAnyMore) {
   const std::size_t beams = 8, samples = 16;
   auto made = samples::silent(samples::camera(int(beams), int(samples)), 1);
@@ -541,7 +545,7 @@ TEST(Pictures, ShowWhereABeamHasNoSurfaceAnyMore) {
   made.recording.surfaces = [&](std::size_t) { return std::vector<int>(beams, 10); };
   const Image image = read(draw_camera_frame(made.recording, 0, ""));
   const Colour dark = palette.no_echo;
-  // Grid lines lie over the fan: the spots are beside them.
+  // Grid lines lie over the fan: the tested points are next to them.
   expect_colour(colour_at(before, beyond.x, beyond.y), dark, "nobody knows");
   expect_colour(colour_at(image, shadow.x, shadow.y), dark, "shadow");
   expect_colour(colour_at(image, beyond.x, beyond.y), palette.beyond, "beyond");
@@ -550,7 +554,7 @@ TEST(Pictures, ShowWhereABeamHasNoSurfaceAnyMore) {
 
   auto line = samples::silent(samples::sidescan(20), 40);
   for (std::size_t ping = 0; ping < 40; ++ping) line.energy(ping, 0, 5) = line.energy(ping, 1, 5) = 1e-9;
-  // Port has surfaces up to its 15th sample, starboard all along.
+  // Port has surfaces up to its 15th range bin, starboard up to the last.
   line.recording.surfaces = [](std::size_t) { return std::vector<int>{15, 20}; };
   const Image waterfall = read(Waterfall(line.recording, "").draw());
   const int left = 28 + 72, middle = left + 300, y = waterfall.spec.height / 2;
@@ -560,7 +564,7 @@ TEST(Pictures, ShowWhereABeamHasNoSurfaceAnyMore) {
   expect_colour(colour_at(waterfall, middle + x_of(17.3), y), dark, "starboard, shadow");
 }
 
-/// By the decibels of the scale, whatever the picture.
+/// The gain acts in decibels of the scale, for each picture.
 TEST(Pictures, ADisplayGainBrightensFansToo) {
   SensorDescription description = samples::camera(8, 16);
   const Spot spot = camera_spot(5, 8, description);
@@ -585,7 +589,7 @@ TEST(Pictures, ADisplayGainBrightensFansToo) {
 }
 
 TEST(DecibelScale, IsRelativeToTheStrongestThousandthOfTheEchoes) {
-  std::vector<double> energies(20000, 0.0);  // no echo does not count
+  std::vector<double> energies(20000, 0.0);  // bins without echo do not count
   for (int k = 0; k < 10000; ++k) energies[k] = k < 9980 ? 1e-12 : 1e-3;
   EXPECT_EQ(DecibelScale(energies).reference_j(), 1e-3);
   for (int k = 0; k < 10000; ++k) energies[k] = k < 9995 ? 1e-12 : 1e-3;

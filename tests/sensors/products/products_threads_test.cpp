@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every file that a kind of sensor writes, by one thread and by several.
+// Tests that each file of each kind of sensor has the same bytes with one thread and with several threads,
+// and from packed energies.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,7 +27,7 @@ using testing::AllOf;
 using testing::Contains;
 using testing::Not;
 
-/// One that receives noise and speckle, so that whoever took another's ping would be known.
+/// A sonar with noise and speckle, so that a file with values of another ping would differ.
 template <class Kind>
 SensorDescription sonar(const char* name, Kind kind) {
   SensorDescription description;
@@ -37,7 +38,7 @@ SensorDescription sonar(const char* name, Kind kind) {
   return description;
 }
 
-/// Pings of an uneven seabed on two lines, no two alike.
+/// Pings of an irregular seabed on two lines, all different.
 samples::OwnedRecording survey(const SensorDescription& description, int pings) {
   auto made = samples::silent(description, pings);
   Recording& recording = made.recording;
@@ -73,8 +74,8 @@ std::map<std::string, std::string> files_by(int threads, const Recording& record
   return files;
 }
 
-/// The names of all files of the recording; a failure for each that is another by four threads, or of packed
-/// energies.
+/// Returns the names of all files of the recording. Fails for each file that differs with four threads or
+/// with packed energies.
 std::set<std::string> same_files(const Recording& recording, const LocalFrame& frame) {
   RunContext run;
   run.frame = frame;

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the files of sidescans: waterfalls, XTF and mosaics with their codes, positions, lines and
+// warnings.
+
 #include <OpenImageIO/imageio.h>
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
@@ -21,7 +24,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// 20 samples of 0.5 m from 1 m on, 4 m above the seabed, 0.5 m from ping to ping.
+/// 20 range bins of 0.5 m from 1 m on, 4 m above the seabed, 0.5 m from ping to ping.
 samples::OwnedRecording line(int pings = 9, const SignalDescription& signal = {}) {
   SensorDescription description = samples::sidescan(20);
   description.signal = signal;
@@ -54,7 +57,8 @@ std::vector<std::uint16_t> waterfall_of(const std::filesystem::path& file, int& 
   return pixels;
 }
 
-/// Code of a sample by its definition: 65535 is the largest amplitude, amplitudes are roots of energies.
+/// Code of a sample by its definition: 65535 is the largest amplitude, and amplitudes are square roots of
+/// energies.
 unsigned code(double energy, double largest) {
   return static_cast<unsigned>(std::floor(65535 * std::sqrt(energy / largest) + 0.5));
 }
@@ -88,7 +92,7 @@ TEST(SidescanFiles, ASpecularReturnIsWhiteInTheWaterfallAndTheFullScaleOfTheXtf)
   int width = 0, height = 0;
   const auto pixels = waterfall_of(folder / "sidescan-waterfall.png", width, height);
   EXPECT_EQ(pixels[3 * 40 + 25], 65535);
-  // 360 samples: the specular return lifts the mean level by 80 / 360 dB.
+  // 360 samples: the specular return raises the mean level by 80 / 360 dB.
   EXPECT_NEAR(pixels[0], 65535 * std::pow(10, -(15 + 80.0 / 360) / 20), 2);
   const std::string xtf = bytes_of(folder / "sidescan.xtf");
   EXPECT_NE(xtf.find(std::string("\7\0\7\0\7\0\xff\xff\7", 9)), std::string::npos);  // 65535 * 1e-4 is 6.6
@@ -119,7 +123,7 @@ TEST(SidescanFiles, XtfHasAttitudeNavigationAndSamplesOfEachPing) {
     PacketReader whole(all.subspan(begin, size), false);
     types.push_back(whole.u8(2));
     if (whole.u8(2) == 3) {
-      // What is level here leans by 4e-5 degrees 4 m from the frame's origin.
+      // A direction that is horizontal here tilts by 4e-5 degrees 4 m from the origin of the frame.
       EXPECT_NEAR(whole.f32(30), 2, 1e-5 + 1e-5 * double(ping));
       EXPECT_NEAR(whole.f32(34), -3, 1e-5 + 1e-5 * double(ping));
       EXPECT_NEAR(whole.f32(50), 30, 1e-5);
@@ -127,7 +131,8 @@ TEST(SidescanFiles, XtfHasAttitudeNavigationAndSamplesOfEachPing) {
       // A nautical mile of latitude is about 1852 m.
       EXPECT_NEAR((whole.f64(33) - 48.25) * 60 * 1852, 0.5 * double(ping), 0.01 * double(ping) + 1e-6);
       EXPECT_NEAR(whole.f64(41), -4.5, 1e-9);
-      EXPECT_NEAR(whole.f64(49), 5, 1.5e-6);  // 5 m below a frame that lies at 10 m and leaves the ellipsoid
+      // 5 m below a frame at 10 m, whose plane departs from the ellipsoid
+      EXPECT_NEAR(whole.f64(49), 5, 1.5e-6);
     } else {
       EXPECT_EQ(whole.u32(28), ping);
       EXPECT_NEAR(whole.f32(120), 5 * 3600 / 1852.0, 1e-4);  // 0.5 m in 0.1 s
@@ -186,7 +191,7 @@ TEST(SidescanFiles, DatesThatXtfCannotHoldAreAWarning) {
 }
 
 TEST(SidescanFiles, ReceiverIsInTheFilesOfASonar) {
-  // Speckle from the run's seed: another seed, other codes; the same seed, the same.
+  // Speckle follows the seed of the run: another seed gives other codes, and the same seed the same codes.
   const TestFolder folder;
   SignalDescription signal;
   signal.speckle = "rayleigh";
@@ -223,7 +228,7 @@ TEST(SidescanFiles, AFullDiskLeavesNoFile) {
 }
 
 TEST(SidescanFiles, MosaicCellsFollowPingsAndSamplesAndStayFew) {
-  EXPECT_DOUBLE_EQ(mosaic_cell_m(line().recording), 2);  // three samples of 0.5 m, rounded up
+  EXPECT_DOUBLE_EQ(mosaic_cell_m(line().recording), 2);  // three range bins of 0.5 m, rounded up
   auto sparse = line();
   for (std::size_t k = 0; k < 9; ++k) sparse.recording.ping_pose[k].position_m.y = 4.0 * double(k);
   EXPECT_DOUBLE_EQ(mosaic_cell_m(sparse.recording), 5);
@@ -258,7 +263,8 @@ TEST(SidescanFiles, ASurveyHasAnXtfAndAMosaicALineAndOneMosaicOfAll) {
       PacketReader packet(std::span<const unsigned char>(bytes).subspan(begin), false);
       if (packet.u8(2) == 0) {
         EXPECT_EQ(packet.u32(28), ping++);
-        EXPECT_NEAR(packet.f32(120), 5 * 3600 / 1852.0, 1e-4);  // the way across the turn is no speed
+        // the distance across the turn does not count as speed
+        EXPECT_NEAR(packet.f32(120), 5 * 3600 / 1852.0, 1e-4);
         ++in_file;
       }
       begin += packet.u32(10);
@@ -274,7 +280,7 @@ TEST(SidescanFiles, ASensorAtRestHasNoMosaicAndIsReportedWhy) {
     const TestFolder folder;
     std::vector<std::string> warnings;
     const auto files = write_two_sided_files(folder.path(), recording, at_sea(), widths, warnings);
-    // What can be said before there are echoes is said in the same words.
+    // Warnings that do not depend on echoes have the same text before the run.
     EXPECT_EQ(two_sided_files_left_out(recording, at_sea()), warnings);
     said = warnings.empty() ? "" : warnings.front();
     return std::ranges::find(files, std::filesystem::path("sidescan-mosaic.tif")) != files.end() &&
@@ -290,7 +296,7 @@ TEST(SidescanFiles, ASensorAtRestHasNoMosaicAndIsReportedWhy) {
   EXPECT_THAT(said, HasSubstr("a mosaic needs a sensor that moves or turns"));
   EXPECT_FALSE(written(line(1).recording, said));
   EXPECT_THAT(said, HasSubstr("one ping covers a line"));
-  // One that turns on the spot sweeps a circle.
+  // A line that turns on the spot covers a circle.
   auto turning = line();
   for (std::size_t k = 0; k < 9; ++k)
     turning.recording.ping_pose[k] = {{0, 0, -5}, glm::angleAxis(0.02 * double(k), glm::dvec3(0, 0, 1))};
@@ -298,7 +304,7 @@ TEST(SidescanFiles, ASensorAtRestHasNoMosaicAndIsReportedWhy) {
   EXPECT_EQ(said, "");
 }
 
-/// Beyond all surfaces there is nothing to be mapped; in shadow there is, and it is dark.
+/// Beyond all surfaces the mosaic has no value. In shadows it has a dark value.
 TEST(SidescanFiles, AMosaicHasNoValueWhereThereIsNoSurface) {
   for (const int surfaces : {20, 14}) {
     const TestFolder folder;
@@ -313,7 +319,7 @@ TEST(SidescanFiles, AMosaicHasNoValueWhereThereIsNoSurface) {
     const std::unique_ptr<GDALDataset> map(
         GDALDataset::Open((folder / "sidescan-mosaic.tif").c_str(), GDAL_OF_RASTER));
     ASSERT_TRUE(map);
-    // The middle of the last sample that may hold a surface, from 4 m above the seabed.
+    // The middle of the last range bin that may contain a surface, from 4 m above the seabed.
     const double end_m = 1 + 0.5 * surfaces, ground_m = std::sqrt((end_m - 0.25) * (end_m - 0.25) - 16);
     EXPECT_EQ(map->GetRasterXSize(), 2 * std::ceil(ground_m / 2)) << surfaces;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What people make of signals: points appear where they are in every picture and file, soundings are those of
-// the seabed, and what cannot be made says why.
+// Tests the products of element signals. Points have their positions in each picture and file, and
+// soundings are those of the seabed. Impossible products are reported with a reason.
 #include "sensors/products/signal_files.hpp"
 
 #include <OpenImageIO/imageio.h>
@@ -44,7 +44,7 @@ VehicleMotion northwards(std::size_t pings, double step_m, const glm::dquat& att
 
 ElementArray across(std::size_t receivers) { return line_array(receivers, {wavelength_m / 2, 0, 0}); }
 
-/// Where the largest of [beam][sample] is.
+/// Index of the largest value of [beam][sample].
 std::pair<std::size_t, std::size_t> brightest(const std::vector<Complex>& beams, std::size_t samples) {
   std::size_t best = 0;
   for (std::size_t k = 0; k < beams.size(); ++k)
@@ -73,7 +73,8 @@ SeenPicture seen(const std::filesystem::path& file) {
   return picture;
 }
 
-/// A level seabed of points in a strip across the track, as narrow as a transmission lights.
+/// A level seabed of points in a strip across the track, as narrow as the insonified sector of a
+/// transmission.
 std::vector<PointScatterer> level_seabed(double depth_m, double half_width_m, std::size_t count,
                                          unsigned seed) {
   std::mt19937 random(seed);
@@ -145,7 +146,7 @@ TEST(SignalProducts, SoundsALevelSeabed) {
   double outer_amplitude = 0, outer_phase = 0, outer_best = 0, said = 0;
   int outer = 0, inner_by_phase = 0, outer_by_phase = 0;
   for (const unsigned seed : {1u, 2u, 3u}) {
-    // Heading east and rolled, starboard down: the beams look further to port than they say.
+    // Heading east and rolled, starboard down: the beams look further to port than their nominal angles.
     const glm::dquat attitude = attitude_from_angles(radians(90), 0, radians(5));
     std::vector<PointScatterer> seabed = level_seabed(depth_m, 16, 4000, seed);
     for (PointScatterer& point : seabed)
@@ -159,7 +160,7 @@ TEST(SignalProducts, SoundsALevelSeabed) {
       ASSERT_TRUE(found.amplitude[beam]);
       const Sounding best = *found.best(beam);
       EXPECT_NEAR(best.position_m.z, -depth_m, 0.03 * depth_m) << beam;
-      // Starboard of who heads east is south.
+      // Starboard of a heading to the east is south.
       EXPECT_NEAR(best.position_m.y, -depth_m * std::tan(multibeam.fan.angles_rad()[beam] - radians(5)),
                   0.3 + 0.05 * depth_m);
       EXPECT_NEAR(best.position_m.x, 0, 1e-9);
@@ -167,7 +168,7 @@ TEST(SignalProducts, SoundsALevelSeabed) {
       if (angle < radians(30) || angle > radians(58) || !found.phase[beam]) continue;
       ++outer;
       outer_by_phase += best.method == DetectionMethod::split_beam;
-      // In range: the beam's axis meets the seabed there.
+      // In range: the axis of the beam meets the seabed there.
       const double labels = depth_m / std::cos(multibeam.fan.angles_rad()[beam] - radians(5));
       outer_amplitude += std::pow(found.amplitude[beam]->slant_range_m - labels, 2);
       outer_phase += std::pow(found.phase[beam]->slant_range_m - labels, 2);
@@ -185,8 +186,7 @@ TEST(SignalProducts, SoundsALevelSeabed) {
 }
 
 TEST(SignalProducts, HasPhasesOfTwoReceiversWhereTheyAre) {
-  // One point, received by two receivers above each other: the phase is 2 pi f times the difference of
-  // delays.
+  // One point and two receivers above each other: the phase is 2 pi f times the difference of delays.
   const glm::dvec3 point(8, 0, -3), upper(0, 0, 0.02), lower(0, 0, -0.02);
   const ElementSignals signals = point_signals({{point, 1}}, ElementArray{{0, 0, 0}, {upper, lower}}, chirp,
                                                {frequency_hz, 40e3, 0.01, 200}, northwards(4, 1e-4), c);
@@ -200,17 +200,17 @@ TEST(SignalProducts, HasPhasesOfTwoReceiversWhereTheyAre) {
   EXPECT_THAT(files, ElementsAre("staff-signals.nc", "staff-interferogram.png"));
   const SeenPicture picture = seen(folder / "staff-interferogram.png");
   constexpr int left = 28 + 76, width = 360, top = 100 - 28 + 58;
-  // The column of the point's range.
+  // The column of the range of the point.
   const RangeSamples ranges = ranges_of(signals.sampling, c);
   const double share = (glm::length(point) - ranges.first_m) / (ranges.count * ranges.step_m);
   const Complex hue = picture.hue(left + static_cast<int>(share * width), top + 30);
   const double expected =
       2 * pi * frequency_hz / c * (glm::length(point - upper) - glm::length(point - lower));
-  EXPECT_NEAR(std::abs(hue), 1.5 * 0.45, 0.02);  // as bright as it is coherent
+  EXPECT_NEAR(std::abs(hue), 1.5 * 0.45, 0.02);  // brightness follows coherence
   EXPECT_NEAR(std::remainder(std::arg(hue) - expected, 2 * pi), 0, 0.05);
 }
 
-/// All that there is, of 6 pings of two points, by a cross of elements.
+/// All products of 6 pings of two points, by a cross of elements.
 struct EverythingOfSignals {
   glm::dvec3 point{3, 0.05, -4}, port{-2.4, 0.05, -3.2};
   ElementSignals signals;
@@ -263,7 +263,7 @@ TEST(SignalProducts, WritesWhatIsRequested) {
   EXPECT_EQ(rows.front().at("ping"), "10");
   EXPECT_EQ(rows.back().at("ping"), "15");
 
-  // A message a ping and side, port first; on either side its own point is the peak.
+  // One message per ping and side, port first. On either side the peak is the point of this side.
   const std::vector<unsigned char> bytes = samples::file_content(folder / "cross.jsf");
   std::size_t messages = 0;
   for (std::size_t begin = 0; begin < bytes.size(); ++messages) {
@@ -301,7 +301,7 @@ TEST(SignalProducts, WritesWhatIsRequested) {
         loudest = beam;
       }
   }
-  EXPECT_NEAR(-50 + 5.0 * double(loudest), -degrees(std::atan2(3, 4)), 2.6);  // the nearer point's
+  EXPECT_NEAR(-50 + 5.0 * double(loudest), -degrees(std::atan2(3, 4)), 2.6);  // that of the nearer point
 }
 
 TEST(SignalProducts, AreTheSameByAnyNumberOfThreads) {
@@ -326,7 +326,7 @@ TEST(SignalProducts, SayWhyThereAreNoPicturesOfSilence) {
               ElementsAre("cross-signals.nc"));
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_THAT(warnings[0], HasSubstr("'cross': its receivers hear nothing, there are no pictures"));
-  // Pictures that nobody wants are not made, and no warning says so; files are.
+  // Pictures that were not requested are not made, and give no warning. Files are made.
   EverythingOfSignals loud;
   RunContext run;
   run.pictures.which = PictureSettings::Which::none;
@@ -346,7 +346,7 @@ TEST(SignalProducts, KnowWhatTheyCost) {
             5 * cost_of_signal_files(all.products, counts, pictures).shared_seconds);
   SignalProducts without = all.products;
   without.aperture.reset();
-  // An aperture holds all pings.
+  // An aperture stores all pings.
   EXPECT_GE(memory_of_signal_files(all.products, more) - memory_of_signal_files(without, more),
             16.0 * 60 * 32 * 240);
 }

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests phase noise of interferometers: its variance, density and distribution against integrals and
+// against draws of correlated Gaussian numbers.
+
 #include "sensors/receiver/phase_noise.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +20,7 @@ using std::numbers::pi;
 
 constexpr double coherences[] = {0, 0.01, 0.3, 0.5, 0.7, 0.7071, 0.7072, 0.9, 0.99, 0.9999, 0.999999};
 
-/// Integral over 0 to `end`, with more places where the density is narrow.
+/// Integral over 0 to `end`, with more nodes where the density is narrow.
 template <typename Integrand>
 double integral(Integrand integrand, double g, double end) {
   const double width = std::min(end, std::sqrt(1 - g * g));
@@ -27,7 +30,7 @@ double integral(Integrand integrand, double g, double end) {
   return sum;
 }
 
-/// Phases of averaged products of two unit complex Gaussian numbers that are g alike.
+/// Phases of averaged products of two unit complex Gaussian numbers with coherence g.
 std::vector<double> measured_phases(double g, int looks, int n, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   const auto gaussian = [&] { return std::complex<double>(normal(random), normal(random)); };
@@ -49,7 +52,7 @@ double mean_square(const std::vector<double>& phases) {
   return sum / static_cast<double>(phases.size());
 }
 
-/// Standard deviation of the mean square of n phases, by the law's own fourth moment.
+/// Standard deviation of the mean square of n phases, by the fourth moment of the law.
 double mean_square_sigma(double g, int n) {
   const double fourth =
       2 * integral([g](double phase) { return std::pow(phase, 4) * phase_density(phase, g); }, g, pi);
@@ -65,7 +68,7 @@ TEST(PhaseNoise, VarianceAtItsCheckValues) {
   EXPECT_NEAR(std::sqrt(phase_variance(0.9)) * 180 / pi, 39.627, 5e-4);
   EXPECT_NEAR(std::sqrt(phase_variance(0.99)) * 180 / pi, 15.094, 5e-4);
   EXPECT_EQ(phase_variance(1), 0);
-  // g^2 = 1/2 is where the formula changes hands; there Li2(1/2) = pi^2/12 - log^2(2)/2.
+  // At g^2 = 1/2 the formula switches; there Li2(1/2) = pi^2/12 - log^2(2)/2.
   EXPECT_NEAR(phase_variance(std::sqrt(0.5)),
               pi * pi / 3 - pi * pi / 4 + pi * pi / 16 - (pi * pi / 12 - std::pow(std::log(2), 2) / 2) / 2,
               1e-14);
@@ -121,7 +124,7 @@ TEST(PhaseNoise, DrawnErrorsObeyTheLaw) {
       phases.push_back(draw_phase_error(SampleRandom(seed, 0, i / 1000, i % 1000), g));
     EXPECT_LT(statistics::kolmogorov_distance(phases, [g](double at) { return phase_distribution(at, g); }),
               statistics::kolmogorov_limit(n));
-    if (g > 0.99) continue;  // there a mean square of 50 000 phases hangs on a handful of them
+    if (g > 0.99) continue;  // there a few of 50 000 phases determine the mean square
     EXPECT_NEAR(mean_square(phases), phase_variance(g), 6 * mean_square_sigma(g, n));
   }
 }

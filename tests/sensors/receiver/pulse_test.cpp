@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the pulse and the receiver: echoes spread over half the pulse length, energy conservation, and the
+// time-varied gain.
+
 #include "sensors/receiver/pulse.hpp"
 
 #include <gmock/gmock.h>
@@ -30,7 +33,7 @@ std::vector<double> one_echo(std::size_t at, double energy = 1) {
 TEST(Pulse, ExtendsOverHalfItsLengthInWater) { EXPECT_DOUBLE_EQ(pulse_extent_m(100, 1500), 0.075); }
 
 TEST(Pulse, EchoBecomesABoxThatBeginsWhereItCameFrom) {
-  // 20 samples: the sample's own extent rounds the box's ends off.
+  // 20 range bins: the extent of the bin itself rounds the ends of the box.
   const auto spread = spread_over_pulse(one_echo(100), window, 1.0);
   for (std::size_t k = 0; k < spread.size(); ++k) {
     const double expected = k < 100 || k > 120 ? 0 : k == 100 || k == 120 ? 0.025 : 0.05;
@@ -39,7 +42,7 @@ TEST(Pulse, EchoBecomesABoxThatBeginsWhereItCameFrom) {
 }
 
 TEST(Pulse, IsTheEchoAndTheBoxFoldedWhateverItsExtent) {
-  // Held against a sum over many points of the sample and of the pulse.
+  // Compares with a sum over many points of the range bin and of the pulse.
   constexpr int points = 1000;
   for (const double extent_m : {0.013, 0.05, 0.0721, 0.333}) {
     std::vector<double> expected(400, 0.0);
@@ -67,8 +70,8 @@ TEST(Pulse, KeepsTheEnergyExceptWhatLeavesTheRangeGate) {
           << "seed 7, " << extent_m;
     }
   }
-  // Half of a pulse of 20 samples that begins 10 samples before the end leaves; nothing comes in at the next
-  // beam.
+  // Half of a pulse of 20 range bins that begins 10 bins before the end leaves the range gate. Nothing
+  // enters the next beam.
   std::vector<double> energies(800, 0.0);
   energies[390] = 1;
   const auto spread = spread_over_pulse(energies, window, 1.0);
@@ -104,7 +107,7 @@ TEST(Received, GainIsFixedBelowTheRangeOfItsKey) {
 }
 
 TEST(Received, SpreadsOverThePulseAndItsLevelIsThatOfThePulse) {
-  SensorDescription description = samples::sidescan(990);  // samples of 5 cm
+  SensorDescription description = samples::sidescan(990);  // range bins of 5 cm
   description.signal.pulse_length_us = 1000;               // 0.74 m at 1480 m/s
   auto made = samples::silent(description, 2);
   made.energy(1, 1, 500) = 1e-8;
@@ -112,12 +115,12 @@ TEST(Received, SpreadsOverThePulseAndItsLevelIsThatOfThePulse) {
   EXPECT_NEAR(sum(received), 1e-8, 1e-21);
   EXPECT_NEAR(received[990 + 507], 1e-8 * 0.05 / 0.74, 1e-19);
   EXPECT_EQ(received[990 + 499], 0);
-  // A long pulse brings 14.8 times the energy of one as long as a sample, spread over as many samples: the
-  // echo of a point is as loud as its target says, 210 + 10 log10(1e-8) dB.
+  // A long pulse has 14.8 times the energy of a pulse as long as a range bin, spread over as many bins. The
+  // echo of a point thus has the level of its target strength, 210 + 10 log10(1e-8) dB.
   EXPECT_NEAR(receiver_of(made.recording, {}).level_db(received[990 + 507]), 130, 1e-9);
 }
 
-// A beam alone is received as among the others, but for the silence after its last echo.
+// A single beam is received as among the others, except for the empty bins after its last echo.
 TEST(Received, ABeamAloneIsThatOfItsPing) {
   for (const bool noise : {false, true})
     for (const bool speckle : {false, true})

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests quantisers of file formats: codes of levels and amplitudes, rounding, limits, inverses, and error
+// bounds.
+
 #include "sensors/receiver/quantisation.hpp"
 
 #include <gtest/gtest.h>
@@ -81,11 +84,11 @@ TEST(Quantiser, InverseIsRightAndTheErrorBounded) {
     for (int i = 0; i < 20000; ++i) {
       const double value = bottom + span * (static_cast<double>(random() >> 11) * 0x1p-53);
       worst = std::max(worst, std::abs(q.value(q.code(value)) - value));
-      ASSERT_LE(q.code(std::min(before, value)), q.code(std::max(before, value)));  // it never falls
+      ASSERT_LE(q.code(std::min(before, value)), q.code(std::max(before, value)));  // it never decreases
       before = value;
     }
     EXPECT_LE(worst, q.error_bound() * (1 + 1e-9));
-    EXPECT_GT(worst, q.error_bound() * 0.99);  // and the bound is met
+    EXPECT_GT(worst, q.error_bound() * 0.99);  // and the bound is attained
   }
 }
 

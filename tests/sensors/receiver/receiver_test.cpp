@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the receiver chain: levels of the sonar equation, noise, time-varied gain, reproducible and
+// independent random numbers, and rejected input.
+
 #include "sensors/receiver/receiver.hpp"
 
 #include <gmock/gmock.h>
@@ -45,7 +48,7 @@ TEST(ReceiverChain, LevelsAndAmplitudesOfTheSonarEquation) {
   const ReceiverChain chain(description);
   EXPECT_DOUBLE_EQ(chain.level_db(1), 210);  // 1 J for a source of 1 J/sr at 1 m
   EXPECT_DOUBLE_EQ(chain.level_db(1e-10), 110);
-  // A sample of a flat Lambert seabed: mu -27 dB, height 10 m, 1.5 degrees, slant range 20 to 20.05 m.
+  // A range bin of a flat Lambert seabed: mu -27 dB, height 10 m, 1.5 degrees, slant range 20 to 20.05 m.
   EXPECT_NEAR(chain.level_db(8.111093200e-11), 210 - 100.909206, 1e-6);
   EXPECT_DOUBLE_EQ(20 * std::log10(chain.amplitude_upa(1e-10)), 110);
   EXPECT_EQ(chain.level_db(0), -std::numeric_limits<double>::infinity());
@@ -81,7 +84,7 @@ TEST(TimeVariedGain, EvensOutSpreadingAndAbsorption) {
   ReceiverDescription description;
   description.tvg = gain;
   const ReceiverChain chain(description);
-  // Point target of -20 dB in each sample: EL = SL - 40 log R - 2 alpha R + TS.
+  // Point target of -20 dB in each range bin: EL = SL - 40 log R - 2 alpha R + TS.
   const RangeSamples far{10, 0.25, 400};
   std::vector<double> energies;
   for (int k = 0; k < far.count; ++k) {
@@ -125,7 +128,7 @@ TEST(ReceiverChain, DependsOnSeedAndPlaceAlone) {
   const auto energies = some_energies(4);
   const auto all = chain.receive(3, energies, samples);
   EXPECT_EQ(ReceiverChain(everything()).receive(3, energies, samples), all);
-  // One beam's other energies do not matter, and another ping or seed is another noise.
+  // The other energies of a beam do not matter. Another ping or seed gives other noise.
   auto silent = energies;
   std::fill(silent.begin() + 100, silent.end(), 0.0);
   const auto first = chain.receive(3, silent, samples);
@@ -152,8 +155,8 @@ TEST(ReceiverChain, NeighboursAreIndependent) {
     return statistics::correlation({ping.begin(), ping.end() - lag}, {ping.begin() + lag, ping.end()});
   };
   const double none = 6.1 / std::sqrt(double(n));
-  EXPECT_LT(std::abs(lagged(1)), none);    // neighbouring sample
-  EXPECT_LT(std::abs(lagged(100)), none);  // same sample of the neighbouring beam
+  EXPECT_LT(std::abs(lagged(1)), none);    // adjacent range bin
+  EXPECT_LT(std::abs(lagged(100)), none);  // the same range bin of the adjacent beam
   EXPECT_LT(std::abs(statistics::correlation(ping, next)), none);
 }
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests speckle models: exponential, gamma and K distributions, textures, noise, and reproducible first
+// values.
+
 #include "sensors/receiver/speckle.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +18,7 @@ namespace {
 
 constexpr std::uint64_t seed = 20261121;
 
-/// Received energies at `n` places.
+/// Received energies of `n` range bins.
 std::vector<double> draw(const Speckle& speckle, double mean_j, double noise_j, std::uint32_t n) {
   std::vector<double> energies;
   for (std::uint32_t i = 0; i < n; ++i)
@@ -24,7 +27,8 @@ std::vector<double> draw(const Speckle& speckle, double mean_j, double noise_j, 
   return energies;
 }
 
-/// Distance to the law, and counts beyond some of its quantiles by exact binomial tails.
+/// Compares the distance to the distribution, and counts beyond some of its quantiles by exact binomial
+/// tails.
 template <typename Distribution>
 void expect_model(const std::vector<double>& energies, Distribution distribution) {
   EXPECT_LT(statistics::kolmogorov_distance(energies, distribution),
@@ -38,7 +42,8 @@ void expect_model(const std::vector<double>& energies, Distribution distribution
   }
 }
 
-/// Single look of the K law: P(I <= x) = 1 - 2 / Gamma(nu) (nu x)^(nu/2) K_nu(2 sqrt(nu x)), unit mean.
+/// Single look of the K distribution: P(I <= x) = 1 - 2 / Gamma(nu) (nu x)^(nu/2) K_nu(2 sqrt(nu x)), unit
+/// mean.
 double k_distribution(double nu, double x) {
   const double z = nu * x;
   return 1 - 2 / std::tgamma(nu) * std::pow(z, nu / 2) * boost::math::cyl_bessel_k(nu, 2 * std::sqrt(z));
@@ -117,16 +122,16 @@ TEST(Speckle, NoiseAddsItsMeanUnderEveryLaw) {
   const std::uint32_t n = 200000;
   for (const SpeckleModel model : {SpeckleModel::none, SpeckleModel::rayleigh, SpeckleModel::k})
     EXPECT_NEAR(statistics::mean(draw({model, 1.5, 1}, echo, noise, n)), echo + noise, 0.08);
-  // Speckled echo in noise: one complex Gaussian.
+  // A speckled echo in noise: one complex Gaussian.
   auto energies = draw({SpeckleModel::rayleigh, 1, 1}, echo, noise, n);
   expect_model(energies, [&](double x) { return -std::expm1(-x / (echo + noise)); });
-  // A steady echo in noise: a non-central chi-squared law, two degrees of freedom a look.
+  // A steady echo in noise: a non-central chi-squared distribution with two degrees of freedom per look.
   for (const int looks : {1, 3}) {
     energies = draw({SpeckleModel::none, 1, looks}, echo, noise, n);
     const boost::math::non_central_chi_squared model(2 * looks, 2 * looks * echo / noise);
     expect_model(energies, [&](double x) { return cdf(model, 2 * looks * x / noise); });
   }
-  // Noise alone is speckle.
+  // Noise alone has the distribution of speckle.
   expect_model(draw({}, 0, 1, n), [](double x) { return -std::expm1(-x); });
 }
 

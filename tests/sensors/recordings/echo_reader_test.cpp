@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests the reader of echo files: files of tubefoot and of other programs, optional variables, invalid
+// layouts, excessive sizes and truncated files.
+
 #include "sensors/recordings/echo_reader.hpp"
 
 #include <fmt/format.h>
@@ -42,7 +45,7 @@ struct EchoReader : testing::Test {
     ADD_FAILURE() << "no error";
     return {};
   }
-  /// Writes `group`, which must be refused, and starts anew.
+  /// Writes `group`, which must be rejected, and resets it.
   std::string refusal(int mode = NC_NETCDF4) {
     write_foreign(file, group, {}, mode);
     group = least_echoes();
@@ -106,7 +109,7 @@ TEST_F(EchoReader, Float32AndOtherSpellingsOfUnitsAreUnderstood) {
   variable("energy").units = "joule";
   variable("slant_range").units = "metres";
   variable("beam_azimuth").units = "degrees";
-  variable("energy").fill = 0;  // zero is then both
+  variable("energy").fill = 0;  // zero is then both an energy and the fill value
   write_foreign(file, group);
   EXPECT_EQ(read_echo_file(file).sensors[0].energy[1], double(1e-9f));
 }
@@ -234,7 +237,7 @@ TEST_F(EchoReader, HugeClaimsAreRefusedBeforeAnythingIsAllocated) {
     getrusage(RUSAGE_SELF, &after);
     EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 100'000) << "kibibytes";
   }
-  group.dimensions[0].second = NC_UNLIMITED;  // with nothing written
+  group.dimensions[0].second = NC_UNLIMITED;  // without written data
   variable("energy").values.clear();
   EXPECT_THAT(refusal(), HasSubstr("'energy' is empty (0 x 3 x 4)"));
 }

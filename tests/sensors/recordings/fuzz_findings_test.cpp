@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What fuzzing found in readers of echo files (docs/fuzzing.md), minimised, named by what it shows.
+// Repeats the findings of fuzzing for readers of echo files (docs/fuzzing.md), minimised. The test names
+// state the findings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-// netCDF writes no such file, but reads it, and then gives all 64 values to who asked for one.
+// netCDF writes no such file, but reads it. It then returns all 64 values to a caller that requests one.
 TEST(FuzzedRecordings, FillValueOfManyValuesIsRefusedBeforeItIsRead) {
   const TestFolder folder;
   const auto file = write_foreign(folder.path() / "echoes.nc", least_echoes(), {}, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The energy of a sidescan's samples is that of its footprints, each integrated on its own by plain
-// subdivision.
+// Compares the energy of sidescan samples with that of the footprints. The test integrates each footprint
+// separately by plain subdivision.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -20,14 +20,14 @@ namespace {
 
 constexpr double absorption_db_per_m = 0.11;
 
-/// Lambert's law, spreading and absorption both ways, per area at a place relative to the apex.
+/// Lambert's law, spreading and absorption on both legs, per area at a position relative to the apex.
 double model(glm::dvec3 place, glm::dvec3 normal, double mu) {
   const double range = glm::length(place), sine = std::abs(glm::dot(place, normal)) / range;
   return mu * sine * sine * std::pow(range, -4) * std::pow(10, -2 * absorption_db_per_m * range / 10);
 }
 
-/// Radon's rule of seven points, exact to degree 5, on a triangle cut into four until it is small for its
-/// range.
+/// Radon's rule of seven points, exact to degree 5. A triangle is cut into four until it is small relative
+/// to its range.
 double over_triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::dvec3 normal, double mu, int depth = 0) {
   const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
   if (longest > 0.04 * glm::length(a) && depth < 12) {

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tests complete echo files: the recording is recovered, with attributes, lines, beams and variables of
+// other programs.
+
 #include "sensors/recordings/whole_echo_file.hpp"
 
 #include <gmock/gmock.h>
@@ -25,7 +28,7 @@ struct EchoFileAsAWhole : testing::Test {
   std::filesystem::path file = folder / "echoes.nc";
 };
 
-/// A camera that moves: its pings at 2 s and 2.5 s, each energy another.
+/// A moving camera with pings at 2 s and 2.5 s and distinct energies.
 samples::OwnedRecording moving_camera(int pings) {
   auto camera = samples::silent(samples::camera(4, 8), pings);
   for (std::size_t k = 0; k < camera.energies.size(); ++k) camera.energies[k] = 1e-9 * double(k + 1);
@@ -115,7 +118,7 @@ TEST_F(EchoFileAsAWhole, ReadsTheVariablesOfStrangersWhateverTheirTypeAndShape) 
   EXPECT_TRUE(std::isnan(share->values[3]));
   ASSERT_NE(whole.more.at(0).variable("number"), nullptr);
   EXPECT_THAT(whole.more.at(0).variable("number")->values, ElementsAre(7, 8));
-  EXPECT_EQ(whole.more.at(0).variable("energy"), nullptr);  // SensorEchoes has it
+  EXPECT_EQ(whole.more.at(0).variable("energy"), nullptr);  // SensorEchoes contains it
 }
 
 TEST_F(EchoFileAsAWhole, HasNoPictureOfUnevenSamples) {

@@ -16,7 +16,7 @@ namespace {
 using std::numbers::pi;
 using Law = ApertureWindow::Law;
 
-/// Of elements half a wavelength apart, by u = elements x turns of phase from one to the next.
+/// Figures for elements half a wavelength apart, by u = elements x turns of phase from one to the next.
 LobeFigures figures_of(const ApertureWindow& window, std::size_t elements) {
   const std::vector<double> weights = window_weights(window, elements);
   std::vector<double> pattern;

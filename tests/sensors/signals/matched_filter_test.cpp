@@ -18,7 +18,7 @@ using Complex = std::complex<double>;
 using std::numbers::pi;
 constexpr double c = 1500;
 
-/// A transmitter and a receiver in one place, a point so far that the delay is `delay_s`.
+/// A transmitter and a receiver at one position, and a point at a distance with a delay of `delay_s`.
 ElementSignals echo(const TransmitWaveform& waveform, const SignalSampling& sampling, double delay_s) {
   return point_signals({{{0, c * delay_s / 2, 0}, {0.3, 0.4}}}, line_array(1, {0, 0, 0}), waveform, sampling,
                        VehicleMotion({{0, {}}}, {0}), c);
@@ -71,7 +71,7 @@ TEST(MatchedFilter, PutsThePeakAtTheDelayWithAmplitudeAndPhase) {
 }
 
 TEST(MatchedFilter, ResolvesAChirpAsTheWindowsTheorySays) {
-  // A long chirp's spectrum is even: the compressed pulse is its window's transform.
+  // The spectrum of a long chirp is uniform: the compressed pulse is the transform of its window.
   const SignalSampling sampling{100e3, 4e6, 0.01, 60000};
   const auto waveform = linear_chirp(80e3, 120e3, 10e-3);  // time times bandwidth 400
   const ElementSignals signals = echo(waveform, sampling, 0.0145);

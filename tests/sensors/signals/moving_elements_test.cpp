@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One scatterer of the surface's field beside the closed form of a point, the vehicle being on the way.
+// Compares one scatterer of the surface field with the closed form of a point, for a moving vehicle.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -14,7 +14,7 @@ using Complex = std::complex<double>;
 
 TEST(MovingElements, HearAScattererOfTheGroundAsAPoint) {
   const double c = 1500, carrier_hz = 200e3, duration_s = 4e-3;
-  // A patch below the spacing of a field that has one scatterer there.
+  // A square below the spacing of a field that has one scatterer there.
   const std::vector<double> mu{0.1};
   const std::vector<std::uint16_t> material{0};
   EchoLaw law;
@@ -62,7 +62,7 @@ TEST(MovingElements, HearAScattererOfTheGroundAsAPoint) {
       const Complex point = expected.channel(0, e)[n];
       if (std::abs(point) < 1e-9) continue;
       ++echoes;
-      // Phases are the ways'; amplitudes have Lambert's law.
+      // Phases are those of the path lengths. Amplitudes follow Lambert's law.
       EXPECT_LT(std::abs(std::arg(received.at(e, n) / point)), 2 * std::numbers::pi * 1e-9) << e << ' ' << n;
       const double t = sampling.time_s(n), above = elements[e].at(t).z + 9;
       const double rx = glm::distance(elements[e].at(t), points[0].position_m);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Points against the closed form, in long double: two-way delays of platforms at rest and on the way.
+// Compares signals of points with the closed form in long double: two-way delays of platforms at rest and
+// in motion.
 #include "sensors/signals/point_signals.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +21,7 @@ struct LongVector {
 
 constexpr Real two_pi = 2 * std::numbers::pi_v<Real>;
 constexpr double c = 1500;
-/// A wavelength is a turn: 1e-9 of it.
+/// 1e-9 of a wavelength, which is one turn
 const double phase_tolerance = 2 * std::numbers::pi * 1e-9;
 
 LongVector wide(glm::dvec3 v) { return {v.x, v.y, v.z}; }
@@ -29,7 +30,7 @@ LongVector moved(LongVector a, LongVector v, Real t) { return {a.x + v.x * t, a.
 Real dot(LongVector a, LongVector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Real length(LongVector a) { return std::sqrt(dot(a, a)); }
 
-/// Difference of a value's phase from `cycles` turns, between -pi and pi.
+/// Difference of the phase of a value from `cycles` turns, between -pi and pi.
 double phase_error(Complex value, Real cycles) {
   const auto expected = static_cast<double>((cycles - std::floor(cycles)) * two_pi);
   const Complex turned = value * std::polar(1.0, -expected);
@@ -71,7 +72,7 @@ TEST(PointSignals, HaveThePhaseOfTheExactDelayToABillionthOfAWavelength) {
   }
 }
 
-/// Emission time of what is received at t, of places that move evenly: by the root of the quadratic.
+/// Transmit time of the sound that arrives at t, for uniform motion: the root of a quadratic equation.
 Real emission(LongVector from, LongVector velocity, LongVector x, Real there) {
   const LongVector d = difference(x, from);  // |d - v t| = c (there - t)
   const Real a = Real(c) * c - dot(velocity, velocity), b = Real(c) * c * there - dot(d, velocity),
@@ -122,8 +123,8 @@ TEST(PointSignals, OfMovingPlatformsHaveTheExactDelayOfBothEnds) {
       }
   EXPECT_GE(echoes, 9 * 99);
   EXPECT_LT(worst, phase_tolerance);
-  EXPECT_GT(hop_error, 1);  // stop-and-hop is wrong by turns here
-  // The same way in other pieces goes through the general track.
+  EXPECT_GT(hop_error, 1);  // the error of stop-and-hop is several turns here
+  // The same track in other pieces uses the code for general tracks.
   const VehicleMotion pieces(track({0, 0.17, 0.51, 2.03, 4}), starts, false);
   const ElementSignals same = point_signals(targets, array, waveform, sampling, pieces, c);
   for (std::size_t k = 0; k < same.pressure.size(); ++k)
@@ -189,7 +190,8 @@ TEST(PointSignals, AddUp) {
   for (std::size_t k = 0; k < both.size(); ++k) EXPECT_EQ(both[k], first[k] + second[k]);
 }
 
-// Places of 5000 km and clocks of 1970 are rounded by more than a last step moves; none is as fast as sound.
+// Coordinates of 5000 km and clocks of 1970 round more than the last step moves. No element is as fast as
+// sound.
 TEST(PointSignals, OfMovingVehiclesAreFoundWhereverFrameAndClockBegin) {
   const auto waveform = continuous_wave_pulse(100e3, 1e-3);
   const SignalSampling sampling{100e3, 10e3, 0, 4000};
