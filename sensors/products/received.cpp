@@ -16,9 +16,9 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
   ReceiverDescription receiver;
   receiver.source_level_db = signal.source_level_db;
   receiver.noise_level_db = signal.noise_level_db;
-  receiver.speckle.law = signal.speckle == "rayleigh" ? SpeckleLaw::rayleigh
-                         : signal.speckle == "k"      ? SpeckleLaw::k
-                                                      : SpeckleLaw::none;
+  receiver.speckle.model = signal.speckle == "rayleigh" ? SpeckleModel::rayleigh
+                           : signal.speckle == "k"      ? SpeckleModel::k
+                                                        : SpeckleModel::none;
   receiver.speckle.looks = signal.speckle_looks;
   receiver.speckle.shape = signal.speckle_shape;
   receiver.tvg = gain_of(recording);

@@ -56,8 +56,8 @@ LabelPing LabelRecording::of(std::size_t ping) const {
     ping_labels.mean_range[cell] = channel(owners.size() + 1)[cell] / scattered;
   }
   if (!label_level_db) {
-    ping_labels.object_label = labels_of(label_recording.object_share, cells);
-    ping_labels.material_label = labels_of(label_recording.material_share, cells);
+    ping_labels.object_label = labels_of(ping_labels.object_share, cells);
+    ping_labels.material_label = labels_of(ping_labels.material_share, cells);
     return ping_labels;
   }
   std::vector<double> of_object(objects.size() * cells), of_material(materials.size() * cells);

@@ -158,7 +158,7 @@ void print_tiles(const Scene& scene) {
 /// Sums over the probed pings.
 struct Probe {
   std::size_t pings = 0, candidates = 0, footprints = 0;
-  double seconds = 0, largest_gap_m = 0;
+  double seconds = 0, largest_travel_path_error_m = 0;
 };
 
 /// Computes visible polygons and echoes of the transmissions of one ping, and adds their cost to `sum`.
@@ -170,7 +170,8 @@ void probe(const Transmissions& transmissions, const SharedTransmissions& group,
        ++number) {
     const Transmission transmission = around.of(group, ping, number);
     if (const ApparentSurface* apparent = transmission.surface_mesh().apparent())
-      sum.largest_gap_m = std::max(sum.largest_gap_m, apparent->largest_gap_m);
+      sum.largest_travel_path_error_m =
+          std::max(sum.largest_travel_path_error_m, apparent->largest_travel_path_error_m);
     const History history = transmission.trace(&sum.candidates);
     sum.footprints += history.footprints.footprints.size();
     for (const std::size_t s : group.sensors) {
@@ -192,7 +193,7 @@ void print_cost(const Survey& survey, RunRequest request, int threads, bool quie
   request.binning = Binning::exact;
   const Transmissions transmissions(survey, request);
   const WritingCost writing = expected_writing(survey, request, {});
-  double seconds = 0, largest_gap_m = 0;
+  double seconds = 0, largest_travel_path_error_m = 0;
   std::string told;  // messages to print once the progress bar is finished
   auto measuring = std::make_optional<Progress>("measuring", quiet);
   for (const SharedTransmissions& group : survey.transmissions) {
@@ -208,14 +209,14 @@ void print_cost(const Survey& survey, RunRequest request, int threads, bool quie
     told += fmt::format("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names,
                         sum.candidates / sum.pings, sum.footprints / sum.pings, per_ping * 1e3);
     seconds += per_ping * static_cast<double>(pings);
-    largest_gap_m = std::max(largest_gap_m, sum.largest_gap_m);
+    largest_travel_path_error_m = std::max(largest_travel_path_error_m, sum.largest_travel_path_error_m);
   }
   measuring.reset();
   tell("{}", told);
   if (scene.water->refracts()) {
-    const std::optional<double> requested_m = scene.description.water.refraction_gap_m;
+    const std::optional<double> requested_m = scene.description.water.travel_path_error_m;
     tell("refraction     in these pings facets are within {} of where they are seen{}\n",
-         length_text(largest_gap_m),
+         length_text(largest_travel_path_error_m),
          requested_m ? fmt::format(", asked: {}", length_text(*requested_m)) : std::string());
   }
   tell(

@@ -59,7 +59,7 @@ void scattering(const Path& file) {
   MaterialDescription material;
   material.place.file = "scene.toml";
   material.name = "sand";
-  material.law = "table";
+  material.model = "table";
   material.table_file = file;
   material.unbounded = true;
   scene.materials.push_back(material);

@@ -72,7 +72,7 @@ struct ApertureShadow : testing::Test {
 
 /// Returns whether a point of the seabed lies in a polygon, for either orientation of its corners.
 bool holds(const VisiblePolygons& seen, glm::dvec2 place) {
-  return std::any_of(seen.patches.begin(), seen.patches.end(), [&](const SeenPatch& patch) {
+  return std::any_of(seen.patches.begin(), seen.patches.end(), [&](const VisiblePolygon& patch) {
     const auto corners = seen.corners(patch);
     bool left = true, right = true;
     for (std::size_t k = 0; k < corners.size() && (left || right); ++k) {

@@ -82,9 +82,9 @@ ChannelSignals direct_sum(const Place& place, const CoherentReceiver& receiver, 
   all.value.assign(all.channels * all.samples, 0);
   const PulseTable table(receiver.pulse, receiver.times);
   const double k = 2 * std::numbers::pi * receiver.carrier_hz / receiver.sound_speed_m_s;
-  std::vector<ChannelOnPatch> on;
+  std::vector<ChannelOnPolygon> on;
   std::vector<glm::dvec3> corners;
-  for (const SeenPatch& patch : place.seen.patches) {
+  for (const VisiblePolygon& patch : place.seen.patches) {
     on.clear();
     for (const SignalChannel& channel : receiver.channels)
       on.emplace_back(channel, place.seen, patch, place.model);
@@ -93,7 +93,7 @@ ChannelSignals direct_sum(const Place& place, const CoherentReceiver& receiver, 
     field.for_scatterers(corners, patch.normal, [&](glm::dvec3 at, std::complex<double> z) {
       ++scatterers;
       for (std::size_t c = 0; c < on.size(); ++c) {
-        const ChannelOnPatch::Reception received = on[c].at(at - place.seen.origin_m);
+        const ChannelOnPolygon::Reception received = on[c].at(at - place.seen.origin_m);
         table.add(z * std::polar(received.amplitude, k * received.path_m),
                   received.path_m / receiver.sound_speed_m_s, &all.value[c * all.samples]);
       }
@@ -173,7 +173,7 @@ void run(double reach_m, int most_elements, bool direct) {
     measure(place, array_of(64, 10e3, apex, reach_m), 10e3, tolerance);
   for (const int part : {2, 4}) {
     Place some = place;
-    std::vector<SeenPatch> patches;
+    std::vector<VisiblePolygon> patches;
     for (std::size_t k = 0; k < place.seen.patches.size(); k += std::size_t(part))
       patches.push_back(place.seen.patches[k]);
     some.seen.patches = patches;

@@ -64,7 +64,7 @@ void measure(const char* what, VisiblePolygons seen, int elements, int exact_ele
         2 * pi * carrier_hz + 8 / sigma};
     for (const SignalChannel& channel : some.channels) {
       std::vector<std::complex<double>> row(times.size());
-      for (const SeenPatch& patch : seen.patches) {
+      for (const VisiblePolygon& patch : seen.patches) {
         const glm::dvec3 transmit = channel.transmit_m - seen.origin_m,
                          receive = channel.receive_m - seen.origin_m;
         const FacetPlane plane{patch.normal, patch.distance_m + glm::dot(patch.normal, transmit)};
@@ -111,7 +111,7 @@ void run(int elements, int exact_elements) {
   const History history = TubeEngine(scene.mesh, tree, scene.grid.unit_m(), {}).trace(tubes);
   EchoModel model;
   model.path.tx.apex_m = scene.grid.to_metres(tubes.apex);
-  const SplitPatches split = split_patches(visible_polygons(history, model), [&](FacetId facet) {
+  const SplitPolygons split = split_polygons(visible_polygons(history, model), [&](FacetId facet) {
     return scene.description.materials[scene.mesh.material[facet]].name == "steel";
   });
   measure("wreck", split.smooth, elements, exact_elements);
@@ -133,7 +133,7 @@ void run(int elements, int exact_elements) {
     const FacetPlane plane{normal, -glm::dot(normal, a)};
     turn.assign(std::vector{a, b, c}, plane, PlaneFrame(plane));
     if (area(turn) < 0) std::swap(b, c);
-    SeenPatch patch{FacetId(ball.patches.size()), normal, plane.distance_m};
+    VisiblePolygon patch{FacetId(ball.patches.size()), normal, plane.distance_m};
     patch.first_corner = std::uint32_t(ball.corners_m.size());
     patch.corner_count = 3;
     ball.patches.push_back(patch);

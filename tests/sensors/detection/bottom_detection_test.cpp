@@ -360,7 +360,7 @@ TEST(BottomDetection, FootprintsSeenBy8101AtTwentyMetresHaveTheirPublishedSizes)
 
 TEST(BottomDetection, CentroidSpreadsUnderSpeckleAsItsSigmaSays) {
   ReceiverDescription description;
-  description.speckle.law = SpeckleLaw::rayleigh;
+  description.speckle.model = SpeckleModel::rayleigh;
   description.seed = 20261121;
   SCOPED_TRACE(testing::Message() << "seed " << description.seed);
   const ReceiverChain chain(description);

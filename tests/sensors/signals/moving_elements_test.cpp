@@ -17,13 +17,13 @@ TEST(MovingElements, HearAScattererOfTheGroundAsAPoint) {
   // A square below the spacing of a field that has one scatterer there.
   const std::vector<double> mu{0.1};
   const std::vector<std::uint16_t> material{0};
-  EchoLaw law;
+  EchoModel law;
   law.material_mu = mu;
   law.material = material;
   VisiblePolygons seen;
   seen.corners_m = {{3, 14, -9}, {3, 14.04, -9}, {3.04, 14.04, -9}, {3.04, 14, -9}};
   seen.patches = {{0, {0, 0, 1}, 9, 0, 4, 0, 0}};
-  GroundField field{1, 0.05};
+  SurfaceField field{1, 0.05};
   std::vector<PointScatterer> points;
   for (; points.size() != 1; ++field.seed) {
     points.clear();
