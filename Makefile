@@ -24,7 +24,7 @@
 #   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, docs/scaling.md (a quarter of an hour)
 #   make long-run  memory of 10 000 pings of a sidescan and a multibeam: docs/figures/long-run.svg (minutes)
 #   make reference reference-sums  certify the echoes of validation/reference/v1 anew and write its checksums (half a minute)
-#   make reference-sums  checksums of the reference pack v2, as tubefoot suite writes it (a minute)
+#   make reference-sums  checksums of the benchmark suite v2, as tubefoot suite writes it (a minute)
 #   make docs    build the documents as a site: build/docs/html/index.html
 #   make figures  draw the figures of docs/tutorial.md and docs/theory.md anew, from the program's output
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
@@ -201,10 +201,10 @@ long-run: build
 	/usr/bin/python3 -B validation/scaling/long_run.py $(PROGRAM) docs/figures/long-run.svg $(LONG_RUN_PINGS)
 
 reference: build
-	tools/reference_pack $(PROGRAM) validation/reference/v1
+	tools/reference_suite $(PROGRAM) validation/reference/v1
 
 reference-sums: build
-	tools/pack_sums $(PROGRAM) validation/reference/v2/SHA256SUMS
+	tools/suite_sums $(PROGRAM) validation/reference/v2/SHA256SUMS
 
 docs:
 	@tools/setup documents

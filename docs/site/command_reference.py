@@ -33,7 +33,8 @@ def page(program):
     text = HEAD
     for command in commands:
         said = help_of(program, command)
-        text += f"\n## {command}\n\n```text\n{said.rstrip()}\n```\n"
+        said = re.sub(r"\n{3,}", "\n\n", said).rstrip()
+        text += f"\n## {command}\n\n```text\n{said}\n```\n"
     return text
 
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 namespace tubefoot {
 namespace {
@@ -49,6 +50,14 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positi
     line += (begins ? "" : " ") + word;
   }
   return help + line + "\n";
+}
+
+std::string HelpFormatter::make_group(std::string group, bool is_positional,
+                                      std::vector<const CLI::Option*> options) const {
+  const bool is_first = is_positional || group == "Options";
+  std::string text = CLI::Formatter::make_group(std::move(group), is_positional, std::move(options));
+  if (!is_first && text.starts_with('\n')) text.erase(0, 1);
+  return text;
 }
 
 }  // namespace tubefoot

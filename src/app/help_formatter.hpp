@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 namespace tubefoot {
 
@@ -11,6 +12,9 @@ namespace tubefoot {
 class HelpFormatter : public CLI::Formatter {
  public:
   std::string make_option(const CLI::Option* option, bool is_positional) const override;
+  /// CLI11 separates groups by two blank lines. This formatter uses one.
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override;
 };
 
 }  // namespace tubefoot

@@ -296,7 +296,7 @@ void add_suite(CLI::App& app, CommandOptions& requested) {
       ->add_option("--seed", suite.seed,
                    "write a validation set of the same classes, drawn with this text as seed (default: the "
                    "published set)")
-      ->option_text("TEXT");
+      ->option_text("SEED");
   command
       ->add_option(
           "--scenes", suite.scenes,
