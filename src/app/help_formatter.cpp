@@ -30,6 +30,7 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positi
   std::string line = "  " + make_option_name(option, is_positional);
   if (const std::string placeholder = placeholder_of(*option); !is_positional && !placeholder.empty())
     line += " " + placeholder;
+  if (is_positional && option->get_items_expected_max() > 1) line += " ...";
   if (option->get_required() && !is_positional) line += " (required)";
   std::string help;
   const auto next_line = [&] {

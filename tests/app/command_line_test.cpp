@@ -123,8 +123,11 @@ TEST_F(CommandLine, HelpOfEveryCommandFitsItsColumnsAndShowsNoTypes) {
     EXPECT_THAT(help, Not(HasSubstr("TEXT"))) << command;
     EXPECT_THAT(help, Not(HasSubstr(":{"))) << command;
     std::istringstream lines(help);
-    for (std::string text; std::getline(lines, text);)
-      if (text.starts_with("   ")) EXPECT_LE(text.size(), 100U) << text;
+    for (std::string text; std::getline(lines, text);) {
+      if (text.starts_with("   ")) {
+        EXPECT_LE(text.size(), 100U) << text;
+      }
+    }
     ++tried;
   }
   EXPECT_GE(tried, 17U);

@@ -82,7 +82,7 @@ TEST(BinOrigins, PartsAreTheEchoAndLieWhereTheirObjectsDo) {
   const Found found(scene_text());
   const Transmissions transmissions(*found.survey, RunRequest{});
   const Transmission transmission = transmissions.received_by(0, 0, 0);
-  const Echo echo = transmission.echo(transmission.trace(), 0, transmission.model(0).law);
+  const Echo echo = transmission.echo(transmission.trace(), 0, transmission.model(0).model);
   std::vector<double> sum(echo.energy.size());
   std::uint32_t before = 0;
   for (const BinPart& part : found.origins.parts) {
