@@ -37,7 +37,7 @@ def in_python(text: str) -> str:
         option = match[1]
         if option is None:  # The match is a command of GDAL.
             return match[0]
-        name = _ARGUMENTS.get(option, option.replace("-", "_"))
+        name = option.replace("-", "_")
         return f"{name}=True" if option in _FLAGS else name
     return re.sub(r"`(?:gdal|ogr)[^`]*`|(?<![\w-])--([a-z]+(?:-[a-z]+)*)", argument, text)
 
