@@ -139,7 +139,7 @@ TEST(LaterArrivalsRun, SeparateReceiversSayWhatTheyLack) {
   const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("several rays, with 1 turning point at most"));
-  EXPECT_THAT(outcome.err, HasSubstr("only the first to arrive is followed"));
+  EXPECT_THAT(outcome.err, HasSubstr("follows the first arrival only"));
 }
 
 // Random rays meet the same eigenray branches.
