@@ -34,8 +34,8 @@ def unit(a):
     return tuple(float(x) / size for x in a)
 
 
-class Shot:
-    """Tubes of one shot: axis, rays, pieces (facet, corners) and open water (directions), in rationals."""
+class Transmission:
+    """Tubes of one transmission: axis, rays, pieces (facet, corners) and open water (directions), in rationals."""
     def __init__(self, path):
         def points(words):
             numbers = [Fraction(word) for word in words]
@@ -154,9 +154,9 @@ def main():
             subprocess.run(["oiiotool", scratch / "run/camera-0000.png", "--nosoftwareattrib", "--resize", "500x0",
                             "-d", "uint8", "-o", folder / figure], check=True)
         tubefoot(high_fan, "footprints", "--sensor", "camera", "-o", scratch / "high.txt")
-        closure(Shot(scratch / "high.txt"), folder / "closure.svg")
+        closure(Transmission(scratch / "high.txt"), folder / "closure.svg")
         tubefoot(few_beams, "footprints", "--sensor", "camera", "-o", scratch / "fan.txt")
-        plan(Shot(scratch / "fan.txt"), folder / "footprints-in-plan.svg", 2.5, 0.5)
+        plan(Transmission(scratch / "fan.txt"), folder / "footprints-in-plan.svg", 2.5, 0.5)
 
 
 if __name__ == "__main__":
