@@ -20,9 +20,10 @@ enum class DetectionMethod {
                     ///< energies
 };
 
-/// Name in scene files and in tables of soundings: "first_return", "energy_centroid", "maximum".
+/// Name in tables of soundings: "first_return", "energy_centroid", "maximum" or "split_beam".
 const char* name_of(DetectionMethod method);
-/// The method of that name. Throws std::invalid_argument for an unknown name.
+/// The method of that name, as scene files give it: one of the first three. Throws std::invalid_argument for
+/// another name.
 DetectionMethod detection_method_from_name(std::string_view name);
 
 /// Selects the samples of a beam that count. Their middle lies in the range gate, and their energy is above
@@ -30,15 +31,19 @@ DetectionMethod detection_method_from_name(std::string_view name);
 struct DetectionRule {
   DetectionMethod method = DetectionMethod::energy_centroid;
   double relative_db = -20;  ///< energy relative to the beam's largest sample in the gate; at most 0
-  double absolute_j = 0;     ///< threshold of energy, in J
+  double absolute_j = 0;     ///< threshold of received energy density, in J/m^2
   double nearest_m = 0, farthest_m = std::numeric_limits<double>::infinity();  ///< range gate
 };
 
 /// Reasons to doubt a detection.
 enum class DetectionFlag : std::uint8_t {
-  cut_by_window = 1,   ///< the echo reaches the first or the last sample of the gate, so that a part may lie
-                       ///< outside
-  several_echoes = 2,  ///< a separate echo has at least a tenth of this one's energy
+  /// The distance of the echo from a border of the gate is at most its own widest gap, or one sample. A part
+  /// of
+  /// the echo may therefore lie outside.
+  cut_by_window = 1,
+  /// A part that was separated from this echo has at least a tenth of its energy. The flag is also set if the
+  /// centroid was moved by more than two samples onto an echo.
+  several_echoes = 2,
 };
 
 /// A set of flags. An empty set means that nothing speaks against the detection.
@@ -67,8 +72,8 @@ struct Detection {
   double energy_j = 0;  ///< energy of the largest sample on which the detection rests
   DetectionFlags flags;
   /// 1 - rms / (length / sqrt(12)), at least 0. It compares the rms distance of the gate's energy from the
-  /// detection with that of uniform noise in the gate. The value 1 means that all energy is at the
-  /// detection.
+  /// detection with that of uniform noise from the middle of the gate. The value 1 means that all energy is
+  /// at the detection.
   double quality = 0;
 };
 

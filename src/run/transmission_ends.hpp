@@ -11,6 +11,10 @@
 #include "run/refraction.hpp"
 #include "run/transmission.hpp"
 
+// This header declares the two ends of the paths of a transmission: its transmitter and its receiver. Each
+// end has tubes and a surface mesh, and the visibility solver runs once per end. A facet has a number in the
+// mesh of its end. Its name is its number in the mesh that both ends share. It also has a number in the whole
+// scene.
 namespace tubefoot {
 
 /// One end of a transmission's paths: its tubes, and the seabed from its view.
@@ -18,13 +22,13 @@ struct TransmissionEnd {
   TubeSet tubes;
   const FacetMesh* mesh = nullptr;
   const SceneTree* tree = nullptr;
-  /// the mesh as parts of the scene's facets; null: the scene's facets themselves
+  /// The mesh as parts of the scene's facets; null: the scene's facets themselves.
   const RefinedMesh* refined = nullptr;
   const ApparentSurface* apparent = nullptr;  ///< null if apparent and true positions are equal
   /// By facet: the shared name of this facet at both ends, if each end has its own mesh. Otherwise empty.
   std::span<const FacetId> name{};
-  const LoadedScene* loaded_scene =
-      nullptr;  ///< scene to which these facets belong; null: the facets are the transmission's own
+  /// Scene to which these facets belong; null: the facets are the transmission's own.
+  const LoadedScene* loaded_scene = nullptr;
 
   FacetId name_of(FacetId facet) const { return name.empty() ? facet : name[facet]; }
   /// Returns the number of a facet with that name: its number in the whole scene, if it is a facet of the
@@ -62,11 +66,12 @@ class TransmissionEnds {
     std::vector<History> alone;
     PathFootprints together;
   };
+  /// Requires two ends.
   Seen seen() const;
   /// Returns the model by which the transmission receives the common visibility of two ends.
   std::unique_ptr<SensorModel> model(std::size_t sensor) const;
-  /// Checks the closure laws of each end and of their common visibility. `label` distinguishes transmissions
-  /// in the hash.
+  /// Requires two ends. Checks the closure laws of each end and of their common visibility. `label`
+  /// distinguishes transmissions in the hash.
   BistaticAudit audit(std::uint64_t label) const;
 
  private:

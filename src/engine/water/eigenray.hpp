@@ -45,11 +45,12 @@ struct EigenrayOptions {
 /// Finds all rays without reflection from one source depth to points of a stratified water column.
 ///
 /// Within one layer the two-point problem has a closed form. Otherwise each order of turning points gives
-/// the horizontal range as a function of one variable. This variable is the sine of the grazing angle at the
-/// fastest depth that the ray passes. Without turning points the function is monotone and concave, and
-/// Newton's method starts from the left. With turning points the search splits the function where the ray
-/// turns in another layer and where its derivative, in closed form, changes sign. Next to a caustic the
-/// search can miss a pair of eigenrays that are closer together than its steps of 1/16 of a layer's sines.
+/// the horizontal range as a function of one variable. Without turning points this variable is the cotangent
+/// of the grazing angle at the depth of the largest sound speed on the path. The function is then monotone
+/// and concave, and Newton's method finds its root. With turning points the search splits the function where
+/// the ray turns in another layer and where its derivative, in closed form, changes sign. Next to a caustic
+/// the search can miss a pair of eigenrays that are closer together than its steps of 1/16 of a layer's
+/// sines.
 class EigenrayFinder {
  public:
   /// Keeps a reference to `water`. Throws std::invalid_argument for a source above the surface.
