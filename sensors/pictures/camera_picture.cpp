@@ -58,7 +58,7 @@ Canvas CameraFrames::draw(std::size_t ping, const ReceiverOutput* receiver_outpu
       fan.samples(), fan.near_m(), fan.far_m());
   if (receiver_output) subtitle += "; " + receiver_output->said;
   const std::string footer = scale.reference_j() > 0
-                                 ? fmt::format("0 dB: {} dB re 1 J/m2; darkest: no echo{}",
+                                 ? fmt::format("0 dB: {} dB re 1 J/m2; blue: no echo{}",
                                                tick_label(10 * std::log10(scale.reference_j()), 0.1),
                                                ends_early(fan, echoes) ? "; grey: no surface there" : "")
                                  : "no echo";

@@ -53,7 +53,7 @@ Canvas draw_echogram(const Recording& recording, std::span<const float> energy_j
       "{:g} kHz, {} samples over {:.2f} to {:.2f} m; line: detected bottom{}{}", sensor.frequency_khz(),
       samples.count, samples.first_m, far_m, said.empty() ? "" : "; ", said);
   const std::string footer = scale.reference_j() > 0
-                                 ? fmt::format("0 dB: {} dB re 1 J/m2; darkest: no echo",
+                                 ? fmt::format("0 dB: {} dB re 1 J/m2; blue: no echo",
                                                tick_label(10 * std::log10(scale.reference_j()), 0.1))
                                  : "no echo";
   const int left = margin + axis_width, top = header_height;

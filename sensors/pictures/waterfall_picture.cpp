@@ -235,7 +235,7 @@ Canvas Waterfall::draw(const ReceiverOutput* receiver_output) const {
     subtitle += ", equal scales";
   if (receiver_output) subtitle += "; " + receiver_output->said;
   const std::string footer = scale.reference_j() > 0
-                                 ? fmt::format("{}; 0 dB: {} dB re 1 J/m2 at 1 m; darkest: no echo{}",
+                                 ? fmt::format("{}; 0 dB: {} dB re 1 J/m2 at 1 m; blue: no echo{}",
                                                own_gain ? "the sonar's own time-varied gain"
                                                         : "time-varied gain 40 log R + 2 alpha R",
                                                tick_label(10 * std::log10(scale.reference_j()), 0.1),
