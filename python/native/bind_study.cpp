@@ -53,6 +53,7 @@ struct ChartRequest {
   std::vector<std::pair<std::string, py::object>> own;
   std::string output;  ///< folder; empty for none
   std::string pings = "0";
+  std::optional<std::size_t> first_pings;  ///< number of first pings, instead of `pings`
   int repeats = 3;
   double seconds = 4;
 };
@@ -82,7 +83,9 @@ std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
   std::set<std::string> names;
   std::vector<Trial> trials;
   for (const auto& described : request.scenes) {
-    TrialScene scene(described->description(), chosen_pings(request.pings), chart_reference_tolerance);
+    TrialScene scene(described->description(),
+                     request.first_pings ? first_pings(*request.first_pings) : chosen_pings(request.pings),
+                     chart_reference_tolerance);
     if (!names.insert(scene.name()).second)
       throw UsageError("two scenes are called '" + scene.name() + "': the chart could not tell them apart");
     std::vector<EngineSetting> settings = settings_of(request.builtin, scene.beams());
@@ -112,6 +115,7 @@ std::vector<py::dict> chart_from_python(const py::dict& requested, const py::obj
   request.own = requested["own"].cast<decltype(request.own)>();
   request.output = requested["output"].cast<std::string>();
   request.pings = requested["pings"].cast<std::string>();
+  request.first_pings = requested["first_pings"].cast<std::optional<std::size_t>>();
   request.repeats = requested["repeats"].cast<int>();
   request.seconds = requested["seconds"].cast<double>();
   RunWatch watch;

@@ -84,7 +84,7 @@ def test_functions_take_nothing_for_none():
     with pytest.raises(TypeError):
         _native.compare(None, None, None, 1, False)
     with pytest.raises(TypeError):
-        _native.chart(dict(scenes=[None], builtin=["tube"], own=[], output="", pings="0", repeats=1, seconds=1.0), None)
+        _native.chart(dict(scenes=[None], builtin=["tube"], own=[], output="", pings="0", first_pings=None, repeats=1, seconds=1.0), None)
 
 
 def test_an_object_is_not_copied_and_keeps_its_class(scene):

@@ -89,6 +89,7 @@ def test_columns_that_were_meant(scene):
     (lambda s: tubefoot.transmission(s, "camera").staff_m, "'staff_m' is now 'receiver_baseline_m'"),
     (lambda s: tubefoot.advise(s, "50%", pings=2), "'pings' of advise"),
     (lambda s: tubefoot.chart(s, "tube", pings=1, repeats=1, seconds=0.1), "use '0:0'"),
+    (lambda s: tubefoot.chart(s, "tube", pings=1000, repeats=1, seconds=0.1), "is deprecated"),
 ])
 def test_former_names_warn(scene, call, name):
     with pytest.warns(DeprecationWarning, match=re.escape(name)):

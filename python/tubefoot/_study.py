@@ -140,15 +140,16 @@ def chart(scenes: Union[Scene, PathLike, Sequence[Union[Scene, PathLike]]],
     if len(set(names)) < len(names):
         raise UsageError(f"two engines have one name: {', '.join(names)}")
     repeats = whole("repeats", repeats)
+    first_pings = None
     if not isinstance(pings, str):
         count = whole("pings", pings)
         if count < 1:
             raise UsageError("pings: expected 1 or more")
-        pings = f"0:{count - 1}"
+        pings, first_pings = f"0:{count - 1}", count
         warnings.warn(f"an integer for 'pings' of chart() is deprecated: use {pings!r}", DeprecationWarning, stacklevel=3)
     if repeats < 1 or not seconds > 0:
         raise UsageError("repeats is 1 or more, seconds above 0")
     folder = "" if output is None else os.fspath(output)
-    asked = dict(scenes=[s._native for s in known], builtin=builtin, own=own, output=folder, pings=pings,
+    asked = dict(scenes=[s._native for s in known], builtin=builtin, own=own, output=folder, pings=pings, first_pings=first_pings,
                  repeats=repeats, seconds=float(seconds))
     return _native.chart(asked, progress)

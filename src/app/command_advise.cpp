@@ -65,7 +65,7 @@ int advise_command(const AdviseOptions& options) {
   AdviceOptions requested;
   requested.trial_pings = options.trial_pings;
   if (options.pings) {
-    if (const auto count = number_of_pings(*options.pings, "--trial-pings N", options.quiet))
+    if (const auto count = number_of_pings(*options.pings, 2, "--trial-pings N", options.quiet))
       requested.trial_pings = *count;
     else
       requested.pings = *options.pings;

@@ -38,7 +38,7 @@ int chart_command(const ChartOptions& options) {
     inputs.insert(inputs.end(), its.begin(), its.end());
   }
   const std::optional<std::size_t> count =
-      options.pings ? number_of_pings(*options.pings, "--pings 0:N-1", options.quiet) : std::nullopt;
+      options.pings ? number_of_pings(*options.pings, 1, "--pings 0:N-1", options.quiet) : std::nullopt;
   const std::string pings = options.pings.value_or("0");
   OutputFolder output(options.output, inputs);
   const ThreadLimit one_thread(1);  // the seconds of a setting do not depend on other threads

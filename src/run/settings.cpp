@@ -57,11 +57,12 @@ Tolerance requested_tolerance(const std::string& text) {
   }
 }
 
-std::optional<std::size_t> number_of_pings(const std::string& text, const std::string& instead, bool quiet) {
+std::optional<std::size_t> number_of_pings(const std::string& text, std::int64_t least,
+                                           const std::string& instead, bool quiet) {
   if (text.empty() || !std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; })) return {};
   const std::int64_t count = parse_ping_range(text).first;
-  if (count < 1)
-    throw UsageError(fmt::format("--pings '{}': expected a number of pings of at least 1", text));
+  if (count < least)
+    throw UsageError(fmt::format("--pings '{}': expected a number of pings of at least {}", text, least));
   if (!quiet) say("warning: a bare number of --pings is deprecated here: use {}\n", instead);
   return static_cast<std::size_t>(count);
 }

@@ -39,8 +39,9 @@ void print_warnings(const std::vector<std::string>& warnings, bool quiet);
 Tolerance requested_tolerance(const std::string& text);
 
 /// The number of pings that a bare number meant in earlier versions of 'advise' and 'chart', with a warning
-/// that names the present option. None for other texts. Throws UsageError for 0.
-std::optional<std::size_t> number_of_pings(const std::string& text, const std::string& instead, bool quiet);
+/// that names the present option. None for other texts. Throws UsageError for a number below `least`.
+std::optional<std::size_t> number_of_pings(const std::string& text, std::int64_t least,
+                                           const std::string& instead, bool quiet);
 
 /// Parses a ping range and checks it against the number of pings of the named sensor. Throws UsageError.
 PingRange resolved(const std::string& text, std::size_t pings, const std::string& sensor = {});

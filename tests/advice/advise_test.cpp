@@ -352,8 +352,8 @@ TEST_F(AdviseProgram, BadTolerancesAreRefused) {
     expect_refused({"run", scene, "-o", output, "--reference", "--tolerance", bad},
                    "relative bound, 1e-12 to 0.1");
   expect_refused({"advise", scene}, "--tolerance is required");
-  expect_refused({"advise", scene, "--tolerance", "1%", "--pings", "0"},
-                 "--pings '0': expected a number of pings");
+  expect_refused({"advise", scene, "--tolerance", "1%", "--pings", "1"},
+                 "--pings '1': expected a number of pings of at least 2");
   expect_refused({"advise", scene, "--tolerance", "1%", "--pings", "7:900"}, "has pings 0 to ");
   expect_refused({"advise", scene, "--tolerance", "1%", "--trial-pings", "1"}, "--trial-pings");
   expect_refused({"advise", scene, "--tolerance", "1%", "--threads", "0"}, "--threads");

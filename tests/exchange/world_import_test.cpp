@@ -117,7 +117,7 @@ TEST_F(Worlds, ReadShapesAndTellWhatTheyDoNot) {
     EXPECT_THAT(scene.noticed, Contains(HasSubstr(told)));
 }
 
-TEST_F(Worlds, FindModelsWhereTheyAreReportedTo) {
+TEST_F(Worlds, FindModelsInTheFoldersOfTheModelPath) {
   fs::create_directories(folder / "models/buoy/meshes");
   folder.write("models/buoy/meshes/b.obj", triangle);
   const std::string buoy = model("<geometry><mesh><uri>model://buoy/meshes/b.obj</uri></mesh></geometry>");

@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-TEST(FileFormat, IsReportedByTheFirstBytesAndNotByTheName) {
+TEST(FileFormat, IsFoundByTheFirstBytesAndNotByTheName) {
   const TestFolder folder;
   const auto format = [&](const std::string& name, std::string_view bytes) {
     return format_of(folder.write(name, std::string(bytes)));

@@ -19,7 +19,7 @@ std::optional<Part> contact(const FacetMesh& mesh, GridPoint point) {
 }
 
 // Law F3.
-TEST(Contact, IsReportedToTheGridUnit) {
+TEST(Contact, IsFoundToTheGridUnit) {
   // As large as the grid allows: products of three coordinates have 94 bits.
   constexpr std::int32_t far = 1 << 29;
   for (const std::array<GridPoint, 3>& corners :

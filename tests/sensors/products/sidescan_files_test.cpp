@@ -275,7 +275,7 @@ TEST(SidescanFiles, ASurveyHasAnXtfAndAMosaicALineAndOneMosaicOfAll) {
   EXPECT_NEAR(made.recording.ping_spacing_m(), 0.5, 1e-12);
 }
 
-TEST(SidescanFiles, ASensorAtRestHasNoMosaicAndIsReportedWhy) {
+TEST(SidescanFiles, ASensorAtRestHasNoMosaicAndTheReasonIsReported) {
   const auto written = [](const Recording& recording, std::string& said) {
     const TestFolder folder;
     std::vector<std::string> warnings;
