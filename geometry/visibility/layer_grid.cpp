@@ -265,9 +265,9 @@ void LayerGrid::drop_hidden() {
 }
 
 void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out) {
-  const FramedFacet& receiver = (*facets_)[facet];
+  const FramedFacet& target = (*facets_)[facet];
   const FourFloats reach = rounded_[facet].reach();
-  const double farthest = receiver.farthest;
+  const double farthest = target.farthest;
   const std::uint32_t overlaps = ++stamp_now_, now = ++stamp_now_;
   stamp_[facet] = now;
   for (std::uint32_t k = judged_[facet]; k != no_more; k = judgements_[k].next)
@@ -278,7 +278,7 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
     for (int x = c.x0; x <= c.x1; ++x) {
       const Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
       // A facet that is not hidden in this cell is one of its entries, and so belongs to the layer.
-      if (cell.is_simple_layer && !(receiver.nearest > cell.closed_beyond)) continue;
+      if (cell.is_simple_layer && !(target.nearest > cell.closed_beyond)) continue;
       const Entry *const begin = entries_.data() + cell.begin, *const end = entries_.data() + cell.end;
       std::int32_t own_layer = own_layer_is_none;
       if (cell.has_simple_layer)
@@ -308,7 +308,7 @@ void LayerGrid::occluder_candidates(std::uint32_t facet, std::vector<std::uint32
   constexpr std::size_t most_judgements_a_facet = 64;  // the boxes of adjacent slivers all meet
   for (std::size_t k = 0; k < count; ++k) {
     const Found found = found_[k];
-    const bool apart = !found.overlaps && surely_apart(receiver, (*facets_)[found.facet]);
+    const bool apart = !found.overlaps && surely_apart(target, (*facets_)[found.facet]);
     if (!apart) found_[kept++] = found;
     if (found.facet > facet && judgements_.size() < most_judgements_a_facet * facets_->size()) {
       // A pair that is not in the list is compared again.

@@ -181,7 +181,7 @@ class PieceCutter {
 
   A arithmetic_{};
   CornerBuffer<A> buffer_;
-  PieceTree left_;  ///< remaining pieces of the current receiver
+  PieceTree left_;  ///< remaining pieces of the current target facet
   std::vector<int> sides_, first_sides_, flipped_;
   std::vector<unsigned> glances_;  ///< per corner: results of the first stage for an occluder's half-spaces
 };

@@ -11,11 +11,11 @@
 
 namespace tubefoot {
 
-/// The convex pieces that remain of a receiver while one facet after another is subtracted from it. More than
-/// a few pieces are stored as the tree of their cuts. A node is an earlier piece, and its children are the
-/// parts that were left of it. A facet that does not meet a node meets nothing below it, so it is compared
-/// with the pieces near it and not with all. For example, n long facets that cross each other leave n pieces,
-/// but each meets only a few of them.
+/// The convex pieces that remain of a target facet while one facet after another is subtracted from it. More
+/// than a few pieces are stored as the tree of their cuts. A node is an earlier piece, and its children are
+/// the parts that were left of it. A facet that does not meet a node meets nothing below it, so it is
+/// compared with the pieces near it and not with all. For example, n long facets that cross each other leave
+/// n pieces, but each meets only a few of them.
 ///
 /// Law L3 (pieces): the pieces and their order are those of a list in which each piece is replaced by its
 /// remaining parts.
@@ -89,7 +89,7 @@ class PieceTree {
     unsigned requested;
   };
 
-  /// Up to this number, pieces are stored in a list. Most receivers never have more.
+  /// Up to this number, pieces are stored in a list. Most facets never have more.
   static constexpr std::size_t few = 6;
   /// A test of a node costs as much as a test of a piece, so it is made only for nodes with this many pieces.
   static constexpr std::uint32_t worth_a_look = 3;

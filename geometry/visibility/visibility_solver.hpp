@@ -304,7 +304,7 @@ class VisibilitySolver : PieceCutter<A> {
     }
     depth_planes_.clear();
     const auto first_occluder = static_cast<std::ptrdiff_t>(out_->occluders.size());
-    receiver_ = f;
+    target_ = f;
     const Bounds tube = frame_.tube(), own = facets_[f].bounds;
     carve(piece, 0, list_.size(),
           {std::max(tube.x0, own.x0), std::min(tube.x1, own.x1), std::max(tube.y0, own.y0),
@@ -358,7 +358,7 @@ class VisibilitySolver : PieceCutter<A> {
   /// Computes the unobstructed region, which no facet covers. The computation ignores depth and the visible
   /// pieces, so that it is an independent part of the closure law.
   void find_open_water() {
-    receiver_ = none;
+    target_ = none;
     list_.clear();
     for (std::uint32_t f = 0; f < facets_.size(); ++f) list_.push_back({f, Hides::where_covered});
     carve(tube_, 0, list_.size(), frame_.tube(), 0);
@@ -381,8 +381,8 @@ class VisibilitySolver : PieceCutter<A> {
       int count = 3;
       if (how == Hides::where_nearer) {
         ClipPlane<A>& plane = depth_planes_.next();
-        plane.name = {facets_[receiver_].cone.id, facets_[o].cone.id, true};
-        arithmetic_.depth(plane.plane, planes_of(receiver_).facet, planes.facet);
+        plane.name = {facets_[target_].cone.id, facets_[o].cone.id, true};
+        arithmetic_.depth(plane.plane, planes_of(target_).facet, planes.facet);
         halves[count++] = {&plane, 1};
         if constexpr (has_lanes) {
           depth_lanes_ = *lanes;
@@ -390,12 +390,12 @@ class VisibilitySolver : PieceCutter<A> {
           lanes = &depth_lanes_;
         }
       }
-      if (take_away({&facets_[o], halves.data(), count, lanes}) && receiver_ != none)
-        out_->occluders.emplace_back(facets_[receiver_].cone.id, facets_[o].cone.id);
+      if (take_away({&facets_[o], halves.data(), count, lanes}) && target_ != none)
+        out_->occluders.emplace_back(facets_[target_].cone.id, facets_[o].cone.id);
     }
     left_.each([this](PieceRange left) {
-      emit(receiver_ == none ? out_->open : out_->pieces,
-           receiver_ == none ? no_point : facets_[receiver_].cone.id, left);
+      emit(target_ == none ? out_->open : out_->pieces, target_ == none ? no_point : facets_[target_].cone.id,
+           left);
     });
   }
 
@@ -461,20 +461,20 @@ class VisibilitySolver : PieceCutter<A> {
     return half.sign * arithmetic_.side(integer_ray(frame_.direction({x, y})), half.plane->plane) > 0;
   }
 
-  /// Returns how `occluder` can hide `receiver`, from the sides of vertices alone. It hides the receiver
+  /// Returns how `occluder` can hide `target`, from the sides of vertices alone. It hides the target
   /// wherever it covers it, only on the near side of the depth plane, or not at all.
-  Hides hides(std::uint32_t receiver, std::uint32_t occluder) {
+  Hides hides(std::uint32_t target, std::uint32_t occluder) {
     bool near = false, far = false;
-    sort_vertices(receiver, occluder, near, far);
+    sort_vertices(target, occluder, near, far);
     if (!near && far) return Hides::no;
     if (!near)
-      return wins_tie(*mesh_, facets_[occluder].cone.id, facets_[receiver].cone.id) ? Hides::where_covered
-                                                                                    : Hides::no;
+      return wins_tie(*mesh_, facets_[occluder].cone.id, facets_[target].cone.id) ? Hides::where_covered
+                                                                                  : Hides::no;
     if (!far) return Hides::where_covered;
-    bool receiver_near = false, receiver_far = false;
-    sort_vertices(occluder, receiver, receiver_near, receiver_far);
-    if (!receiver_far) return Hides::no;
-    return receiver_near ? Hides::where_nearer : Hides::where_covered;
+    bool target_near = false, target_far = false;
+    sort_vertices(occluder, target, target_near, target_far);
+    if (!target_far) return Hides::no;
+    return target_near ? Hides::where_nearer : Hides::where_covered;
   }
 
   /// Determines whether `facet` has vertices nearer and farther than the plane of `reference`.
@@ -524,7 +524,7 @@ class VisibilitySolver : PieceCutter<A> {
   TubeVisibility* out_ = nullptr;
   GnomonicFrame frame_;
   PieceRange tube_;
-  std::uint32_t receiver_ = none;  ///< current facet; none: the unobstructed region
+  std::uint32_t target_ = none;  ///< current facet; none: the unobstructed region
   std::vector<FramedFacet> facets_;
   std::vector<WallSides> sides_of_walls_;  ///< per facet
   std::vector<std::uint32_t>

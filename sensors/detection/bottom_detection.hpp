@@ -37,12 +37,11 @@ struct DetectionRule {
 
 /// Reasons to doubt a detection.
 enum class DetectionFlag : std::uint8_t {
-  /// The distance of the echo from a border of the gate is at most its own widest gap, or one sample. A part
-  /// of
-  /// the echo may therefore lie outside.
+  /// The echo begins or ends so close to a border of the gate that a part of the echo may lie outside. The
+  /// limit is the widest gap between the samples of the echo, but at least one sample.
   cut_by_window = 1,
-  /// A part that was separated from this echo has at least a tenth of its energy. The flag is also set if the
-  /// centroid was moved by more than two samples onto an echo.
+  /// Another echo in the gate has at least a tenth of the energy of this echo. The flag is also set if the
+  /// centroid fell into a gap of the echo and was moved by more than two samples.
   several_echoes = 2,
 };
 

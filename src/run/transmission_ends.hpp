@@ -11,10 +11,14 @@
 #include "run/refraction.hpp"
 #include "run/transmission.hpp"
 
-// This header declares the two ends of the paths of a transmission: its transmitter and its receiver. Each
-// end has tubes and a surface mesh, and the visibility solver runs once per end. A facet has a number in the
-// mesh of its end. Its name is its number in the mesh that both ends share. It also has a number in the whole
-// scene.
+// A path of a transmission has two ends: the transmitter and the receiver. A monostatic sonar has one end for
+// both. Each end has tubes and a surface mesh, and the visibility solver runs once per end. The common
+// visibility of both ends needs facets that both meshes share.
+//
+// A facet has three numbers:
+// - in the mesh of its end (FacetId of TransmissionEnd::mesh);
+// - in the mesh that both ends share, here called its name (TransmissionEnd::name_of());
+// - in the whole scene (TransmissionEnd::number_of()).
 namespace tubefoot {
 
 /// One end of a transmission's paths: its tubes, and the seabed from its view.

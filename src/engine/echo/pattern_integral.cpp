@@ -374,13 +374,13 @@ int PatternIntegrator::nodes_along(double t0, double t1, double rho) const {
   return n;
 }
 
-/// `half`: half of an arc as an angle about the foot point. `radius`: radius of the circle as directions.
-/// `rho`: radius in m. For an imaginary part h <= 1 of the angle, the imaginary part of the cosine is at
-/// most radius sinh(h) <= 1.18 radius h.
-int PatternIntegrator::nodes_of_arc(double half, double rho, double radius) const {
+/// `half`: half of an arc as an angle about the foot point. `radius`: radius of the circle on the unit
+/// sphere. `circle_radius_m`: its radius in the plane of the facet. For an imaginary part h <= 1 of the
+/// angle, the imaginary part of the cosine is at most radius sinh(h) <= 1.18 radius h.
+int PatternIntegrator::nodes_of_arc(double half, double circle_radius_m, double radius) const {
   const double ellipse = ellipse_of_arc(half);
   int n = texture_.field != nullptr
-              ? texture_.count->nodes(1.18 * half * rho * texture_.plane.stretch, ellipse)
+              ? texture_.count->nodes(1.18 * half * circle_radius_m * texture_.plane.stretch, ellipse)
               : 1;
   for (const Change& change : receiver_->changes) {
     double steep = radius;
@@ -395,48 +395,50 @@ int PatternIntegrator::nodes_of_arc(double half, double rho, double radius) cons
 
 void PatternIntegrator::add_circle(double t, double weight) {
   const double t2 = t * t, r2 = piece_.q2 + t2, per_r = 1 / std::sqrt(r2);
-  const double rho = std::sqrt(std::max(r2 - piece_.distance2, 0.0));
+  const double circle_radius_m = std::sqrt(std::max(r2 - piece_.distance2, 0.0));
   const double per_r2 = per_r * per_r;
   const double sigma =  // Lambert's law divided by mu and the squared distance
-      piece_.model == nullptr ? per_r2
-                              : ScatteringModel::in_piece(*piece_.model, std::atan2(rho, piece_.distance),
-                                                          piece_.distance * per_r);
+      piece_.model == nullptr
+          ? per_r2
+          : ScatteringModel::in_piece(*piece_.model, std::atan2(circle_radius_m, piece_.distance),
+                                      piece_.distance * per_r);
   const double radial =
       piece_.factor * weight * t * density_by_reciprocal(sigma, per_r2, 2 * (r2 * per_r), beta_);
-  if (piece_.full_circle) add_arc(per_r, rho, {1, 0}, pi, radial);
+  if (piece_.full_circle) add_arc(per_r, circle_radius_m, {1, 0}, pi, radial);
   for (const Arc& arc : arcs_) {
     const glm::dvec2 begin = point_at(arc.begin, t2), end = point_at(arc.end, t2);
     const double half = angle_between(begin, end) / 2;
     const glm::dvec2 middle = begin + end;
     if (std::abs(half) < 1)
-      add_arc(per_r, rho, middle * (1 / glm::length(middle)), half, radial);
+      add_arc(per_r, circle_radius_m, middle * (1 / glm::length(middle)), half, radial);
     else
-      add_arc(per_r, rho, (std::cos(half) * begin + std::sin(half) * turned(begin)) / glm::length(begin),
-              half, radial);
+      add_arc(per_r, circle_radius_m,
+              (std::cos(half) * begin + std::sin(half) * turned(begin)) / glm::length(begin), half, radial);
   }
 }
 
 /// Sets directions and places over an arc as functions of the angle from its middle.
-void PatternIntegrator::face(glm::dvec2 ahead, double rho, double radius) {
+void PatternIntegrator::face(glm::dvec2 ahead, double circle_radius_m, double radius) {
   for (Axis& axis : receiver_->axes) {
     axis.ahead = radius * glm::dot(axis.plane, ahead);
     axis.aside = radius * glm::dot(axis.plane, turned(ahead));
   }
   if (texture_.field == nullptr) return;
-  texture_.ahead = rho * (ahead.x * texture_.plane.u + ahead.y * texture_.plane.v);
-  texture_.aside = rho * (ahead.x * texture_.plane.v - ahead.y * texture_.plane.u);
+  texture_.ahead = circle_radius_m * (ahead.x * texture_.plane.u + ahead.y * texture_.plane.v);
+  texture_.aside = circle_radius_m * (ahead.x * texture_.plane.v - ahead.y * texture_.plane.u);
 }
 
-void PatternIntegrator::add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight) {
-  const double radius = rho * per_r;
+void PatternIntegrator::add_arc(double per_r, double circle_radius_m, glm::dvec2 middle, double half,
+                                double weight) {
+  const double radius = circle_radius_m * per_r;
   for (Axis& axis : receiver_->axes) axis.level = axis.away * per_r;
   // Long arcs, as a full circle, are divided into panels.
   int panels = 1;
   for (double share = std::abs(half);; share /= 2, panels *= 2) {
     const glm::dvec2 ahead =
         panels == 1 ? middle : std::cos(half - share) * middle - std::sin(half - share) * turned(middle);
-    face(ahead, rho, radius);
-    const int n = nodes_of_arc(share, rho, radius);
+    face(ahead, circle_radius_m, radius);
+    const int n = nodes_of_arc(share, circle_radius_m, radius);
     if (n > most_gauss_nodes && panels < 1 << 20) continue;
     const GaussRule& rule = gauss_rule(std::min(n, most_gauss_nodes));
     if (panels == 1) {
@@ -449,9 +451,9 @@ void PatternIntegrator::add_arc(double per_r, double rho, glm::dvec2 middle, dou
   for (int p = 0; p < panels; ++p) {
     const double turn = -half + (2 * p + 1) * part;
     const glm::dvec2 ahead = std::cos(turn) * middle + std::sin(turn) * turned(middle);
-    face(ahead, rho, radius);
+    face(ahead, circle_radius_m, radius);
     add_panel(part, weight,
-              gauss_rule(std::min(nodes_of_arc(std::abs(part), rho, radius), most_gauss_nodes)));
+              gauss_rule(std::min(nodes_of_arc(std::abs(part), circle_radius_m, radius), most_gauss_nodes)));
   }
 }
 

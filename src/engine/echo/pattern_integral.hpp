@@ -174,7 +174,7 @@ class PatternIntegrator {
   };
 
   void take_texture(const PlacedTexture& texture);
-  void face(glm::dvec2 ahead, double rho, double radius);
+  void face(glm::dvec2 ahead, double circle_radius_m, double radius);
   Receiver& receiver_of(std::uint32_t tube);
   std::unique_ptr<Receiver> make_receiver(std::uint32_t fan, std::uint32_t first, std::uint32_t end) const;
   Term term(Receiver& receiver, std::span<const Directivity> beams) const;
@@ -191,7 +191,7 @@ class PatternIntegrator {
   int nodes_along(double t0, double t1, double rho) const;
   int nodes_of_model(double t0, double t1, double stretched_by, double rho) const;
   int nodes_along_spans(double t0, double t1, double rho);
-  int nodes_of_arc(double half, double rho, double radius) const;
+  int nodes_of_arc(double half, double circle_radius_m, double radius) const;
   void add_circle(double t, double weight);
   bool arcs_may_be_spans() const;
   bool add_spans(double t0, double t1, const GaussRule& rule);
@@ -202,7 +202,7 @@ class PatternIntegrator {
   double* row_of(std::uint32_t sample, std::size_t panel);
   void cut_edge(const Edge& edge, const Edge& next);
   void add_edge_nodes();
-  void add_arc(double per_r, double rho, glm::dvec2 middle, double half, double weight);
+  void add_arc(double per_r, double circle_radius_m, glm::dvec2 middle, double half, double weight);
   void add_panel(double half, double weight, const GaussRule& rule);
   bool may_be_received(std::size_t beam, double half) const;
 

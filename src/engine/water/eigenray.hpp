@@ -44,13 +44,16 @@ struct EigenrayOptions {
 
 /// Finds all rays without reflection from one source depth to points of a stratified water column.
 ///
-/// Within one layer the two-point problem has a closed form. Otherwise each order of turning points gives
-/// the horizontal range as a function of one variable. Without turning points this variable is the cotangent
-/// of the grazing angle at the depth of the largest sound speed on the path. The function is then monotone
-/// and concave, and Newton's method finds its root. With turning points the search splits the function where
-/// the ray turns in another layer and where its derivative, in closed form, changes sign. Next to a caustic
-/// the search can miss a pair of eigenrays that are closer together than its steps of 1/16 of a layer's
-/// sines.
+/// Within one layer the two-point problem has a closed form. For paths through several layers, the finder
+/// treats each order of turning points separately. For each order, the horizontal range is a function of one
+/// search variable, and the finder looks for the values at which this function equals the requested range:
+/// - Without turning points, the variable is the cotangent of the grazing angle at the depth of the largest
+///   sound speed on the path. The function is monotone and concave, and Newton's method finds its root.
+/// - With turning points, the finder searches one interval [a, b] of turning sound speeds after another.
+///   All rays of an interval turn in the same layers. The variable is the sine of the grazing angle at the
+///   depth of speed a. The finder splits the interval where the derivative (in closed form) changes sign.
+/// Next to a caustic the finder can miss a pair of eigenrays that are closer together than its steps, 1/16 of
+/// an interval.
 class EigenrayFinder {
  public:
   /// Keeps a reference to `water`. Throws std::invalid_argument for a source above the surface.
