@@ -38,8 +38,9 @@ std::complex<double> mean_phasor(double a, double b, double c) {
     const std::complex<double> change = mean_phasor(phase[1], phase[2]) - mean_phasor(phase[0], phase[1]);
     return times_i(change) * (-2 / (phase[2] - phase[0]));
   }
-  // 2 sum of i^k h_k / (k + 2)!, where h_k are the complete homogeneous polynomials of x, y, z, whose sum is
-  // 0: 1 / ((1 - x u)(1 - y u)(1 - z u)) = 1 / (1 + e2 u^2 - e3 u^3).
+  // 2 sum of i^k h_k / (k + 2)!, where h_k are the complete homogeneous polynomials of x, y, z. The sum
+  // x + y + z is 0, so the generating function of h_k is
+  //   1 / ((1 - x u)(1 - y u)(1 - z u)) = 1 / (1 + e2 u^2 - e3 u^3).
   const double e2 = x * y + z * (x + y), e3 = x * y * z;
   double before2 = 0, before1 = 0, now = 1, weight = 1, bound = 1;
   double real = 1, imaginary = 0;

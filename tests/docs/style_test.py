@@ -34,7 +34,7 @@ def prose(markdown):
     paragraph = []
     for line in [*text.split("\n"), ""]:
         item = re.match(r"\s*(?:[-*]|\d+\.) ", line)
-        if line.strip() and not item and not line.startswith(("|", "#", "    ")):
+        if line.strip() and not item and not line.startswith(("|", "#", "    ", "![")):
             paragraph.append(line.strip())
             continue
         yield from sentences(" ".join(paragraph))
@@ -52,14 +52,22 @@ def sources(root):
 
 
 def comments(text):
-    block = []
+    """The sentences of comments. Each list item has its own sentences; indented lines outside of items are formulas."""
+    block, in_item = [], False
     for line in [*text.split("\n"), ""]:
         comment = re.match(r"\s*//+<? ?(.*)", line)
         if comment and "SPDX" not in line:
-            block.append(comment[1])
+            item = re.match(r" *[-*] ", comment[1])
+            formula = not item and not in_item and comment[1].startswith("  ")
+            if item or formula:
+                yield from sentences(" ".join(block))
+                block = []
+            in_item = bool(item) or (in_item and comment[1].startswith("  "))
+            if not formula:
+                block.append(comment[1][item.end():] if item else comment[1])
         elif block:
             yield from sentences(" ".join(block))
-            block = []
+            block, in_item = [], False
         if trailing := re.search(r"\S.*?\s///?<? (.*)", line):
             yield trailing[1]
 
@@ -119,6 +127,9 @@ def self_test():
     assert list(prose("See [this page here](a b c).")) == ["See this page here."]
     assert list(comments("// What this is, is this.\nint a;  ///< of a thing\n// Two lines\n// are one sentence.\n")) == [
         "What this is, is this.", "of a thing", "Two lines are one sentence."]
+    assert list(comments("// The columns of a file are\n// - time of the ping,\n//   in seconds;\n// - all of the rest.\n// Every row has\n"
+                         "//   a = b + c + d\n// in this plain text.\n")) == [
+        "The columns of a file are", "time of the ping,   in seconds;", "all of the rest.", "in this plain text."]
     assert list(messages('f("a message of five words here", "short")')) == ["a message of five words here"]
     assert "shot ends" in identifiers("ShotEnds a;") and "view bounds" in identifiers("view_bounds")
     pattern = avoided("## Words to avoid\n\n| form | use |\n|---|---|\n| apart (receiver) | x |\n| heard, hears | y |\n")

@@ -64,8 +64,8 @@ TEST(BistaticRun, RangesAreHalfPathsAlongEllipses) {
       EXPECT_EQ(sum_of_sample(echoes, k), 0) << k;
       continue;
     }
-    // On the seabed an ellipsoid of half path l cuts x^2 / A^2 + y^2 / B^2 = 1 - (h / B')^2 with A = l, B'
-    // = sqrt(l^2 - (b/2)^2): x = A s cos(t), y = B' s sin(t), s = sqrt(1 - h^2 / B'^2).
+    // An ellipsoid of half path l meets the seabed in an ellipse:
+    //   x = l s cos(t), y = B s sin(t), B = sqrt(l^2 - (b/2)^2), s = sqrt(1 - h^2 / B^2).
     const auto point = [&](double l, double t) {
       const double minor = std::sqrt(l * l - b * b / 4),
                    s = std::sqrt(std::max(0.0, 1 - h * h / (minor * minor)));

@@ -49,9 +49,10 @@ std::vector<double> even(double first, double step, int count) {
   return borders;
 }
 
-/// Area of the section of the plane with the spheroid of points with that path. For the ellipsoid of
-/// semi-axes a and b (twice) and a plane at distance p from its centre whose normal has sine s along the
-/// axis, it is pi a b^2 (1 - p^2 / w) / sqrt(w), w = a^2 s^2 + b^2 (1 - s^2).
+/// Area of the section of the plane with the spheroid of points with that path. The spheroid has the
+/// semi-axes a and b (twice). The plane has distance p from the centre, and its normal has sine s along the
+/// axis:
+///   pi a b^2 (1 - p^2 / w) / sqrt(w), w = a^2 s^2 + b^2 (1 - s^2).
 double ellipse_area(const Apexes& apexes, double path) {
   if (path <= apexes.shortest()) return 0;
   const double rise = apexes.transmit_height - apexes.receive_height;
