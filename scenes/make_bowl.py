@@ -1,17 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the bowls of the scenes: spherical caps, shells without thickness.
+"""Writes the bowls of the scenes as spherical caps without thickness: python3 scenes/make_bowl.py
 
-  chart/bowl.obj  radius 2.5 m, 1.5 m deep, open upwards, its rim at z = 0
-  paths/bowl.obj  half a sphere of radius 1 m, open towards -y, its rim in the plane y = 0
+  chart/bowl.obj  radius 2.5 m, 1.5 m deep, open upwards, with the rim at z = 0
+  paths/bowl.obj  half a sphere of radius 1 m, open towards -y, with the rim in the plane y = 0
 
-Plain Python, no packages: the same files on every machine. The results are kept in the repository."""
+The script needs only the standard library of Python and writes the same files on every machine. The repository contains
+the files."""
 import math
 import pathlib
 
 
 def write(file, what, radius, depth, rings, sectors, place):
-    """`place`: where a point of a bowl that is open upwards, its rim at z = 0, comes to lie."""
+    """Writes a bowl. `place` maps points of a bowl that is open upwards, with its rim at z = 0, to the wanted position."""
     half_angle = math.acos(1 - depth / radius)
     vertices, faces = [(0.0, 0.0, -depth)], []
     for ring in range(1, rings + 1):

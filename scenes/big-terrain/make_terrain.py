@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes a mosaic of GeoTIFFs with a virtual raster over them: terrain/terrain.vrt and terrain/*.tif beside this file.
+"""Writes GeoTIFF files and a virtual raster of them: terrain/*.tif and terrain/terrain.vrt in the folder of this script.
 
-  make_terrain.py                        7073 x 7073 pixels of 0.5 m, 200 MB: a bed of 10^8 facets
-  make_terrain.py --side 300 -o folder   a small one, for a try
+  make_terrain.py                        7073 x 7073 pixels of 0.5 m, 200 MB: a seabed of 10^8 facets
+  make_terrain.py --side 300 -o folder   a small seabed for a test
 
-A rolling bed about 40 m below the origin's level with ripples and a few gullies, the same everywhere, whatever the
-size of the tiles. The middle of the raster is at easting 500000, northing 5300000 of EPSG:32630. Needs NumPy."""
+The seabed undulates about 40 m below the level of the origin, with ripples and a few gullies. Its heights do not depend
+on the size of the GeoTIFF files. The centre of the raster is at easting 500000, northing 5300000 in EPSG:32630. The
+script needs NumPy."""
 import argparse
 import pathlib
 import struct
@@ -18,7 +19,7 @@ BLOCK = 256
 
 
 def heights(east, north):
-    """Of a grid of places: waves from 900 m down to 3 m, each with its own direction."""
+    """Returns the heights of a grid of positions: a sum of waves of 900 m to 3 m length, each with its own direction."""
     east, north = east[None, :], north[:, None]
     sum_ = numpy.full((north.size, east.size), -40.0)
     for k in range(10):
@@ -29,7 +30,7 @@ def heights(east, north):
 
 
 def write_geotiff(file, pixels, west, north):
-    """Blocks of 256 x 256, not compressed; a projected CRS, pixels as areas."""
+    """Writes uncompressed blocks of 256 x 256 pixels with a projected coordinate reference system. Pixels are areas."""
     rows, columns = pixels.shape
     down, across = -(-rows // BLOCK), -(-columns // BLOCK)
     blocks = down * across
@@ -64,9 +65,10 @@ def write_geotiff(file, pixels, west, north):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--side", type=int, default=7073, help="pixels of a side")
-    parser.add_argument("--tile", type=int, default=1024, help="pixels of a side of a GeoTIFF")
-    parser.add_argument("-o", dest="folder", type=pathlib.Path, default=pathlib.Path(__file__).parent / "terrain")
+    parser.add_argument("--side", type=int, default=7073, help="pixels per side of the raster")
+    parser.add_argument("--tile", type=int, default=1024, help="pixels per side of a GeoTIFF file")
+    parser.add_argument("-o", dest="folder", type=pathlib.Path, default=pathlib.Path(__file__).parent / "terrain",
+                        help="folder for the files (default: terrain in the folder of this script)")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     half = options.side * CELL / 2

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
-"""Writes bed.asc: a channel's bed, 160 m across and 96 m along in cells of 1 m, between 14 m and 22 m deep.
+"""Writes bed.asc, the seabed of a channel for scene.toml: 160 m x 96 m in cells of 1 m, 14 m to 22 m deep.
 
-A trough along the track with shelving sides, a ledge to port and three dunes across. Python's own library only.
+  python3 scenes/channel/make_bed.py
+
+The seabed has a trough along the track with sloping sides, a ledge to port and three dunes across the track.
+The script needs only the standard library of Python, and the repository contains its output.
 """
 import math
 import pathlib

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes rough-terrain.asc: the benchmark's terrain (validation/bench/terrain.cpp) at N = 200 as an Arc/Info ASCII grid.
+"""Writes rough-terrain.asc, the terrain of the benchmarks (validation/bench/terrain.cpp) for N = 200, as an ESRI ASCII grid.
 
-20 m x 20 m in cells of 0.1 m: smooth relief of about half a metre and white roughness of a fifth of the cell. Plain
-Python, no packages. Run in this folder; the result is kept in the repository."""
+  cd scenes/chart && python3 make_terrain.py
+
+The terrain covers 20 m x 20 m in cells of 0.1 m. It has smooth relief of about half a metre and white roughness of a
+fifth of the cell size. The script needs only the standard library of Python, and the repository contains its output."""
 import math
 
 N, EXTENT = 200, 20.0

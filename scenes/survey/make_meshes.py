@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the meshes of the survey scene: wreck.obj (a small coaster, open holds) and rocks.obj (a patch of rocks).
+"""Writes the meshes of the survey scenes: wreck.obj (a small coaster with an open hold) and rocks.obj (a patch of rocks).
 
-Plain Python, no packages, seeded: the same files on every machine. Run in this folder; the results are kept in the
-repository so that the scene needs no Python."""
+  cd scenes/survey && python3 make_meshes.py
+
+The script needs only the standard library of Python. Its random numbers are seeded, so it writes the same files on every
+machine. The repository contains the files, so the scenes do not need Python."""
 import math
 import random
 
@@ -28,7 +30,7 @@ class Mesh:
 
 
 def hull(length, beam, depth, stations=24, ribs=6):
-    """Ship's skin, bow at +y: a tapered shell from keel to deck edge, with a flat deck that has a hold cut out."""
+    """Returns a ship's hull with the bow at +y: a tapered shell up to the edge of a flat deck with an open hold."""
     mesh = Mesh()
     rows = []
     for s in range(stations + 1):
@@ -46,7 +48,7 @@ def hull(length, beam, depth, stations=24, ribs=6):
             for r in range(ribs):
                 a = s * width + side * (ribs + 1) + r
                 faces.append([a, a + 1, a + width + 1, a + width])
-        # deck strip between the two deck edges, open amidships (the hold)
+        # Strip of the deck between its two edges. Amidships, the hold is open.
         if not stations * 0.35 < s < stations * 0.6:
             a, b = s * width + ribs, s * width + 2 * ribs + 1
             faces.append([a, a + width, b + width, b])

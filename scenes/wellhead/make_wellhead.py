@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes wellhead.obj: a subsea well head with its guide base, as one mesh of named groups.
+"""Writes wellhead.obj, a subsea well head with its guide base, as one mesh of named groups.
 
-Plain Python, no packages: the same file on every machine. The result is kept in the repository, so that the scenes need
-no Python. Origin: the axis of the conductor at the sea bed; z up; metres."""
+  python3 scenes/wellhead/make_wellhead.py
+
+The script needs only the standard library of Python and writes the same file on every machine. The repository contains
+the file, so the scenes do not need Python. The origin is on the axis of the conductor at the seabed. The z axis points
+up, and coordinates are in metres."""
 import math
 import pathlib
 
@@ -16,7 +19,7 @@ class Mesh:
         self.lines.append("g " + name)
 
     def add(self, vertices, faces):
-        """Faces are numbered from 0 within `vertices`, counter-clockwise seen from outside."""
+        """Adds faces of indices into `vertices`, from 0. Vertices are counter-clockwise as seen from outside."""
         self.lines += ["v {:.4f} {:.4f} {:.4f}".format(*v) for v in vertices]
         self.lines += ["f " + " ".join(str(self.vertices + i + 1) for i in f) for f in faces]
         self.vertices += len(vertices)
@@ -26,8 +29,8 @@ class Mesh:
         self.add(corners, [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6)])
 
     def turned(self, profile, sectors, place=(0.0, 0.0), closed=False):
-        """A profile of (radius, height), turned about the vertical: up the outside. Ends close with a disc unless the
-        profile is closed in itself."""
+        """Adds a surface of revolution about a vertical axis. The profile lists (radius, height) and goes up on the outside.
+        A disc closes each end, unless the profile itself is closed."""
         rings = [[(place[0] + r * math.cos(2 * math.pi * s / sectors), place[1] + r * math.sin(2 * math.pi * s / sectors), z)
                   for s in range(sectors)] for r, z in profile]
         vertices = [v for ring in rings for v in ring]
@@ -43,7 +46,7 @@ class Mesh:
         self.add(vertices, faces)
 
     def pipe(self, path, radius, sectors):
-        """A pipe along a path in a plane y = const, closed at both ends."""
+        """Adds a pipe along a path in a plane of constant y, closed at both ends."""
         rings = []
         for k, (x, y, z) in enumerate(path):
             before, after = path[max(k - 1, 0)], path[min(k + 1, len(path) - 1)]
@@ -78,7 +81,7 @@ for x in (-0.78, 0.78):
     for y in (-0.78, 0.78):
         mesh.turned([(0.06, 0.1), (0.06, 1.25), (0.02, 1.36)], 16, (x, y))
 
-mesh.group("well_head")  # conductor, flange, housing, connector grooves, a socket open to the top
+mesh.group("well_head")  # conductor, flange, housing, connector grooves, socket that is open at the top
 mesh.turned([(0.38, -0.2), (0.38, 0.48), (0.48, 0.50), (0.48, 0.57), (0.38, 0.59), (0.30, 0.66), (0.30, 0.80), (0.34, 0.82),
              (0.34, 0.87), (0.30, 0.89), (0.30, 1.02), (0.34, 1.04), (0.34, 1.12), (0.26, 1.14), (0.22, 1.14), (0.22, 0.85),
              (0.05, 0.80)], 40)
@@ -88,7 +91,7 @@ mesh.box((0.42, -0.22, 0.20), (0.62, 0.22, 0.56))  # block
 for y in (-0.12, 0.12):
     mesh.turned([(0.05, 0.56), (0.05, 0.64), (0.11, 0.66), (0.11, 0.69), (0.03, 0.71)], 16, (0.52, y))  # hand wheels
 
-mesh.group("jumper")  # a pipe from the block to the sea bed
+mesh.group("jumper")  # a pipe from the block to the seabed
 arc = [math.pi / 2 * k / 8 for k in range(9)]
 mesh.pipe([(0.62, 0.0, 0.40)] + [(0.95 + 0.35 * math.sin(a), 0.0, 0.05 + 0.35 * math.cos(a)) for a in arc] + [(1.30, 0.0, -0.1)],
           0.05, 12)
