@@ -51,7 +51,7 @@
 //
 // Law A9 (bounds): a value in double differs from the exact value by at most the error bound stored with it.
 //
-// Law A10 (budget): no integer overflows for coordinates of up to 2^30 (docs/bit-budget.md).
+// Law A10 (budget): no integer overflows for coordinates of up to 2^30 (docs/notes/bit-budget.md).
 namespace tubefoot {
 
 /// 64-bit normals with a filter in double. A predicate returns the sign of a double that exceeds its error

@@ -16,7 +16,7 @@
 
 // Overlays the regions that the looks see of each facet. Each region splits the cells of the facet that it
 // meets, and the cells count pings. The areas of the cells are added as rationals and compared with the
-// facet's area (docs/coverage.md).
+// facet's area (docs/notes/coverage.md).
 
 namespace tubefoot {
 namespace {

@@ -16,9 +16,9 @@
 #include "geometry/tubes/tube.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// Computes how many pings see each part of each facet, in exact arithmetic (docs/coverage.md). The parts of a
-// facet that the transmissions see are overlaid as convex polygons. The areas of the resulting cells are
-// rationals.
+// Computes how many pings see each part of each facet, in exact arithmetic (docs/notes/coverage.md). The
+// parts of a facet that the transmissions see are overlaid as convex polygons. The areas of the resulting
+// cells are rationals.
 namespace tubefoot {
 
 class FacetRegions;
@@ -53,7 +53,7 @@ struct CoverageLook {
   std::uint32_t ping = 0;  ///< several looks of one ping count once
   CoverageEnd tx;
   /// The range gate of half path lengths, in grid units. A facet that reaches beyond the gate is cut
-  /// (docs/coverage.md).
+  /// (docs/notes/coverage.md).
   double nearest = 0, farthest = std::numeric_limits<double>::infinity();
   /// A separate receiver. A part is then seen if both ends see it from the same side. It is in the sector if
   /// both ends have it in their tubes.

@@ -9,7 +9,7 @@
 
 // Approximates circles and curves of equal half path length on a facet by polygons of `ring_sides` sides. The
 // half path length (|x - tx| + |x - rx|) / 2 is convex. Newton's method finds its minimum, and bisection
-// finds the curve along directions from an inner point (docs/coverage.md).
+// finds the curve along directions from an inner point (docs/notes/coverage.md).
 
 namespace tubefoot {
 namespace {

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-// Curves of equal half path length on a facet's plane, replaced by polygons (docs/coverage.md).
+// Curves of equal half path length on a facet's plane, replaced by polygons (docs/notes/coverage.md).
 namespace tubefoot {
 
 /// Number of sides of the polygons.

@@ -14,7 +14,7 @@
 
 // Computes the common visibility of a transmitter and a separate receiver: the part of each facet that both
 // see. The visible polygons of both apexes are intersected on the facet in exact arithmetic
-// (docs/bistatic.md).
+// (docs/notes/bistatic.md).
 namespace tubefoot {
 
 /// The part of a facet that one tube of the transmitter and one tube of the receiver both see, or a convex

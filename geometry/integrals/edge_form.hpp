@@ -2,7 +2,7 @@
 #pragma once
 
 // Surface integrals of waves from an apex to a plane and on to an apex, as integrals along the edges of a
-// polygon. The derivation is in docs/smooth-surfaces.md.
+// polygon. The derivation is in docs/notes/smooth-surfaces.md.
 
 #include <complex>
 #include <cstddef>

@@ -35,7 +35,7 @@ class CompactPathCutter;
 /// a focus in common, so that two of them meet on a straight line (docs/sensors.md). A ray from c meets each
 /// ellipse of the second receiver in one stretch. That stretch begins at c, except for ellipses so small
 /// that c is outside. If the second path has its own transmitter, a search along the first ellipse finds the
-/// intersections (docs/signals.md).
+/// intersections (docs/notes/signals.md).
 ///
 /// Law P1 (ellipses): the samples of a plane are differences of ellipses, in closed form.
 /// Law P2 (whole): the samples of a polygon add up to the integral over it, needles included.

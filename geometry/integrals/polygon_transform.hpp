@@ -9,7 +9,7 @@
 #include "geometry/integrals/measure.hpp"
 
 // Integrals of e^{i phase} over segments, triangles and polygons on which the phase is an affine function of
-// position. They give the far field of a smooth polygon. See docs/smooth-surfaces.md.
+// position. They give the far field of a smooth polygon. See docs/notes/smooth-surfaces.md.
 namespace tubefoot {
 
 /// e^{i phase}; phases in radians.

@@ -14,7 +14,7 @@
 
 // Removes vertices by edge collapses in the order of their cost, from a priority queue. Each facet carries
 // bounds on the displacements and the normals of the surface that it replaces (VertexStar, FacetPast). See
-// docs/coarse.md.
+// docs/notes/visibility.md.
 
 namespace tubefoot {
 namespace {

@@ -25,7 +25,7 @@ struct CoarseMesh {
 ///
 /// The remaining vertices keep their position and their id, and facets keep their order. Vertices on borders
 /// of open surfaces, of components and of materials stay. Vertices whose facets do not form a disk stay too
-/// (docs/coarse.md).
+/// (docs/notes/visibility.md).
 ///
 /// Law N4 (one to one): each step maps the disk about a vertex one to one onto the disk that replaces it. The
 /// map is a projection along a direction in which neither disk folds over. The border of the disk is

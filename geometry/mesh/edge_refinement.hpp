@@ -14,7 +14,7 @@
 #include "geometry/numbers/world_grid.hpp"
 
 // Refines facets so that the mesh stays conforming, because edges alone determine the cuts. See
-// docs/textures.md, "Refinement".
+// docs/notes/textures.md, "Refinement".
 namespace tubefoot {
 
 /// A point of a refinement, by its position in the base mesh. Two facets that share an edge describe its

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 // Fixed-width integers of the exact arithmetic: 128-bit integers of the compiler, and a 192-bit integer made
-// of them. The widths follow from 30-bit coordinates (docs/bit-budget.md).
+// of them. The widths follow from 30-bit coordinates (docs/notes/bit-budget.md).
 namespace tubefoot {
 
 __extension__ using Int128 = __int128;

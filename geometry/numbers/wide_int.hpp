@@ -12,7 +12,7 @@
 // units in the last place.
 namespace tubefoot {
 
-/// 512-bit integers, for the rare signs that involve depth planes (at most 467 bits). They allocate no
+/// 512-bit integers, for the rare signs that involve depth planes (at most 474 bits). They allocate no
 /// memory.
 using WideInt = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
     512, 512, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked, void>>;

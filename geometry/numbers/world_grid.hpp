@@ -20,7 +20,7 @@ struct GridPointHash {
   std::size_t operator()(const GridPoint& p) const noexcept;
 };
 
-/// Thrown if a coordinate exceeds the grid or the bit budget (docs/bit-budget.md).
+/// Thrown if a coordinate exceeds the grid or the bit budget (docs/notes/bit-budget.md).
 struct GridRangeError : std::range_error {
   using std::range_error::range_error;
 };

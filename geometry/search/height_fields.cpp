@@ -15,7 +15,7 @@
 
 // Proves that connected parts of a mesh are height fields, and finds those that a tube sees only from above.
 // The proof uses winding numbers of the border in plan view, in integers. Rays can pass below a border edge
-// only through a vertical curtain that hangs from it (docs/visibility.md).
+// only through a vertical curtain that hangs from it (docs/notes/visibility.md).
 
 namespace tubefoot {
 namespace {

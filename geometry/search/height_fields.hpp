@@ -16,7 +16,7 @@ namespace tubefoot {
 /// Parts of a mesh that are proven to be height fields: no vertical line meets such a part twice. Every
 /// seabed without overhangs is a height field. From above, the facets of a height field that face away are
 /// never visible. On every ray a front facet of the same part comes first. The proof is exact and made once
-/// (docs/visibility.md).
+/// (docs/notes/visibility.md).
 class HeightFields {
  public:
   static constexpr std::uint16_t none = std::numeric_limits<std::uint16_t>::max();

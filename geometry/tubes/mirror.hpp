@@ -8,7 +8,7 @@
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
-// Planes that reflect, and the parts of a mesh in front of them. See docs/paths.md.
+// Planes that reflect, and the parts of a mesh in front of them. See docs/notes/multiple-paths.md.
 namespace tubefoot {
 
 /// The plane normal . x = offset of the world grid, with a mirror on the side of its normal. The normal has

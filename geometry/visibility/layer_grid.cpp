@@ -8,13 +8,14 @@
 #include "geometry/steps/stop.hpp"
 
 // Divides the gnomonic plane of a tube into cells, joins facets to layers in each cell and removes facets
-// that a layer certainly hides. All decisions are made in double with margins (docs/visibility.md, 'Layers').
+// that a layer certainly hides. All decisions are made in double with margins (docs/notes/visibility.md,
+// 'Layers').
 
 namespace tubefoot {
 namespace {
 
 /// Approximate number of facets per cell for facets of equal size. The value follows from measurements
-/// (docs/performance.md).
+/// (validation/performance.md).
 constexpr double facets_per_cell = 4;
 /// If the average number of entries per facet exceeds this value, the cells are made larger.
 constexpr double entries_per_facet = 6;

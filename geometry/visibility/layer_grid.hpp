@@ -9,7 +9,7 @@
 #include "geometry/visibility/gnomonic_frame.hpp"
 
 // Finds hidden facets and pairs of facets that need an exact test, with a grid of cells in the gnomonic plane
-// of a tube. All decisions are made in double with margins (docs/visibility.md, 'Layers').
+// of a tube. All decisions are made in double with margins (docs/notes/visibility.md, 'Layers').
 
 namespace tubefoot {
 
@@ -24,11 +24,11 @@ using Neighbours = std::array<std::int32_t, 3>;
 /// Finds the facets of a tube that are certainly hidden, and the pairs that need an exact test, without exact
 /// predicates.
 ///
-/// The argument is this (docs/visibility.md, 'Layers'). The gnomonic plane is divided into cells. In each
-/// cell, the facets that are connected by shared edges form layers. Consider a layer none of whose silhouette
-/// edges enters the cell. It covers every point of the cell within the tube equally often, because a step
-/// across a shared edge leaves one facet and enters one. So one point decides. A layer that covers it hides
-/// everything that lies wholly beyond the layer's farthest facet. A layer that covers it once does not
+/// The argument is this (docs/notes/visibility.md, 'Layers'). The gnomonic plane is divided into cells. In
+/// each cell, the facets that are connected by shared edges form layers. Consider a layer none of whose
+/// silhouette edges enters the cell. It covers every point of the cell within the tube equally often, because
+/// a step across a shared edge leaves one facet and enters one. So one point decides. A layer that covers it
+/// hides everything that lies wholly beyond the layer's farthest facet. A layer that covers it once does not
 /// overlap itself anywhere in the cell.
 class LayerGrid {
  public:

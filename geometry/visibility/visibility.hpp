@@ -15,7 +15,7 @@
 
 // Computes the part of each facet that a tube meets first, exactly, as convex pieces whose corners are named
 // by planes. Facets nearer to the apex are subtracted from each candidate facet, with exact signs of
-// determinants (docs/visibility.md).
+// determinants (docs/notes/visibility.md).
 namespace tubefoot {
 
 /// Number types of the algorithm. The first three always give the same visible regions. Their division into

@@ -20,7 +20,7 @@
 // Computes the visible pieces of one tube, as one template for all arithmetics. It is instantiated in
 // visibility_<arithmetic>.cpp. For each facet that is not certainly hidden, the solver finds the facets that
 // may hide it and subtracts their cones. Depth planes bound these cones where two facets interpenetrate. The
-// page docs/visibility.md describes the steps and their proofs.
+// page docs/notes/visibility.md describes the steps and their proofs.
 namespace tubefoot {
 
 template <class A>

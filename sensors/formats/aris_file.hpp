@@ -10,7 +10,8 @@
 #include "scene/description/sensor_description.hpp"
 #include "sensors/formats/camera_file.hpp"
 
-// ARIS files (.aris, "DDF_05"): range gates in metres, and any number of samples. See docs/files-ddf.md.
+// ARIS files (.aris, "DDF_05"): range gates in metres, and any number of samples. See
+// docs/exchange-formats.md.
 namespace tubefoot {
 
 /// The values are those of the format.

@@ -10,7 +10,7 @@
 
 #include "sensors/formats/packet_bytes.hpp"
 
-// Common parts of DIDSON and ARIS files (docs/files-ddf.md).
+// Common parts of DIDSON and ARIS files (docs/exchange-formats.md).
 namespace tubefoot {
 
 /// Attitude of a body [deg]: heading clockwise from north, pitch bow up positive, roll starboard down

@@ -8,7 +8,7 @@
 
 #include "sensors/formats/camera_file.hpp"
 
-// DIDSON files, version 3 (.ddf, "DDF_03"): docs/files-ddf.md.
+// DIDSON files, version 3 (.ddf, "DDF_03"): docs/exchange-formats.md.
 namespace tubefoot {
 
 /// Range gate of a DIDSON as codes; the file contains no metres.

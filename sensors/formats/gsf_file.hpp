@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Writes GSF files (Generic Sensor Format of Leidos, version 3) record by record. docs/files-gsf.md lists
-// the fields that are filled, and the uncertain ones.
+// Writes GSF files (Generic Sensor Format of Leidos, version 3) record by record. docs/exchange-formats.md
+// lists the fields that are filled, and the uncertain ones.
 
 #include <cstdint>
 #include <filesystem>
@@ -83,7 +83,7 @@ struct GsfAttitude {
 };
 
 /// Writes a GSF file (Generic Sensor Format of Leidos, version 3) record by record; at most one record is in
-/// memory. The page docs/files-gsf.md lists the fields that are filled, and the uncertain ones.
+/// memory. The page docs/exchange-formats.md lists the fields that are filled, and the uncertain ones.
 ///
 /// Throws std::invalid_argument for NaN and for values out of range of their fields, before any byte of the
 /// record is written; further records can follow. Throws std::runtime_error for disk errors, with the file's

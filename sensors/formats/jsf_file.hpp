@@ -40,8 +40,8 @@ struct JsfPing {
 };
 
 /// An EdgeTech JSF file of sidescan messages (type 80) with complex, matched-filtered samples (data format
-/// 1), protocol version 13 (docs/files-signals.md). A power of two, the message's weighting factor N, scales
-/// the samples to use the 16 bits of each part: value = integer x 2^-N.
+/// 1), protocol version 13 (docs/exchange-formats.md). A power of two, the message's weighting factor N,
+/// scales the samples to use the 16 bits of each part: value = integer x 2^-N.
 class JsfFile {
  public:
   explicit JsfFile(const std::filesystem::path& file) : file_(file) {}

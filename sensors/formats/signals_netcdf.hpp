@@ -8,7 +8,7 @@
 
 namespace tubefoot {
 
-/// Writes signals.nc (netCDF-4, docs/files-signals.md): complex pressures by ping, receiver and sample, with
+/// Writes signals.nc (netCDF-4, docs/output-files.md): complex pressures by ping, receiver and sample, with
 /// all data of ElementSignals. All threads pack pings, which are written in order; equal signals give equal
 /// bytes. Throws std::invalid_argument as check() does and for a ping of more than 512 MB. Throws
 /// std::runtime_error that names the file and the failed operation.

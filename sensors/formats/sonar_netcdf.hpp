@@ -2,7 +2,7 @@
 #pragma once
 
 // Writes SONAR-netCDF4 2.0 files of multibeam sonars, with the group Bathymetry of XSF 0.7.
-// docs/files-sonar-netcdf.md describes the contents.
+// docs/exchange-formats.md describes the contents.
 
 #include <complex>
 #include <cstdint>
@@ -92,7 +92,7 @@ struct SonarNetcdfPing {
 /// down.
 glm::dvec3 forward_starboard_down(glm::dvec3 east_north_up_m, double heading_deg);
 
-/// A SONAR-netCDF4 2.0 file of a multibeam, with the XSF 0.7 group Bathymetry (docs/files-sonar-netcdf.md).
+/// A SONAR-netCDF4 2.0 file of a multibeam, with the XSF 0.7 group Bathymetry (docs/exchange-formats.md).
 /// Pings are written as they arrive, with a few MB in memory for a line of any length. The file has a
 /// temporary name ("line.partial.nc") until finish(). Without finish() it is removed.
 class SonarNetcdfFile {

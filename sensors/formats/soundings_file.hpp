@@ -10,11 +10,10 @@
 
 namespace tubefoot {
 
-/// A file of soundings (docs/soundings.md); its extension selects the format. A .csv file is text with units
-/// and signs in the header line. A .gpkg file is a GeoPackage with the layer "soundings" of 3-D points in
-/// the scene's CRS. The CRS is the projected one, longitude and latitude on WGS 84 for a tangent frame, or
-/// local metres without georeference. Soundings are written in batches. Without finish() the file is
-/// removed.
+/// A file of soundings (docs/output-files.md); its extension selects the format. A .csv file is text with
+/// units and signs in the header line. A .gpkg file is a GeoPackage with the layer "soundings" of 3-D points
+/// in the scene's CRS. The CRS is the projected one, longitude and latitude on WGS 84 for a tangent frame, or
+/// local metres without georeference. Soundings are written in batches. Without finish() the file is removed.
 class SoundingsFile {
  public:
   /// Throws std::invalid_argument for another extension, and std::runtime_error with the file's name.

@@ -2,7 +2,8 @@
 #pragma once
 
 // Writes XTF files (eXtended Triton Format, revision X41) ping by ping: sidescan, multibeam, attitude,
-// navigation and notes. The page docs/files-xtf.md lists the fields that are filled, and the uncertain ones.
+// navigation and notes. The page docs/exchange-formats.md lists the fields that are filled, and the uncertain
+// ones.
 
 #include <cstdint>
 #include <filesystem>
@@ -98,7 +99,7 @@ struct XtfSounding {
 };
 
 /// Writes an XTF file (eXtended Triton Format, revision X41) ping by ping; at most one packet is in memory.
-/// The page docs/files-xtf.md lists the fields that are filled, and the uncertain ones.
+/// The page docs/exchange-formats.md lists the fields that are filled, and the uncertain ones.
 ///
 /// Throws std::invalid_argument for NaN and for values out of range of their fields, before any byte of the
 /// packet is written; further packets can follow. Throws std::runtime_error for disk errors, with the file's

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Encodes RGB pictures as PNG files (ISO/IEC 15948), with libdeflate. The combination of libpng and zlib
-// takes five times as long, for a file that is no smaller (docs/performance.md).
+// takes five times as long, for a file that is no smaller (validation/performance.md).
 #include "sensors/pictures/png_bytes.hpp"
 
 #include <fmt/format.h>

@@ -12,8 +12,8 @@
 #include "sensors/recordings/writing_cost.hpp"
 
 // Pictures of recordings that several sensor kinds share: PNG (for viewing, logarithmic) and EXR (32-bit
-// float, for measurements, linear energy). docs/echo-file.md defines the pixels. With `receiver_output` each
-// PNG has a second one of the instrument's display; its name ends with "-received".
+// float, for measurements, linear energy). docs/output-files.md defines the pixels. With `receiver_output`
+// each PNG has a second one of the instrument's display; its name ends with "-received".
 namespace tubefoot {
 
 /// Writes the requested pictures of a fan of adjacent beams:

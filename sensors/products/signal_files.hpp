@@ -11,7 +11,7 @@
 
 namespace tubefoot {
 
-/// Writes the files and pictures of signals with phase (docs/files-signals.md). Returns the files' names,
+/// Writes the files and pictures of signals with phase (docs/output-files.md). Returns the files' names,
 /// relative to `folder`, which must exist:
 /// - <name>-signals.nc, always;
 /// - <name>-signals.png: levels and phases of the elements;

@@ -29,7 +29,7 @@ struct SensorEchoes {
   }
 };
 
-/// An echo file of tubefoot or of another program. docs/echo-file.md lists the required contents.
+/// An echo file of tubefoot or of another program. docs/output-files.md lists the required contents.
 struct EchoContents {
   std::filesystem::path file;
   Provenance provenance;  ///< empty texts if the file has none

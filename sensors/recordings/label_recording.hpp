@@ -67,8 +67,8 @@ void add_labels(const std::filesystem::path& echoes, std::span<const Recording> 
                 std::span<const LabelRecording> label_recordings);
 
 /// Writes PNG pictures of labels and heights, with `bits` per component, and returns their names. They are
-/// <sensor>-truth-<ping>.png of at most five uniformly spaced pings. Sonars of one or two beams have one
-/// <sensor>-truth.png of all pings. Throws as add_labels() does.
+/// <sensor>-labels-<ping>.png of at most five uniformly spaced pings. Sonars of one or two beams have one
+/// <sensor>-labels.png of all pings. Throws as add_labels() does.
 std::vector<std::filesystem::path> write_label_pictures(const std::filesystem::path& folder,
                                                         const Recording& recording,
                                                         const LabelRecording& label_recording, int bits = 8);

@@ -2,7 +2,7 @@
 #pragma once
 
 // All pings of one sensor: times, poses, energies, certified bounds and signals. Writes them as an echo file
-// (echoes.nc, docs/echo-file.md).
+// (echoes.nc, docs/output-files.md).
 
 #include <cstdint>
 #include <filesystem>
@@ -43,7 +43,7 @@ struct Recording {
   /// Reference runs: certified half-width of each energy [J], in the order of the energies; empty in other
   /// runs.
   std::span<const double> energy_bound{};
-  // For a part of a run (docs/commands.md):
+  // For a part of a run (docs/command-reference.md):
   std::vector<std::uint32_t> ping_numbers{};   ///< numbers in the scene; empty: all, from 0
   std::vector<std::uint32_t> beam_numbers{};   ///< numbers in the sonar; empty: all
   std::size_t first_line = 0;                  ///< number of the survey's lines before the first of
@@ -123,7 +123,7 @@ struct PingColumn {
 /// Throws InputError if a ping of a georeferenced scene has no place on Earth.
 std::vector<PingColumn> ping_columns(const Recording& recording, const Provenance& provenance);
 
-/// Writes echoes.nc (netCDF-4, docs/echo-file.md). One recording has its variables in the root group.
+/// Writes echoes.nc (netCDF-4, docs/output-files.md). One recording has its variables in the root group.
 /// Several recordings have one group per sensor, with its name. All threads pack pings, which are written in
 /// order; equal recordings give equal bytes. Writes nothing if the free disk space is too small. Throws
 /// std::runtime_error that names the file and the failed operation.

@@ -7,7 +7,7 @@
 
 namespace tubefoot {
 
-/// The expected cost of writing files. The constants are measured on one machine (docs/performance.md).
+/// The expected cost of writing files. The constants are measured on one machine (validation/performance.md).
 struct WritingCost {
   double seconds = 0;         ///< work of one thread
   double shared_seconds = 0;  ///< work that all threads share

@@ -11,7 +11,7 @@
 #include "study/tolerance.hpp"
 
 // Selects the engine and the settings for an error tolerance from measurements on a few pings
-// (docs/advise.md).
+// (docs/accuracy-and-speed.md).
 namespace tubefoot {
 
 struct AdviceOptions {

@@ -8,7 +8,7 @@
 
 namespace tubefoot {
 
-/// Returns the output of `tubefoot advise --json` for a scene (docs/advise.md).
+/// Returns the output of `tubefoot advise --json` for a scene (docs/accuracy-and-speed.md).
 nlohmann::ordered_json json_of(const Advice& advice, const SceneDescription& scene);
 
 }  // namespace tubefoot

@@ -20,7 +20,7 @@ namespace tubefoot {
 
 /// One way to compute a scene.
 struct EngineSetting {
-  std::string engine, setting;  ///< names for the user, for example "rays, stratified" and "114 a beam"
+  std::string engine, setting;  ///< names for the user, for example "rays, stratified" and "114 per beam"
   RunRequest run;
   double rays = 0;  ///< rays per ping; 0 for tubes
 };

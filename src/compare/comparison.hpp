@@ -19,8 +19,8 @@ struct SensorErrors {
 /// Computes the errors of each candidate, with at most `worst` bins of largest error.
 std::vector<SensorErrors> errors_of(const EchoPairs& pairs, std::size_t worst);
 
-/// Returns all figures (docs/compare.md). Figures that are not finite, as for a reference without energy,
-/// become null.
+/// Returns all figures (docs/compared-figures.md). Figures that are not finite, as for a reference without
+/// energy, become null.
 nlohmann::ordered_json comparison_json(const EchoContents& reference, const EchoContents& candidate,
                                        const EchoPairs& pairs, const std::vector<SensorErrors>& sensors);
 

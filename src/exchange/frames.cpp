@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Axes of other engines and conversions of placements: signed permutations of axes, roll, pitch and yaw,
-// and quaternions. docs/exchange.md describes them.
+// and quaternions. docs/exchange-formats.md describes them.
 #include "exchange/frames.hpp"
 
 #include <fmt/format.h>

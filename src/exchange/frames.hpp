@@ -10,7 +10,7 @@
 #include "scene/trajectory.hpp"
 
 // Axes of other engines: the single table that all readers and writers of their scenes use. See
-// docs/exchange.md.
+// docs/exchange-formats.md.
 namespace tubefoot {
 
 /// Three axes of an engine, expressed in those of tubefoot. Row k is axis k of the engine, as (east, north,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Writes a coverage as a GeoPackage and as CSV tables (docs/coverage.md). The GeoPackage holds the visible
+// Writes a coverage as a GeoPackage and as CSV tables (docs/footprints.md). The GeoPackage holds the visible
 // parts and shadows of facets as shapes, and tables of areas by facet and by number of pings.
 
 #include "footprints/coverage_file.hpp"

@@ -52,7 +52,7 @@ std::array<double, facet_reals.size()> reals_of(const CoveredFacet& facet);
 /// Largest number of characters of an exact fraction in the tables. The tables leave longer fractions out.
 inline constexpr std::size_t longest_fraction = 4000;
 
-/// A GeoPackage with the layers coverage, shadows, facets and depths (docs/coverage.md), in the CRS of the
+/// A GeoPackage with the layers coverage, shadows, facets and depths (docs/footprints.md), in the CRS of the
 /// scene.
 class CoverageFile {
  public:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Computes the visible polygons that a coverage counts (docs/coverage.md). A straight path gives one
+// Computes the visible polygons that a coverage counts (docs/notes/coverage.md). A straight path gives one
 // CoverageLook per fan of the sensor, and each pair of mirror images gives further ones. A monostatic path
 // needs one end, a bistatic path has two.
 

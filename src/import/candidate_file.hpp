@@ -20,7 +20,7 @@ struct CandidateEchoes {
   std::vector<std::pair<std::string, std::string>> attributes;  ///< global attributes of the file
 };
 
-/// Writes an echo file (docs/echo-file.md) with the times, poses and other properties of the sensor of the
+/// Writes an echo file (docs/output-files.md) with the times, poses and other properties of the sensor of the
 /// reference. Throws std::runtime_error, which names the file.
 void write_candidate(const std::filesystem::path& file, const CandidateEchoes& candidate,
                      const WholeEchoFile& reference, std::size_t sensor);

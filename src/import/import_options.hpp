@@ -11,7 +11,7 @@
 namespace tubefoot {
 
 /// Declared properties of the pictures of another engine. Empty ones follow from the profile, the file or
-/// the reference (docs/import.md).
+/// the reference (docs/engine-validation.md).
 struct ImportOptions {
   std::vector<std::filesystem::path> results;
   std::optional<std::filesystem::path> like, scene;  ///< exactly one of them is given

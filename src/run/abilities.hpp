@@ -12,7 +12,7 @@
 #include "scene/description/run_description.hpp"
 
 // This header declares the table of features that cannot be combined. Every command reads this table, and
-// docs/abilities.md shows it.
+// docs/limits.md shows it.
 namespace tubefoot {
 
 struct RunRequest;
@@ -54,7 +54,7 @@ enum class Feature : unsigned char {
 };
 inline constexpr int features = static_cast<int>(Feature::transmission) + 1;
 
-/// Returns the name that docs/abilities.md uses.
+/// Returns the name that docs/limits.md uses.
 std::string_view name_of(Feature feature);
 
 /// Two features that cannot be combined, the reason, and a remedy.

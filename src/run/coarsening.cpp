@@ -17,7 +17,7 @@
 #include "geometry/steps/stop.hpp"
 
 // This file computes the length that the sensors resolve on each facet. It replaces the facets of a scene by
-// fewer facets within a fraction of this length (docs/coarse.md).
+// fewer facets within a fraction of this length (docs/accuracy-and-speed.md).
 
 namespace tubefoot {
 namespace {

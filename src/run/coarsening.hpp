@@ -4,7 +4,7 @@
 #include "run/loaded_scene.hpp"
 #include "run/sensor_set.hpp"
 
-// This header declares the removal of facets that no sonar resolves (docs/coarse.md).
+// This header declares the removal of facets that no sonar resolves (docs/accuracy-and-speed.md).
 namespace tubefoot {
 
 /// Returns, by facet of the loaded scene's mesh, the smallest length that any sensor resolves on the facet,

@@ -32,7 +32,7 @@ class PieceCount {
 };
 
 /// Numbers of facets for terrain that is read by tiles. A facet has the same number as with the whole scene
-/// in memory: component by component, and row by row of a raster (docs/big-terrain.md).
+/// in memory: component by component, and row by row of a raster (docs/notes/visibility.md).
 class FacetNumbering {
  public:
   /// Numbers the facets of a tiled scene, which must outlive this object. If relief is refined with the

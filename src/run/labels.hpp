@@ -14,8 +14,8 @@
 #include "sensors/recordings/label_recording.hpp"
 
 // This header declares the labels of each energy: object, material, mean height and mean range
-// (docs/labels.md). The energy of one object and material is the same integral over fewer facets. A mean
-// height is the same integral with the height as one more factor of the density, in the way of a
+// (docs/output-files.md). The energy of one object and material is the same integral over fewer facets. A
+// mean height is the same integral with the height as one more factor of the density, in the way of a
 // micro-texture. Each integral that an engine computes is therefore repeated for each channel with another
 // echo model.
 namespace tubefoot {

@@ -14,7 +14,7 @@
 #include "run/run_request.hpp"
 #include "run/survey.hpp"
 
-// This header declares the shards of a run (docs/cluster.md). Each process computes one shard without
+// This header declares the shards of a run (docs/large-jobs.md). Each process computes one shard without
 // knowledge of the others, and `RunParts` joins the shards.
 namespace tubefoot {
 
@@ -26,7 +26,7 @@ inline constexpr int most_parts = 10000;
 
 /// Parses "2/8". Throws UsageError.
 PartNumber parse_part(const std::string& text);
-/// Returns "part 2 of 8".
+/// Returns "shard 2 of 8".
 std::string in_words(const PartNumber& part);
 /// Returns the file of a shard: '<output>.part-2-of-8'.
 std::filesystem::path part_file(const std::filesystem::path& output, const PartNumber& part);

@@ -16,7 +16,7 @@
 #include "run/transmission_rays.hpp"
 
 // This file adds the echoes of paths over mirrors and of second scatterings to a ping, by order, for single
-// receivers and receiver pairs (docs/paths.md).
+// receivers and receiver pairs (docs/environment.md).
 
 namespace tubefoot {
 namespace {

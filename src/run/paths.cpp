@@ -13,7 +13,7 @@
 #include "run/transmission.hpp"
 
 // This file derives the settings of paths over mirrors from the scene, and the directions in which such
-// paths may meet relief (docs/paths.md).
+// paths may meet relief (docs/environment.md).
 
 namespace tubefoot {
 

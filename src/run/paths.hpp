@@ -7,8 +7,8 @@
 #include "run/sensor_set.hpp"
 #include "scene/scene.hpp"
 
-// This header declares the paths of a run other than the direct path to a facet and back (docs/paths.md,
-// docs/bistatic.md).
+// This header declares the paths of a run other than the direct path to a facet and back
+// (docs/environment.md, docs/environment.md).
 namespace tubefoot {
 
 /// Returns the settings of the paths in addition to the direct echo. Empty for a scene without mirrors and

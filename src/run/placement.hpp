@@ -12,7 +12,7 @@ namespace tubefoot {
 /// Position of an object relative to the seabed.
 struct SeabedPlacement {
   std::string object;
-  std::string words;    ///< "in the seabed: from 0.5 m below it to 0.5 m above"
+  std::string words;    ///< "partly buried: from 0.5 m below the seabed to 0.5 m above"
   std::string warning;  ///< empty if the position is plausible
   bool is_buried = false;
 };

@@ -16,7 +16,7 @@
 
 // This file computes certified echoes in refracting water. It refines the apparent surface of a transmission
 // until the certified bounds reach the requested tolerance, or until a limit of facets is reached
-// (docs/refraction.md).
+// (docs/environment.md).
 
 namespace tubefoot {
 namespace {

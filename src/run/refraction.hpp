@@ -10,7 +10,7 @@
 #include "run/checkpoint/ping_store.hpp"
 #include "run/transmission.hpp"
 
-// This header declares the apparent surfaces of sonars in refracting water (docs/refraction.md). It contains
+// This header declares the apparent surfaces of sonars in refracting water (docs/environment.md). It contains
 // the mapping settings of a run, the surfaces of each transmission, and their counts and warnings.
 
 namespace tubefoot {

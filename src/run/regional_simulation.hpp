@@ -10,7 +10,7 @@
 namespace tubefoot {
 
 /// Simulation of a survey whose terrain is read by tiles. Each ping is simulated in a survey with the tiles
-/// that it needs (docs/big-terrain.md).
+/// that it needs (docs/notes/visibility.md).
 class RegionalSimulation {
  public:
   RegionalSimulation(const Survey& survey, const RunRequest& request);

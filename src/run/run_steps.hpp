@@ -47,7 +47,7 @@ std::vector<std::string> files_left_out(const Survey& survey, const Selection& s
                                         bool with_bounds = false);
 
 /// Returns the approximate time to write the files of a run, and their approximate size
-/// (docs/performance.md).
+/// (validation/performance.md).
 WritingCost expected_writing(const Survey& survey, const RunRequest& request,
                              const PictureSettings& pictures);
 

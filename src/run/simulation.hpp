@@ -35,7 +35,7 @@ struct ReferenceStats {
 /// pings.
 struct SimulationStats {
   std::size_t pings = 0, tubes = 0, candidates = 0, footprints = 0, pieces = 0, hits = 0;
-  std::size_t images = 0, arrivals = 0;     ///< for paths (docs/paths.md)
+  std::size_t images = 0, arrivals = 0;     ///< for paths (docs/environment.md)
   std::array<double, 9> energy_of_order{};  ///< by number of interactions
   double visibility_seconds = 0, echo_seconds = 0;
   std::size_t refined_facets = 0;  ///< facets made for transmissions, with relief online

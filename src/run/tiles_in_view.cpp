@@ -14,8 +14,8 @@
 #include "run/paths.hpp"
 #include "run/refraction.hpp"
 
-// This file finds the tiles that a ping may need (docs/big-terrain.md). It searches the bounding boxes of
-// tiles in the view of the ping's tubes and within the reach of its paths.
+// This file finds the tiles that a ping may need (docs/notes/visibility.md). It searches the bounding boxes
+// of tiles in the view of the ping's tubes and within the reach of its paths.
 
 namespace tubefoot {
 namespace {
@@ -142,7 +142,7 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
       } else {
         // Without a surface of its own, a transmission uses the height fields of the loaded scene, which it
         // sees from above. Tiles above and below its tubes may change these height fields
-        // (docs/big-terrain.md).
+        // (docs/notes/visibility.md).
         const Sector sector(tubes, grid.unit_m());
         for (const Boxes& boxes : list)
           boxes.add_to(choice,

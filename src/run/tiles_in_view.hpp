@@ -18,7 +18,7 @@ namespace tubefoot {
 /// Finds the tiles of a loaded scene's terrain that a ping may need. These are all tiles whose facets could
 /// be candidates of a tube, carry relief that a transmission refines, or be met by its paths. With these
 /// tiles alone in the mesh, a ping has the same result as with all tiles, to the last bit
-/// (docs/big-terrain.md contains the reason).
+/// (docs/notes/visibility.md contains the reason).
 class TilesInView {
  public:
   /// The loaded scene must outlive this object.

@@ -15,7 +15,7 @@ struct Tolerance {
 };
 
 /// Range of tolerances of an ordinary run. Smaller tolerances need a reference run, which bounds its own
-/// error (docs/reference.md).
+/// error (docs/notes/certified-energies.md).
 inline constexpr double least_l1_tolerance = 1e-6, largest_l1_tolerance = 1;
 inline constexpr double least_db_tolerance = 1e-5, largest_db_tolerance = 30;
 

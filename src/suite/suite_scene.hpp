@@ -24,8 +24,8 @@ struct SuiteScene {
   std::vector<Solid> solids;  ///< in the order of the scene file
   std::string text;           ///< text of the scene file
   std::vector<Decider> deciders;
-  /// Relative bound that the reference proves for every energy (docs/reference.md). It is empty if no
-  /// reference is possible.
+  /// Relative bound that the reference proves for every energy (docs/notes/certified-energies.md). It is
+  /// empty if no reference is possible.
   std::optional<double> certified = 1e-9;
   double tolerance_l1 = 0;  ///< without a reference: allowed relative error of the sum of all energies
   std::optional<double> later_from_m{};  ///< range from which on all arrivals have two bounces

@@ -10,7 +10,7 @@
 #include "run/survey.hpp"
 #include "suite/suite_scene.hpp"
 
-// Writes the benchmark suite v2: scenes, meshes, reference answers and checksums (docs/benchmark-suite.md).
+// Writes the benchmark suite v2: scenes, meshes, reference answers and checksums (docs/reference-results.md).
 namespace tubefoot {
 
 struct SuiteRequest {

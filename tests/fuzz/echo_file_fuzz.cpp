@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fuzzes echo files of any origin. The input is raw bytes in netCDF's classic formats, or a description of
 // a whole classic or netCDF-4 file. The description has dimensions, types, units and values. The libraries
-// netCDF and HDF5 are not under test: docs/fuzzing.md.
+// netCDF and HDF5 are not under test: validation/fuzzing.md.
 #include <netcdf.h>
 
 #include <array>

@@ -17,8 +17,8 @@
 
 #include "files/input_error.hpp"
 
-// Common functions of all fuzz targets (docs/fuzzing.md): input bytes, scratch files, limits on processor
-// time, and checks of error messages.
+// Common functions of all fuzz targets (validation/fuzzing.md): input bytes, scratch files, limits on
+// processor time, and checks of error messages.
 namespace tubefoot::fuzz {
 
 /// An input that is read from the front. It returns zeros after its end.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fuzzes material maps: rasters of classes and polygons over a small seabed. GDAL itself is not under test
-// (docs/fuzzing.md).
+// (validation/fuzzing.md).
 #include <array>
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fuzzes rasters as terrain, relief and micro-texture. GDAL itself is not under test: docs/fuzzing.md.
+// Fuzzes rasters as terrain, relief and micro-texture. GDAL itself is not under test: validation/fuzzing.md.
 #include <array>
 #include <cmath>
 #include <optional>

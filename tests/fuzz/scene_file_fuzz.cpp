@@ -16,7 +16,7 @@
 namespace tubefoot::fuzz {
 namespace {
 
-/// Files of all kinds that keys of a scene name (docs/fuzzing.md).
+/// Files of all kinds that keys of a scene name (validation/fuzzing.md).
 void write_companions() {
   scratch_file("bed.asc",
                "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 2\nNODATA_value -9\n"

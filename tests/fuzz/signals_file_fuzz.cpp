@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fuzzes files of element signals (signals.nc) of any origin. The input is raw bytes in netCDF's classic
 // formats, or a set of changes to a valid classic or netCDF-4 file. The changes concern dimensions, types,
-// units and values. The libraries netCDF and HDF5 are not under test: docs/fuzzing.md.
+// units and values. The libraries netCDF and HDF5 are not under test: validation/fuzzing.md.
 #include <netcdf.h>
 
 #include <algorithm>

@@ -11,7 +11,7 @@ extern "C" double exp10(double);
 
 namespace {
 
-// Proofs assume 8 (geometry/numbers/interval.hpp, docs/reference.md).
+// Proofs assume 8 (geometry/numbers/interval.hpp, docs/notes/certified-energies.md).
 constexpr double units_allowed = 4;
 constexpr int trials = 5000;
 

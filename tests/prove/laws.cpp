@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Checks the laws of docs/visibility.md on one scene: closure, agreement of arithmetics, the predicate,
+// Checks the laws of docs/notes/visibility.md on one scene: closure, agreement of arithmetics, the predicate,
 // facet order, translation, and splitting of tubes and facets.
 
 #include "prove/laws.hpp"

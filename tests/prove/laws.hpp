@@ -6,7 +6,7 @@
 
 #include "prove/ledger.hpp"
 
-// The laws of docs/visibility.md as checks of one scene. The tests and tubefoot_prove share them.
+// The laws of docs/notes/visibility.md as checks of one scene. The tests and tubefoot_prove share them.
 namespace tubefoot::prove {
 
 /// Prover of one thread, which keeps its buffers from scene to scene. It checks these laws:

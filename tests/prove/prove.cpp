@@ -13,8 +13,8 @@
 
 #include "prove/laws.hpp"
 
-// Checks the laws on a chosen number of tubes: `make prove`. The laws are in docs/visibility.md, 'Laws'. It
-// prints one line per law and kind of scene.
+// Checks the laws on a chosen number of tubes: `make prove`. The laws are in docs/notes/visibility.md,
+// 'Laws'. It prints one line per law and kind of scene.
 namespace {
 
 using namespace tubefoot::prove;

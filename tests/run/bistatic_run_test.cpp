@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests a separate receiver with its own lever arm in whole runs (docs/bistatic.md). The comparisons are
+// Tests a separate receiver with its own lever arm in whole runs (docs/environment.md). The comparisons are
 // the monostatic run, closed forms of ellipses, and rays in one gradient.
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -108,7 +108,7 @@ struct Reception {
   }
 };
 
-/// Kirchhoff's integral over a rectangle, by Gauss rules: docs/smooth-surfaces.md (1).
+/// Kirchhoff's integral over a rectangle, by Gauss rules: docs/notes/smooth-surfaces.md (1).
 class SurfaceIntegral {
  public:
   SurfaceIntegral(const Rectangle& over, glm::dvec3 from, glm::dvec3 to) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs the Python examples of docs/echo-file.md unchanged.
+// Runs the Python examples of docs/output-files.md unchanged.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

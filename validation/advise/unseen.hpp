@@ -18,7 +18,7 @@ class UnseenPings {
   /// Takes at most `count` pings per sensor and place. Throws as TrialScene does.
   UnseenPings(const SceneDescription& scene, const std::vector<LookedAt>& seen, std::size_t count);
 
-  /// "8 other pings a sensor" or "3 other places".
+  /// "8 other pings per sensor" or "3 other positions".
   const std::string& what() const { return what_; }
   std::size_t beams() const { return places_.front()->beams(); }
 

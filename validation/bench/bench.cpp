@@ -119,7 +119,7 @@ int main(int, char** argv) {
   };
   survey_figures(figure);
   relief_figures(figure);
-  // Gives the correct topology on this terrain; docs/performance.md.
+  // Gives the correct topology on this terrain; validation/performance.md.
   constexpr double tuned_tolerance = 1e-14;
   {
     View sector(benchmark_terrain(200)), beams(benchmark_terrain(200), 96);

@@ -18,7 +18,7 @@ struct BeamSampling {
   /// Columns side by side, at the centres of equal parts of the beam; 0: random points.
   std::int64_t columns = 0;
   std::int64_t rays = 0;      ///< rays of each column, at equal angles; for random points, rays of the beam
-  std::string words() const;  ///< for example "1 x 512 rays a beam"
+  std::string words() const;  ///< for example "1 x 512 rays per beam"
 };
 
 /// Parses "1x512" (columns x rows) or "points:512". Returns nothing for other words, which name a file.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Conversion of reference energies to the units of another engine. It is a chain of steps, each of which
-// propagates the certified bounds of the energies. See docs/output-models.md for the formulas.
+// propagates the certified bounds of the energies. See docs/engine-validation.md for the formulas.
 #pragma once
 
 #include <cstdint>
@@ -73,8 +73,8 @@ struct BoundedPicture {
 ///
 /// For steps that combine bins (blur, normalisation) bounds add up as absolute values. For monotone steps
 /// both ends of the interval are mapped, and the larger half is the bound. Bounds exclude the rounding of
-/// doubles, as the sums of docs/reference.md do (parts in 1e-15). Throws InputError at the step for a mean
-/// or a count without solid angles.
+/// doubles, as the sums of docs/notes/certified-energies.md do (parts in 1e-15). Throws InputError at the
+/// step for a mean or a count without solid angles.
 void apply(const OutputModelStep& step, BoundedPicture& picture);
 
 }  // namespace tubefoot

@@ -10,7 +10,7 @@
 
 namespace tubefoot {
 
-/// An output model file (docs/output-models.md).
+/// An output model file (docs/engine-validation.md).
 struct OutputModel {
   SourcePlace place;
   std::string title;

@@ -17,7 +17,7 @@
 // Encloses the error of apparent facets: travel-path error, range error, and the ratio of true to apparent
 // return. The travel-path error is at most half the squared radius of the smallest circle around the
 // corners, times the second derivative of the image (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191). See
-// docs/reference.md, section "Through refracting water".
+// docs/notes/certified-energies.md, section "Through refracting water".
 namespace tubefoot {
 namespace {
 

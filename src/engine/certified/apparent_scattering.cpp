@@ -7,8 +7,8 @@
 
 // Fits the angle of incidence phi on the true facet as an affine function of the apparent angle psi. The
 // angles satisfy cos phi = e^ratio cos psi. The slopes of phi - stretch psi enclose the remainder. Near the
-// normal, the slopes of phi^2 - stretch^2 psi^2 are used. See docs/reference.md, section "Through refracting
-// water".
+// normal, the slopes of phi^2 - stretch^2 psi^2 are used. See docs/notes/certified-energies.md, section
+// "Through refracting water".
 namespace tubefoot {
 namespace {
 

@@ -8,9 +8,9 @@
 #include "engine/scattering/scattering_model.hpp"
 #include "geometry/numbers/interval.hpp"
 
-// Fits scattering models to apparent facets. A ray meets the true facet at an angle of incidence phi, and
-// the apparent facet at another angle psi. The fitted model is the true model at phi = shift + stretch psi.
-// The remaining difference is enclosed. See docs/reference.md, section "Through refracting water".
+// Fits scattering models to apparent facets. A ray meets the true facet at an angle of incidence phi, and the
+// apparent facet at another angle psi. The fitted model is the true model at phi = shift + stretch psi. The
+// remaining difference is enclosed. See docs/notes/certified-energies.md, section "Through refracting water".
 namespace tubefoot {
 
 /// Rays to a part of a facet. `sine` is the sine of the apparent grazing angle. The ratio is that of the

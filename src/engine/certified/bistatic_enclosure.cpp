@@ -16,7 +16,7 @@
 
 // Encloses flattened facets for two ends. Second derivatives of the difference between squared true range
 // and squared flattened range bound the half-path error between the corners (S. Waldron, SIAM J. Numer.
-// Anal. 35 (1998) 1191). See docs/reference.md, section "Of two ends".
+// Anal. 35 (1998) 1191). See docs/notes/certified-energies.md, section "Of two ends".
 namespace tubefoot {
 namespace {
 

@@ -11,7 +11,7 @@
 
 // Encloses facets that the two ends of a path see at different apparent positions in stratified water. For
 // each flattened facet it bounds the half path length, the ratio of true to straight-ray return, and the
-// launch directions. See docs/reference.md, section "Of two ends".
+// launch directions. See docs/notes/certified-energies.md, section "Of two ends".
 namespace tubefoot {
 
 /// One end of a path, and the apparent seabed that it sees. The vertices of the surface have the same

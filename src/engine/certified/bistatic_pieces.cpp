@@ -11,7 +11,7 @@
 
 // Integrates pieces of flattened facets in ball arithmetic. The bounds of BistaticEnclosure then widen the
 // result. They cover the factor, the half-path error at sample borders, patterns and the position of texture.
-// See docs/reference.md, section "Of two ends".
+// See docs/notes/certified-energies.md, section "Of two ends".
 namespace tubefoot {
 namespace {
 

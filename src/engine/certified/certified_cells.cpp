@@ -10,7 +10,7 @@
 
 // Cuts certified polygons along the planes between texture cells and evaluates the texture factor in each
 // part. Neighbouring parts share one chord, so that the parts make up exactly the polygon. See
-// docs/reference.md, section "Micro-texture".
+// docs/notes/certified-energies.md, section "Micro-texture".
 namespace tubefoot {
 namespace {
 

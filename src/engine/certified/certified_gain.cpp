@@ -7,8 +7,8 @@
 #include <numbers>
 
 // Encloses line, piston, Gaussian and tabulated beam patterns. Their bounds in the complex plane are e^(pi
-// |Im z|) for sinc z, e^|Im z| for 2 J1(z) / z, and e^(c (Im a)^2) for e^(-c a^2). See docs/reference.md,
-// section "Error of the quadrature".
+// |Im z|) for sinc z, e^|Im z| for 2 J1(z) / z, and e^(c (Im a)^2) for e^(-c a^2). See
+// docs/notes/certified-energies.md, section "Error of the quadrature".
 namespace tubefoot {
 namespace {
 

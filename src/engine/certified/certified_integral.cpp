@@ -12,7 +12,7 @@
 
 // Integrates certified polygons for one apex by Gauss-Legendre quadrature in ball arithmetic, slab by slab,
 // with the error bound of L. N. Trefethen (Approximation Theory and Approximation Practice, theorem 19.3).
-// See docs/reference.md, section "Error of the quadrature".
+// See docs/notes/certified-energies.md, section "Error of the quadrature".
 namespace tubefoot {
 namespace {
 

@@ -13,12 +13,12 @@
 #include "geometry/integrals/certified_polygon.hpp"
 
 // Encloses integrals of the monostatic echo density over polygons, split into range samples, in ball
-// arithmetic. Optional factors are beam patterns and micro-texture. See docs/reference.md.
+// arithmetic. Optional factors are beam patterns and micro-texture. See docs/notes/certified-energies.md.
 namespace tubefoot {
 
 /// Encloses the return of an untextured seabed to one apex (density.hpp) over a polygon's part in each range
-/// sample. Patterns of the tube and the micro-texture of the cell are optional factors. docs/reference.md
-/// describes the method.
+/// sample. Patterns of the tube and the micro-texture of the cell are optional factors.
+/// docs/notes/certified-energies.md describes the method.
 ///
 /// The integrand and all parts of the integral are non-negative. In a slab (polar_slabs.hpp) the integrand
 /// is analytic in t, with r^2 = q^2 + t^2, and in the angle. Gauss-Legendre quadrature with N >= 2 nodes on

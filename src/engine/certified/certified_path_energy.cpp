@@ -11,7 +11,7 @@
 
 // Encloses the bistatic density sigma(g_T, g_R) r_T^-2 r_R^-2 10^(-alpha (r_T + r_R) / 10) B_T B_R with
 // mirror losses, in balls and intervals of doubles. Over complex positions it bounds the logarithm of the
-// modulus with margins for rounding. See docs/reference.md, section "Two apexes".
+// modulus with margins for rounding. See docs/notes/certified-energies.md, section "Two apexes".
 namespace tubefoot {
 namespace {
 

@@ -10,7 +10,8 @@
 #include "geometry/steps/stop.hpp"
 
 // Integrates over cells between ellipses of equal path length by two-dimensional Gauss-Legendre quadrature,
-// first in intervals of doubles and then in balls. See docs/reference.md, section "Two apexes".
+// first in intervals of doubles and then in balls. See docs/notes/certified-energies.md, section "Two
+// apexes".
 namespace tubefoot {
 namespace {
 

@@ -49,7 +49,7 @@ class CertifiedIntegrand {
 };
 
 /// Encloses the integral of values over a polygon's part in each sample of path length
-/// (certified_path_cells). docs/reference.md describes the method.
+/// (certified_path_cells). docs/notes/certified-energies.md describes the method.
 ///
 /// In a cell the integrand is analytic in t and in v, with X = near + v (far - near). Gauss-Legendre
 /// quadrature in each variable has the error of CertifiedIntegrator's rule. Cells are halved until the error

@@ -6,7 +6,7 @@
 
 // Encloses Perlin noise with the fade u(z) = 6 z^5 - 15 z^4 + 10 z^3. Values are computed in doubles with an
 // allowance for rounding. Bounds in the complex plane follow from Taylor's series of the weights. See
-// docs/reference.md, section "Micro-texture".
+// docs/notes/certified-energies.md, section "Micro-texture".
 namespace tubefoot {
 namespace {
 

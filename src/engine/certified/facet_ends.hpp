@@ -11,7 +11,7 @@
 
 // Encloses a facet as one end of a path sees it through stratified water. The enclosures contain ranges,
 // grazing angles and sound speeds, with derivatives over the facet's plane. It also describes the facet's
-// plane after flattening between two ends. See docs/reference.md, section "Of two ends".
+// plane after flattening between two ends. See docs/notes/certified-energies.md, section "Of two ends".
 namespace tubefoot {
 
 /// Rays from an end over a box of a facet's plane, in the unfolded water. Over an odd number of mirrors the

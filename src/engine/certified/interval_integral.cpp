@@ -12,7 +12,8 @@
 #include "geometry/steps/stop.hpp"
 
 // Integrates polygons for one apex in intervals of doubles that are rounded outwards. The error bound of the
-// quadrature uses bounds of the integrand on disks. See docs/reference.md, section "Doubles first".
+// quadrature uses bounds of the integrand on disks. See docs/notes/certified-energies.md, section "Doubles
+// first".
 namespace tubefoot {
 namespace {
 

@@ -12,7 +12,7 @@
 
 // Encloses the integral of CertifiedIntegrator in intervals of doubles. With r^2 = q^2 + t^2, Gauss-Legendre
 // quadrature runs over t. Its error bound uses closed-form bounds of the integrand on a disk around the
-// ellipse. See docs/reference.md, section "Doubles first".
+// ellipse. See docs/notes/certified-energies.md, section "Doubles first".
 namespace tubefoot {
 
 /// Computes the integral of CertifiedIntegrator in intervals of doubles, without patterns and textures. It

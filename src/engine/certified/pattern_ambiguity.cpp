@@ -11,7 +11,7 @@
 
 // Bounds the change of beam patterns for directions that differ by a small angle, and the resulting error of
 // energies. It uses the largest slopes of the square roots of patterns and the inequality of Cauchy and
-// Schwarz. See docs/reference.md, section "Of two ends".
+// Schwarz. See docs/notes/certified-energies.md, section "Of two ends".
 namespace tubefoot {
 namespace {
 

@@ -7,8 +7,8 @@
 
 #include "geometry/numbers/complex_ranges.hpp"
 
-// Encloses sqrt(E_upper E_lower) times the cosine and sine of the phase between two receivers. In the
-// complex plane e^|Im z| bounds the moduli of cos z and sin z. See docs/reference.md, section "Two
+// Encloses sqrt(E_upper E_lower) times the cosine and sine of the phase between two receivers. In the complex
+// plane e^|Im z| bounds the moduli of cos z and sin z. See docs/notes/certified-energies.md, section "Two
 // receivers".
 namespace tubefoot {
 namespace {

@@ -11,8 +11,8 @@
 #include "geometry/numbers/enclosure_slack.hpp"
 
 // Encloses products of a receiver pair over intersections of visible pieces on flattened facets. The result
-// is widened by the enclosures of factors, ranges, patterns and texture. See docs/reference.md, section "Of
-// two receivers".
+// is widened by the enclosures of factors, ranges, patterns and texture. See
+// docs/notes/certified-energies.md, section "Of two receivers".
 namespace tubefoot {
 namespace {
 

@@ -52,7 +52,7 @@ constexpr std::size_t most_cells = 1 << 16;
 /// integrals in ball arithmetic. The enclosures are refined until each bound is at most tolerance *
 /// max(energy, reference_floor * strongest of the beam, reference_floor^2 * strongest of the ping).
 /// `ordinary` is the echo of the same ping by integrate_echo() and only guides the work. `options` must name
-/// an exact arithmetic. The page docs/reference.md states what is certain.
+/// an exact arithmetic. The page docs/notes/certified-energies.md states what is certain.
 CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const History& history,
                            const VisibilityOptions& options, std::span<const std::uint32_t> beam_of_tube,
                            const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,

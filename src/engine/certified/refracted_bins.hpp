@@ -14,7 +14,7 @@
 
 // Common parts of references in stratified water: energy intervals by bin, and samples with uncertain
 // borders. Other classes select the facets that a tube may see, and find the ranges beyond which nothing is
-// proven. See docs/reference.md, section "Through refracting water".
+// proven. See docs/notes/certified-energies.md, section "Through refracting water".
 namespace tubefoot {
 
 /// Certified echo in stratified water.

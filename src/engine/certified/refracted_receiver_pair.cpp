@@ -12,8 +12,8 @@
 #include "geometry/steps/stop.hpp"
 
 // Computes reference energies and products of a receiver pair in stratified water, from the parts of two
-// bistatic references and the products over common pieces. See docs/reference.md, section "Of two
-// receivers".
+// bistatic references and the products over common pieces. See docs/notes/certified-energies.md, section "Of
+// two receivers".
 namespace tubefoot {
 namespace {
 

@@ -11,8 +11,8 @@
 #include "geometry/visibility/visibility.hpp"
 
 // Bounds the energy from directions in which the visible facet is uncertain, because images differ slightly
-// from apparent facets. All results are upper bounds. See docs/reference.md, sections "Through refracting
-// water" and "Of two ends".
+// from apparent facets. All results are upper bounds. See docs/notes/certified-energies.md, sections "Through
+// refracting water" and "Of two ends".
 namespace tubefoot {
 
 /// Energy of up to `energy_j` that may be added to or missing from the visible pieces, from ranges between

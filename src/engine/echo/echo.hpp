@@ -12,8 +12,8 @@
 #include "engine/visibility/common_visibility.hpp"
 
 // Integrates the echo of visible polygons per beam and range sample. Sample k contains the half paths from
-// first + k step on, half of transmit leg plus receive leg. density.hpp has the integrand. See docs/paths.md
-// for mirrors.
+// first + k step on, half of transmit leg plus receive leg. density.hpp has the integrand. See
+// docs/notes/multiple-paths.md for mirrors.
 
 namespace tubefoot {
 

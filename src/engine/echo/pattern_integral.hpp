@@ -23,7 +23,7 @@
 #include "geometry/integrals/polar_slabs.hpp"
 
 // Integrates monostatic echoes with beam patterns over visible polygons. The integral is over slabs of slant
-// range and over the arcs of circles in each slab. docs/theory.md has the integrand.
+// range and over the arcs of circles in each slab. docs/visibility.md has the integrand.
 
 namespace tubefoot {
 

@@ -12,8 +12,9 @@
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 
-// Encloses rays, windows and visibility of images in refracting water. A window deviates from the true one
-// by no more than the apparent facets at its border. Source: docs/reference.md, "Over level mirrors".
+// Encloses rays, windows and visibility of images in refracting water. A window deviates from the true one by
+// no more than the apparent facets at its border. Source: docs/notes/certified-energies.md, "Over level
+// mirrors".
 
 namespace tubefoot {
 namespace {

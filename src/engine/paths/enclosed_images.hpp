@@ -12,7 +12,8 @@
 #include "engine/paths/refracted_images.hpp"
 #include "engine/scattering/echo_model.hpp"
 
-// Encloses images in refracting water for the reference. Source: docs/reference.md, "Over level mirrors".
+// Encloses images in refracting water for the reference. Source: docs/notes/certified-energies.md, "Over
+// level mirrors".
 namespace tubefoot {
 
 /// Bounds of images. Apparent facets form the borders of windows, so a window has the same angular error as

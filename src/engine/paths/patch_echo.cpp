@@ -12,8 +12,8 @@
 #include "geometry/steps/stop.hpp"
 
 // Integrates the last scattering of a path over polygons that a point and a receiver both see. The polygons
-// are halved until they are small, then cut along straight lines of equal path. Source: docs/paths.md,
-// "Several scatterings".
+// are halved until they are small, then cut along straight lines of equal path. Source:
+// docs/notes/multiple-paths.md, "Several scatterings".
 
 namespace tubefoot {
 namespace {

@@ -17,7 +17,7 @@
 
 // Computes the echo of a point that scatters to a receiver by one more scattering, the last of a path. Each
 // polygon that the point and the receiver both see is cut into small parts, which are evaluated at their
-// centroids. Source: docs/paths.md, "Several scatterings".
+// centroids. Source: docs/notes/multiple-paths.md, "Several scatterings".
 namespace tubefoot {
 
 /// Receiver of the last scattering: an image of a receiver, or the images of both receivers of a receiver

@@ -6,8 +6,8 @@
 #include "engine/paths/patch_echo.hpp"
 #include "engine/paths/path_echo.hpp"
 
-// Adds paths with several scatterings to an echo, generation by generation. Source: docs/paths.md, "Several
-// scatterings".
+// Adds paths with several scatterings to an echo, generation by generation. Source:
+// docs/notes/multiple-paths.md, "Several scatterings".
 namespace tubefoot {
 
 /// Arguments of path_echo() for paths with several scatterings. All references must outlive the call.

@@ -10,7 +10,7 @@
 #include "engine/paths/visible_surface.hpp"
 
 // Divides the surface that an apex sees into patches that are small enough to act as points. Source:
-// docs/paths.md, "Several scatterings".
+// docs/notes/multiple-paths.md, "Several scatterings".
 namespace tubefoot {
 
 /// Triangles of footprints that lie close together on one facet.

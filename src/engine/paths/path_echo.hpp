@@ -16,7 +16,7 @@
 
 // Computes the echoes of paths over mirrors and of multiple scattering, per order. A reflected path of
 // length L returns losses * B_T B_R 10^(-alpha L / 10) / L^2. A scattered path is the bistatic echo between
-// two images times the reflection losses. Source: docs/paths.md.
+// two images times the reflection losses. Source: docs/notes/multiple-paths.md.
 namespace tubefoot {
 
 /// Settings of the ray engine for paths: each ray of a transmission continues over the mirrors that it

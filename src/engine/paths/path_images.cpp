@@ -10,8 +10,8 @@
 #include "geometry/tubes/window_tubes.hpp"
 
 // Computes the images of a transmission with up to order - 1 mirrors and the footprints that pairs of them
-// share. In refracting water RefractedImages finds the images, otherwise ImageFinder. Source: docs/paths.md,
-// "Images".
+// share. In refracting water RefractedImages finds the images, otherwise ImageFinder. Source:
+// docs/notes/multiple-paths.md, "Images".
 
 namespace tubefoot {
 

@@ -8,7 +8,7 @@
 #include "engine/paths/path_echo.hpp"
 
 // Computes the echoes of paths over mirrors at the two receivers of a receiver pair, and the mean product of
-// the signals. Source: docs/paths.md, "Interferometric receivers".
+// the signals. Source: docs/notes/multiple-paths.md, "Interferometric receivers".
 namespace tubefoot {
 
 /// Echoes at both receivers of a receiver pair, per order as in PathEcho.
@@ -35,8 +35,8 @@ struct ReceiverPairEnds {
 /// cancels. Different paths are independent, as in the energies.
 ///
 /// In refracting water (`water`, as for path_echo()) the images of both ends see the apparent seabed of the
-/// image of their middle (docs/refraction.md). Patches insonify this seabed through the water from their own
-/// depth. Unscattered paths follow separate rays to the two ends.
+/// image of their middle (docs/notes/refraction.md). Patches insonify this seabed through the water from
+/// their own depth. Unscattered paths follow separate rays to the two ends.
 ///
 /// `model.patterns`: those of this fan only (patterns_of_fan()), with one beam that receives all tubes of
 /// the fan. Throws the exceptions of path_echo().

@@ -9,9 +9,9 @@
 
 #include "geometry/steps/stop.hpp"
 
-// Projects visible polygons to the planes of their facets, and intersects those of the two ends of a
-// receiver pair. The source of the geometry in refracting water is docs/paths.md, "Patches in refracting
-// water".
+// Projects visible polygons to the planes of their facets, and intersects those of the two ends of a receiver
+// pair. The source of the geometry in refracting water is docs/notes/multiple-paths.md, "Patches in
+// refracting water".
 
 namespace tubefoot {
 namespace {

@@ -18,7 +18,7 @@
 
 // Stores the surface that receivers of the last scattering see, per facet, and computes ranges, slopes and
 // grazing angles on a facet from any point. Works in isovelocity and in refracting water. Source:
-// docs/paths.md, "Several scatterings".
+// docs/notes/multiple-paths.md, "Several scatterings".
 namespace tubefoot {
 
 /// Surface that an image of a receiver sees, or that both ends of a receiver pair over the same mirrors see.

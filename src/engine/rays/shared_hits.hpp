@@ -9,7 +9,7 @@
 #include "engine/visibility/bistatic_history.hpp"
 #include "geometry/tubes/tube_finder.hpp"
 
-// Common visibility of two apexes, computed from sampled rays. See docs/bistatic.md.
+// Common visibility of two apexes, computed from sampled rays. See docs/notes/bistatic.md.
 namespace tubefoot {
 
 /// One end of sampled paths: the scene that an apex or an image of it sees, and its tubes. All referenced

@@ -10,8 +10,8 @@
 
 // Relief by spectral synthesis. Independent Gaussian amplitudes for the wavenumbers of a periodic tile are
 // multiplied by the square root of a spectrum and Fourier transformed (D. Saupe in Peitgen & Saupe, The
-// Science of Fractal Images, 1988). docs/textures.md has the formulas. The amplitude of a wavenumber depends
-// on the seed and on its two indices alone, so a finer resolution adds detail to the same seabed.
+// Science of Fractal Images, 1988). docs/notes/textures.md has the formulas. The amplitude of a wavenumber
+// depends on the seed and on its two indices alone, so a finer resolution adds detail to the same seabed.
 namespace tubefoot {
 
 /// A periodic tile with its south-west corner at the origin of the local frame.

@@ -8,7 +8,7 @@
 
 // Scattering models: backscattering cross-section as a function of the grazing angle, by Lambert's law, by
 // the generic seafloor model of Lamarche et al. (2011) or by a table. Source and formulas:
-// docs/scattering.md.
+// docs/notes/scattering.md.
 namespace tubefoot {
 
 /// Backscattering cross-section per unit area and steradian as a function of the grazing angle alone.

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-// Acoustic properties of sediments. See docs/scattering.md.
+// Acoustic properties of sediments. See docs/notes/scattering.md.
 namespace tubefoot {
 
 /// Backscattering strength of a sediment [dB] at the grazing angles of `sediment_grazing_deg`, at one

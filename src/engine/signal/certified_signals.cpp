@@ -12,7 +12,7 @@
 #include "geometry/steps/in_order.hpp"
 
 // Encloses the signals of smooth_signals() in ball arithmetic: closed-form pulses are integrated along the
-// edges of the visible polygons. Source: docs/smooth-surfaces.md, "Certified signals".
+// edges of the visible polygons. Source: docs/notes/smooth-surfaces.md, "Certified signals".
 
 namespace tubefoot {
 namespace {

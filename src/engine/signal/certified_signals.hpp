@@ -11,7 +11,7 @@
 #include "engine/signal/smooth_surface.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
-// Computes signals of smooth surfaces with proven bounds. Source: docs/smooth-surfaces.md, "Certified
+// Computes signals of smooth surfaces with proven bounds. Source: docs/notes/smooth-surfaces.md, "Certified
 // signals".
 namespace tubefoot {
 

@@ -11,7 +11,7 @@
 
 #include "engine/signal/smooth_surface.hpp"
 
-// Computes backscattering lengths with proven bounds. Source: docs/smooth-surfaces.md.
+// Computes backscattering lengths with proven bounds. Source: docs/notes/smooth-surfaces.md.
 namespace tubefoot {
 
 /// Backscattering length with a bound of its error.

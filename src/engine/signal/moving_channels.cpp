@@ -11,7 +11,7 @@
 
 // Evaluates channels with moving ends on visible polygons. Each echo has the exact travel times of its own
 // points in time (MovingPulse). The extent for cutting polygons takes the ends' positions while the echo
-// arrives. Source: docs/signals.md.
+// arrives. Source: docs/notes/signals.md.
 
 namespace tubefoot {
 namespace {

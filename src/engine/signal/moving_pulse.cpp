@@ -6,7 +6,7 @@
 #include <numbers>
 
 // Solves the travel-time equation of moving ends by Newton's method, and interpolates path lengths over
-// parts of a pulse by parabolas. The envelope is a table of cubics. Source: docs/signals.md.
+// parts of a pulse by parabolas. The envelope is a table of cubics. Source: docs/notes/signals.md.
 
 namespace tubefoot {
 namespace {

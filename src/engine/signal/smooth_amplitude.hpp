@@ -12,8 +12,9 @@
 #include "geometry/integrals/edge_form.hpp"
 #include "geometry/integrals/path_cut.hpp"
 
-// Computes coherent echoes of smooth polygons in the Kirchhoff approximation. The result is the pressure of
-// a transmitted wave e^{ikr}/r after reflection with the coefficient R = 1. Source: docs/smooth-surfaces.md.
+// Computes coherent echoes of smooth polygons in the Kirchhoff approximation. The result is the pressure of a
+// transmitted wave e^{ikr}/r after reflection with the coefficient R = 1. Source:
+// docs/notes/smooth-surfaces.md.
 namespace tubefoot {
 
 /// Echo of a polygon for plane waves, with a proven bound of the difference to the Kirchhoff integral.

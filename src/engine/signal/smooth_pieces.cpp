@@ -10,7 +10,7 @@
 #include "geometry/integrals/measure.hpp"
 
 // Cuts polygons into chunks and rectangles by bounds of the rates of phase, of the pulse's band, and of beam
-// patterns. Source: docs/signals.md, "Arbitrary pulses".
+// patterns. Source: docs/notes/signals.md, "Arbitrary pulses".
 
 namespace tubefoot {
 namespace {
@@ -128,7 +128,7 @@ double SmoothPieces::moving_rate(double range_m) const {
   if (extent_.moved_m == 0 && extent_.speed_share == 0) return 0;
   // Directions to moving ends turn by at most moved / (range - moved). A moving transmitter increases the
   // gradient of the path length, a sum of two unit vectors, by at most the fraction speed_share
-  // (docs/signals.md).
+  // (docs/notes/signals.md).
   const double turned =
       range_m > extent_.moved_m ? std::min(2.0, extent_.moved_m / (range_m - extent_.moved_m)) : 2.0;
   return extent_.wavenumber_rad_m * (2 * turned + 2 * extent_.speed_share) * (extent_.products ? 2 : 1);

@@ -11,7 +11,7 @@
 #include "engine/signal/smooth_surface.hpp"
 #include "engine/visibility/far_view.hpp"
 
-// Computes the monostatic target strength of a body in the far field. Source: docs/smooth-surfaces.md.
+// Computes the monostatic target strength of a body in the far field. Source: docs/notes/smooth-surfaces.md.
 namespace tubefoot {
 
 /// Backscattering lengths f in m in the Kirchhoff approximation, per wave number in rad/m. The scattered

@@ -9,7 +9,7 @@
 #include <numbers>
 
 // Bounds the effect of rounding a mesh's vertices to the grid of a view, from displacements of vertices,
-// slopes of facets and lengths of borders. Source: docs/smooth-surfaces.md, "Bounds".
+// slopes of facets and lengths of borders. Source: docs/notes/smooth-surfaces.md, "Bounds".
 
 namespace tubefoot {
 namespace {

@@ -12,7 +12,7 @@
 #include "geometry/numbers/ball.hpp"
 
 // Bounds the error of a view that comes from the rounding of the mesh's vertices to a grid. Source:
-// docs/smooth-surfaces.md. Heavy: include only in .cpp files.
+// docs/notes/smooth-surfaces.md. Heavy: include only in .cpp files.
 namespace tubefoot {
 
 /// Enclosed axes of a view: right, up and towards the viewer.
@@ -20,7 +20,7 @@ using EnclosedAxes = std::array<std::array<Ball, 3>, 3>;
 
 /// Bounds the change of the integral over the silhouette of factor times e^{-2ikz} when the vertices move
 /// from their true positions to the grid. The coordinate z of a visible place increases towards the viewer.
-/// docs/smooth-surfaces.md contains the proof.
+/// docs/notes/smooth-surfaces.md contains the proof.
 class ViewDisplacement {
  public:
   ViewDisplacement(const FarViewGrid& grid, std::span<const glm::dvec3> points_m,

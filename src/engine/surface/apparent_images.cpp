@@ -9,7 +9,7 @@
 
 // Computes the apparent images of seabed points, matches the rays of neighbouring points, and decides which
 // edges need a cut. An edge is cut until its travel-path error and the error of its facet factor are within
-// the settings. See docs/refraction.md.
+// the settings. See docs/notes/refraction.md.
 namespace tubefoot {
 
 bool are_alike(const std::vector<SeenPoint>& a, const std::vector<SeenPoint>& b) {

@@ -10,7 +10,7 @@
 
 // Computes the apparent positions of seabed points for one apex in stratified water, one for each ray that
 // leads to a point. It also decides which edges map_apparent() cuts, from the travel-path error and from the
-// change of the facet factor in decibels. See docs/refraction.md.
+// change of the facet factor in decibels. See docs/notes/refraction.md.
 namespace tubefoot {
 
 /// Image of a point by one ray, and the return of the point along this ray.

@@ -12,7 +12,7 @@
 
 // Flattens facets between two apexes in stratified water. The metric of the flat triangle is the mean of the
 // metrics (squared edge lengths and their product) that the apexes see. The heights and foot points of the
-// apexes follow from the apparent ranges of the corners. See docs/bistatic.md.
+// apexes follow from the apparent ranges of the corners. See docs/notes/bistatic.md.
 namespace tubefoot {
 namespace {
 

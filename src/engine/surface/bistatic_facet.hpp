@@ -12,7 +12,7 @@
 
 // Flattens facets for a transmitter and a separate receiver in stratified water. The two apexes see each
 // facet at different apparent positions. A flattened facet is a triangle in a plane, with two apex positions
-// whose distances to the corners equal the apparent ranges. See docs/bistatic.md.
+// whose distances to the corners equal the apparent ranges. See docs/notes/bistatic.md.
 namespace tubefoot {
 
 /// True facets that either apex may see, with the same cuts for both, and their apparent positions for each

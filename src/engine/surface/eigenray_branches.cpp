@@ -11,7 +11,7 @@
 // Cuts facets with several eigenrays along caustics and limits of the followed rays, and adds one apparent
 // facet per family of rays and part. Next to a caustic the facet factor contains the mean of 1 / sqrt(w^2 +
 // w_c^2) over the launch directions. Here w is the ray-tube width and w_c the Airy width. See
-// docs/refraction.md.
+// docs/notes/refraction.md.
 namespace tubefoot {
 namespace {
 

@@ -24,7 +24,7 @@
 
 // Refines the seabed until its apparent facets meet the settings, maps the vertices to apparent positions,
 // and computes the facet factors. Facets with several eigenrays go to EigenrayBranches. See
-// docs/refraction.md.
+// docs/notes/refraction.md.
 namespace tubefoot {
 namespace {
 

@@ -15,7 +15,7 @@
 
 // Maps the seabed to a mesh of apparent facets, which straight tubes from one apex see as refracted tubes
 // see the true seabed. Edges are cut until the travel-path error and the error of the energy density are
-// within the settings. See docs/refraction.md.
+// within the settings. See docs/notes/refraction.md.
 namespace tubefoot {
 
 struct ApparentMapSettings {

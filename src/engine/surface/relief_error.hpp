@@ -9,7 +9,7 @@
 #include "engine/relief/elevation_field.hpp"
 
 // Estimates the error that a mesh causes by omitting finer relief. The formulas are derived in
-// docs/textures.md, section "Refinement".
+// docs/notes/textures.md, section "Refinement".
 namespace tubefoot {
 
 /// Relief that meshes of all edge lengths omit from a scene.

@@ -15,7 +15,7 @@
 
 // Refines the seabed with its macro-texture and displaces the refined facets, everywhere or only where a
 // transmission may see them. Facets are refined until the omitted relief changes the energy of a range
-// sample by less than a tolerance. See docs/textures.md, section "Refinement".
+// sample by less than a tolerance. See docs/notes/textures.md, section "Refinement".
 namespace tubefoot {
 
 enum class Displacement { vertical, normal };

@@ -8,7 +8,7 @@
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// Histories of a transmitter and a separate receiver. See docs/bistatic.md.
+// Histories of a transmitter and a separate receiver. See docs/notes/bistatic.md.
 namespace tubefoot {
 
 /// A hit of a transmit ray that a separate receiver sees too. It represents the solid angle from which the

@@ -7,7 +7,8 @@
 #include <numbers>
 
 // Computes apparent positions from eigenrays: direction = launch direction, distance = reference speed times
-// travel time. It also computes the quantities of facet corners for facet_factor(). See docs/refraction.md.
+// travel time. It also computes the quantities of facet corners for facet_factor(). See
+// docs/notes/refraction.md.
 namespace tubefoot {
 
 ApparentMap::ApparentMap(const WaterColumn& water, glm::dvec3 apex_m, double surface_height_m,

@@ -14,7 +14,7 @@
 // Maps points of stratified water to apparent positions. An apparent position lies in the launch direction
 // of the point's ray, at the distance reference speed times travel time. The factor of a facet is its echo
 // along refracted rays, divided by the echo of its apparent facet along straight rays. See
-// docs/refraction.md and docs/physics.md.
+// docs/notes/refraction.md and docs/energies.md.
 namespace tubefoot {
 
 /// Apparent position of a point, and the ray that leads to the point.

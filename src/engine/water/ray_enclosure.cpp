@@ -11,7 +11,7 @@
 // Encloses the ray from an apex to a patch of a plane, with first and second derivatives, in intervals that
 // are rounded outwards. Within one layer the forms are closed. Through several layers the Snell parameter k
 // follows from the implicit function k R(k, z)^2 = x^2 + y^2, with a verified bracket. See
-// docs/reference.md, section "Through refracting water".
+// docs/notes/certified-energies.md, section "Through refracting water".
 namespace tubefoot {
 namespace {
 

@@ -14,7 +14,7 @@ namespace tubefoot {
 bool is_bag(const std::filesystem::path& path);
 
 /// Reads the pictures of one topic of a ROS 2 recording, in the order of their recording
-/// (docs/import-bags.md).
+/// (docs/engine-validation.md).
 ///
 /// Without a topic, the function takes the only topic with pictures. For a single message (.cdr) or a
 /// printed one (.yaml), `topic` is its type; without it, the function takes the only type that matches.

@@ -9,7 +9,7 @@
 #include "run/checkpoint/ping_store.hpp"
 #include "run/ranks/ping_workers.hpp"
 
-// This header declares the messages between ranks (docs/cluster.md). A message is one letter, followed by
+// This header declares the messages between ranks (docs/large-jobs.md). A message is one letter, followed by
 // its contents.
 namespace tubefoot {
 

@@ -18,7 +18,7 @@ namespace tubefoot {
 class PingStore;
 
 /// Rank 0 of a run on several ranks. It distributes the pings, simulates some of them, and stores and writes
-/// the results of all ranks (docs/cluster.md).
+/// the results of all ranks (docs/large-jobs.md).
 class LeadRank {
  public:
   explicit LeadRank(std::unique_ptr<RankLink> link);

@@ -18,7 +18,7 @@ struct MaterialDescription {
   SourcePlace place;
   std::string name;
   double lambert_db = -27;        ///< 10 log10 mu; energy conservation requires <= -4.9715
-  std::string model = "lambert";  ///< lambert | gsab | table | sediment; docs/scattering.md
+  std::string model = "lambert";  ///< lambert | gsab | table | sediment; docs/environment.md
   std::optional<double> specular_db, specular_width_deg;      ///< gsab: A and B
   std::optional<double> oblique_db, oblique_exponent;         ///< gsab: C and D
   std::optional<double> transition_db, transition_width_deg;  ///< gsab: E and F
@@ -30,7 +30,7 @@ struct MaterialDescription {
   std::vector<ReliefDescription> relief;                      ///< summed; if empty, facets are flat
   std::vector<ReflectivityDescription> reflectivity;          ///< multiplied; if empty, uniform
   std::optional<double> specular_loss_db;  ///< loss of reflections; if empty, the material is no mirror
-  bool smooth = false;                     ///< signals have its coherent amplitude; docs/smooth-surfaces.md
+  bool smooth = false;                     ///< signals have its coherent amplitude; docs/signals.md
   double reflection = 1;   ///< smooth: reflection coefficient of pressure; +1 rigid, -1 pressure release
   double roughness_m = 0;  ///< smooth: standard deviation of the height
   /// smooth: half-space of a fluid; density and sound speed relative to the water's, attenuation in dB per

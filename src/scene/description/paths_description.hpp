@@ -16,7 +16,7 @@ struct SeaSurfaceDescription {
   double rms_roughness_m = 0;  ///< standard deviation of the height; causes a further (Rayleigh) loss
 };
 
-/// Selection of propagation paths. docs/paths.md
+/// Selection of propagation paths. docs/environment.md
 struct PathsDescription {
   SourcePlace place;
   int order = 1;                  ///< largest number of interactions (scattering and reflections) per path

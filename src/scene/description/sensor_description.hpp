@@ -14,7 +14,7 @@
 #include "scene/description/sensor_section.hpp"
 
 // Describes a sensor of a scene file: the keys of all sensors, the keys of its kind, its beam patterns and
-// its signal processing. docs/scene-file.md documents all keys.
+// its signal processing. docs/scene-keys.md documents all keys.
 namespace tubefoot {
 
 /// The keys of a sensor's kind, as a value of the kind's own type. The static function `kind()` of that

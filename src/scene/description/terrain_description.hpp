@@ -45,7 +45,7 @@ struct RasterTerrain {
   int decimate = 1;                          ///< keep every n-th row and column
   double resolution_m = 0;                   ///< for a BAG of variable resolution; 0: every node
   bool depth_positive_down = false;          ///< values are depths instead of heights
-  std::string load = "auto";                 ///< auto | whole | tiles (docs/big-terrain.md)
+  std::string load = "auto";                 ///< auto | whole | tiles (docs/large-jobs.md)
 };
 
 struct TerrainDescription {

@@ -28,7 +28,7 @@ struct WaterDescription {
   std::optional<double> gradient_per_s;
   std::optional<double> munk_axis_m, munk_scale_m, munk_epsilon;
   std::optional<double> profile_error_m_s, profile_step_m;  ///< for sampling a curved profile
-  std::optional<double> travel_path_error_m;                ///< by default as docs/refraction.md states
+  std::optional<double> travel_path_error_m;                ///< by default as docs/environment.md states
   std::optional<double> refraction_tolerance_db;            ///< default 0.1
   int refraction_turns = 1;                                 ///< largest number of turning points of rays
 };

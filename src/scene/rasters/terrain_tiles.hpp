@@ -21,7 +21,7 @@ bool is_read_by_tiles(const TerrainDescription& terrain);
 
 /// A raster terrain with only some tiles in memory at a time. Tiles are squares of cells and count row by
 /// row from the north-west corner. A cell lies between the centres of four pixels and holds the facets that
-/// read_raster() would create there. docs/big-terrain.md
+/// read_raster() would create there. docs/notes/visibility.md
 class TerrainTiles {
  public:
   static constexpr int cells_a_side = 64;

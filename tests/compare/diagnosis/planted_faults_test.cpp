@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests the diagnosis of faults that are planted in a ray engine, alone and in pairs, with their sizes. A
-// faultless engine has no findings. docs/compare.md has the table of the planted faults.
+// faultless engine has no findings. docs/compared-figures.md has the table of the planted faults.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

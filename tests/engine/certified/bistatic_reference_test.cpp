@@ -160,7 +160,7 @@ TEST(BistaticReference, InOnePlaceItIsTheReferenceOfOneApex) {
 }
 
 // An exchange of the ends scales the energies by the squared ratio of the sound speeds at the ends
-// (docs/bistatic.md). Bounds of coarse apparent maps contain the energies of fine maps, also behind the
+// (docs/notes/bistatic.md). Bounds of coarse apparent maps contain the energies of fine maps, also behind the
 // board.
 TEST(BistaticReference, ExchangeAndCoarserSurfacesAgree) {
   const RangeSamples samples{24, 1.5, 8};

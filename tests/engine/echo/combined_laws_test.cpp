@@ -364,7 +364,7 @@ TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
 
 // --- transmitter and separate receiver, and loss of mirrors
 
-/// Combines the angles of both legs as sqrt(sigma sigma), as docs/scattering.md defines.
+/// Combines the angles of both legs as sqrt(sigma sigma), as docs/environment.md defines.
 double apart_density(const Given& g, const Path* path, glm::dvec3 t, double ht, glm::dvec3 r, double hr,
                      std::size_t beam, const glm::dmat3& mirrored = glm::dmat3(1)) {
   const double rt = glm::length(t), rr = glm::length(r);

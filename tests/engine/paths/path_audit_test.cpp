@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests the audit of paths: the laws of the views of images and of the common visibility of pairs of images
-// (docs/paths.md). It also tests that the audit detects violations.
+// (docs/notes/multiple-paths.md). It also tests that the audit detects violations.
 #include "engine/paths/path_audit.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests the echo of a shadow border on a smooth plane. Kirchhoff's approximation gives the border an echo.
-// Kirchhoff's approximation of second order has other echoes instead (docs/smooth-surfaces.md, "False
+// Kirchhoff's approximation of second order has other echoes instead (docs/notes/smooth-surfaces.md, "False
 // edges").
 #include <gtest/gtest.h>
 

@@ -160,7 +160,7 @@ struct Pulse {
   }
 };
 
-/// Computes (2) of docs/smooth-surfaces.md by the midpoints of many parts, with one extrapolation.
+/// Computes (2) of docs/notes/smooth-surfaces.md by the midpoints of many parts, with one extrapolation.
 Complex by_sums(const Polygon2& polygon, const Ends& e, const Pulse& pulse) {
   const double heights = e.h + e.s, d = std::hypot(heights, e.x, e.y), c_x = e.x * e.h / heights,
                c_y = e.y * e.h / heights;

@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-// Repeats the findings of fuzzing for readers of echo files (docs/fuzzing.md), minimised. The test names
-// state the findings.
+// SPDX-License-Identifier: GPL-3.0-or-later Repeats the findings of fuzzing for readers of echo files
+// (validation/fuzzing.md), minimised. The test names state the findings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
