@@ -6,12 +6,12 @@
 #   make test    install what the tests need besides, build, run the tests
 #   make test-slow  the tests that take half of the time of all
 #   make one-test NAME=SUITE.TEST  the same for one test or suite
-#   make install PREFIX=DIR  the program, man pages, completion, libraries, find_package(tubefoot): docs/packaging.md
+#   make install PREFIX=DIR  the program, man pages, completion, libraries, find_package(tubefoot): docs/installation.md
 #   make package  Debian packages into build/
 #   make wheel    the Python module with the libraries it needs, for pip, into build/
-#   make sanitize  the tests once more under address, undefined-behaviour and thread sanitizers: docs/sanitizers.md
+#   make sanitize  the tests once more under address, undefined-behaviour and thread sanitizers: validation/sanitizers.md
 #   make prove   check the laws of visibility on ten million tubes (about an hour): validation/prove.md
-#   make fuzz    damage everything that is read, and the kernel's input, for FUZZ_SECONDS (3600) each: docs/fuzzing.md
+#   make fuzz    damage everything that is read, and the kernel's input, for FUZZ_SECONDS (3600) each: validation/fuzzing.md
 #   make bench   build without assertions and run the benchmarks
 #   make against today's program and another in turn, scene by scene: AGAINST=REVISION or a program
 #   make atlas   run every method on the inputs where methods fail, write validation/atlas.md anew (minutes)
@@ -21,12 +21,12 @@
 #   make engines  pictures of other engines, written anew, and what compare says of them: validation/engines.md (minutes)
 #   make refraction-study  a flat bed through layered water: docs/pictures/refraction.png
 #   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png, out/drift.png
-#   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, docs/scaling.md (a quarter of an hour)
+#   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, validation/performance.md (a quarter of an hour)
 #   make long-run  memory of 10 000 pings of a sidescan and a multibeam: docs/figures/long-run.svg (minutes)
 #   make reference reference-sums  certify the echoes of validation/reference/v1 anew and write its checksums (half a minute)
 #   make reference-sums  checksums of the benchmark suite v2, as tubefoot suite writes it (a minute)
 #   make docs    build the documents as a site: build/docs/html/index.html
-#   make figures  draw the figures of docs/tutorial.md and docs/theory.md anew, from the program's output
+#   make figures  draw the figures of docs/tutorial.md and docs/visibility.md anew, from the program's output
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
 
 JOBS := $(shell nproc)

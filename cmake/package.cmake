@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Debian packages (`make package`, docs/packaging.md): the program, and parts of it that not everybody needs. Included
+# Debian packages (`make package`, docs/installation.md): the program, and parts of it that not everybody needs. Included
 # last: it wants to know all that is installed.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)

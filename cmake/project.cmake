@@ -6,7 +6,7 @@ add_library(tubefoot_project INTERFACE)
 target_compile_options(tubefoot_project INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   $<$<BOOL:${TUBEFOOT_WARNINGS_AS_ERRORS}>:-Werror>
-  # A contracted multiply-add would break every floating-point error bound (docs/visibility.md).
+  # A contracted multiply-add would break every floating-point error bound (docs/notes/visibility.md).
   -ffp-contract=off)
 if(TUBEFOOT_SANITIZE STREQUAL "address")
   # The counters are for the fuzz targets (tests/fuzz/), which steer by them; clang has them, g++ does not.
@@ -23,7 +23,7 @@ if(TUBEFOOT_SANITIZE)
   target_link_options(tubefoot_project INTERFACE -fsanitize=${sanitizers})
 endif()
 
-# What nearly every file includes is parsed once (docs/performance.md has what that saves): tubefoot_headers(NAME
+# What nearly every file includes is parsed once (validation/performance.md has what that saves): tubefoot_headers(NAME
 # [headers...]) compiles it, with these headers more, and tubefoot_precompiled(TARGET NAME) has a target of the same
 # flags read it. Not with a launcher (ccache shares more without) and not with sanitizers: those builds see includes
 # that a file forgot. Files of other flags (-frounding-math) skip it.

@@ -50,9 +50,8 @@ Case apex_nearly_in_planes(Size size) {
   c.name = "apex-nearly-in-planes";
   c.title = "apex nearly in planes";
   c.why =
-      "Planes of facets 500 m long pass the apex at a few micrometres: which side it is on, and which facet "
-      "is "
-      "nearer, are differences of equal numbers.";
+      "Planes of facets 500 m long pass the apex at a distance of a few micrometres. The side of the apex, "
+      "and the order of two facets, depend on differences of nearly equal numbers.";
   const auto point = [&] {
     const double y = std::exp2(3 + 26 * (uniform(random, 0, 1 << 20) * 0x1p-20));
     const double x = y * (uniform(random, -1 << 20, 1 << 20) * 0x1p-20);
@@ -74,8 +73,7 @@ Case walls_along_edges(Size size) {
   c.title = "tube walls along mesh edges";
   c.why =
       "Every edge of two crossing sheets lies in a plane through lattice rays, and tube walls are such "
-      "planes: "
-      "signs that ought to be 0 come out as noise.";
+      "planes. Signs that should be 0 are rounding noise.";
   for (int sheet = 0; sheet < (size == Size::page ? 3 : 2); ++sheet)
     add_sheet(c.mesh, 8, 8,
               [&](int u, int v) { return on_lattice(u - 4, v - 4, uniform(random, 700, 2400)); });
@@ -90,7 +88,8 @@ Case vertices_on_walls(Size size) {
   c.name = "vertices-on-walls";
   c.title = "vertices on tube walls";
   c.why =
-      "All vertices lie on wall planes, edges cross them there: inside, outside and on are one unit apart.";
+      "All vertices lie on planes of walls, and edges cross the walls there. Inside, outside and on the wall "
+      "are one unit apart.";
   const auto point = [&] {
     const std::int32_t wall = 2 * uniform(random, -1, 1), along = uniform(random, -30, 30),
                        times = uniform(random, 100, 240);
@@ -114,8 +113,8 @@ Case apex_on_vertex(Size size) {
   c.name = "apex-on-vertex";
   c.title = "apex on a vertex";
   c.why =
-      "The facets of that vertex subtend nothing, for their planes hold the apex; a ray engine meets them at "
-      "distance 0.";
+      "The facets of this vertex subtend no solid angle, because their planes contain the apex. A ray engine "
+      "hits them at distance 0.";
   const int n = size == Size::page ? 24 : 10;
   c.mesh = surroundings(random, n);
   const GridPoint apex = c.mesh.vertices[static_cast<std::size_t>(n / 2 * (n + 1) + n / 2)];
@@ -128,7 +127,9 @@ Case apex_on_edge(Size size) {
   Case c;
   c.name = "apex-on-edge";
   c.title = "apex on an edge";
-  c.why = "As on a vertex, but no coordinate is shared: that the planes hold the apex must be computed.";
+  c.why =
+      "As on a vertex, but no coordinate is shared, so a computation must find that the planes contain the "
+      "apex.";
   const int n = size == Size::page ? 24 : 10;
   c.mesh = surroundings(random, n);
   const auto a = static_cast<std::size_t>(n / 2 * (n + 1) + n / 2);
@@ -145,7 +146,9 @@ Case apex_on_face(Size size) {
   Case c;
   c.name = "apex-on-face";
   c.title = "apex on a face";
-  c.why = "As on an edge, inside one facet; rounded to float, the apex is above or below it by chance.";
+  c.why =
+      "As on an edge, but inside one facet. After rounding to float, the apex is above or below the facet by "
+      "chance.";
   const int n = size == Size::page ? 24 : 10;
   c.mesh = surroundings(random, n);
   const auto a = static_cast<std::size_t>(n / 2 * (n + 1) + n / 2);
@@ -166,7 +169,8 @@ Case across_the_horizon(Size size) {
   c.name = "across-the-horizon";
   c.title = "facets that reach behind the apex";
   c.why =
-      "Projected to a picture, such facets fall apart into two unbounded parts; clipping them first rounds.";
+      "In a projection to a picture, such facets become two unbounded parts. Clipping before the projection "
+      "causes rounding.";
   constexpr std::int32_t reach = (1 << 29) - 1;
   const auto point = [&] {
     return GridPoint{uniform(random, -reach, reach), uniform(random, -reach, reach),
@@ -189,8 +193,8 @@ Case tiny_lattice(Size size) {
   c.name = "tiny-lattice";
   c.title = "everything on a lattice of 7 units";
   c.why =
-      "On a few lattice points every special position occurs at once, coincident facets and walls through "
-      "vertices included; the numbers are so small that they are exact in any arithmetic.";
+      "On a few lattice points every special position occurs at the same time, also coincident facets and "
+      "walls through vertices. The numbers are so small that they are exact in any arithmetic.";
   const auto point = [&] {
     return GridPoint{uniform(random, -3, 3), uniform(random, 3, 9), uniform(random, -3, 3)};
   };

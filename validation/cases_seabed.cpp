@@ -41,9 +41,8 @@ Case interpenetration(Size size) {
   c.name = "interpenetration";
   c.title = "interpenetration along a curve";
   c.why =
-      "Two balls run through each other and through a wall: the curve they share is in no mesh, and facets "
-      "that cut "
-      "each other have no depth order.";
+      "Two spheres intersect each other and a wall. Their common curve is in no mesh, and facets that "
+      "intersect have no depth order.";
   const int times = size == Size::page ? 4 : 2;
   add_sphere(c.mesh, {-100000007, 600000011, -50000017}, 240000013, times);
   add_sphere(c.mesh, {130000027, 590000003, 60000011}, 220000019, times);
@@ -61,9 +60,8 @@ Case utm_offset(Size size) {
   c.name = "utm-offset";
   c.title = "scene at a UTM offset";
   c.why =
-      "Float rounds a northing of 4.6e6 m to half a metre, here the size of a cell: an engine that does not "
-      "subtract "
-      "an origin sees steps.";
+      "Float rounds a northing of 4.6e6 m to half a metre, which is the size of a cell here. An engine that "
+      "does not subtract an origin sees steps.";
   add_harbour_seabed(c, 301, size);
   c.origin_m = {500123.25, 4649776.5, -31.0};
   return c;
@@ -73,7 +71,7 @@ Case ecef_offset(Size size) {
   Case c;
   c.name = "ecef-offset";
   c.title = "scene at an ECEF offset";
-  c.why = "Earth-centred coordinates, 6.4e6 m from the origin in all: as with UTM, but in height too.";
+  c.why = "Earth-centred coordinates, 6.4e6 m from the origin, are like UTM but also affect the height.";
   add_harbour_seabed(c, 302, size);
   c.origin_m = {3904172.5, 711913.25, 4979471.75};
   return c;
@@ -85,9 +83,8 @@ Case small_facets(Size size) {
   c.name = "small-facets";
   c.title = "facets far smaller than a beam";
   c.why =
-      "Thousands of facets in one tube, most partly hidden: no sampling meets them all, and each crack "
-      "between "
-      "them counts.";
+      "Thousands of facets lie in one tube, and most of them are partly hidden. No sampling hits all of "
+      "them, and each gap between them matters.";
   const int n = size == Size::page ? 70 : 14;
   add_seabed(random, c.mesh, n, 8 * metre, -2 * metre, metre / 5, 8 * 20 * metre / n / 100);
   c.tubes = parallelogram_tubes({0, -metre, 0}, {-375 * metre, 800 * metre, -450 * metre},
@@ -101,9 +98,8 @@ Case grazing_terrain(Size size) {
   c.name = "grazing-terrain";
   c.title = "grazing terrain";
   c.why =
-      "A bed of 60 m with relief of millimetres, from 5 cm above it: every facet is nearly edge-on and "
-      "partly hidden, "
-      "and shadows are many cells long.";
+      "A seabed of 60 m with a relief of millimetres, seen from 5 cm above it. Every facet is nearly edge-on "
+      "and partly hidden, and shadows are many cells long.";
   const int n = size == Size::page ? 50 : 12;
   add_seabed(random, c.mesh, n, 60 * metre, -50 * millimetre, 8 * millimetre, 3 * millimetre);
   c.tubes = parallelogram_tubes({0, -metre / 10, 0}, {-100 * metre, 500 * metre, -3 * metre},

@@ -29,7 +29,7 @@ Case slivers(Size size) {
   c.name = "slivers";
   c.title = "slivers of aspect 1e8";
   c.why =
-      "A weave of threads 256 m long and 2 micrometres wide: normals are small differences of large "
+      "Crossing threads 256 m long and 2 micrometres wide. Their normals are small differences of large "
       "products.";
   constexpr std::int32_t half = 1 << 27;
   const auto depth = [&] { return uniform(random, 90, 110); };
@@ -53,7 +53,8 @@ Case needle_tube(Size size) {
   c.name = "needle-tube";
   c.title = "needle-thin tube";
   c.why =
-      "The four rays of the tube differ by 3e-8 rad, and everything in it by as little; float has one ray.";
+      "The four rays of the tube differ by 3e-8 rad, and so do all directions in it. Float has a single ray "
+      "there.";
   const GridPoint centre{268447801, 536877701, -134213407};
   const auto point = [&] {
     return GridPoint{centre.x + uniform(random, -20, 20), centre.y + uniform(random, -20, 20),
@@ -74,9 +75,9 @@ Case t_junctions(Size size) {
   c.name = "t-junctions";
   c.title = "T-junctions";
   c.why =
-      "Neighbouring columns of a plate are cut at different heights; the vertices lie on the neighbour's "
-      "edge, but "
-      "only exactly. Whoever rounds sees the wall behind through cracks, or facets twice.";
+      "Adjacent columns of a plate have different heights of their cuts. The vertices lie on the edge of the "
+      "neighbour, but only in exact arithmetic. An engine that rounds sees the wall behind through gaps, or "
+      "facets twice.";
   const int n = size == Size::page ? 12 : 5;
   for (int i = 0; i < n; ++i) {
     const int first = 70 * i / n, last = 70 * (i + 1) / n;
@@ -105,11 +106,9 @@ Case coincident_facets(Size size) {
   c.name = "coincident-facets";
   c.title = "coincident facets";
   c.why =
-      "Overlapping facets in one tilted plane: by rule the one with the smaller vertices is seen, and only "
-      "an exact "
-      "zero calls the rule. Engines without a rule are judged by it too: what they show is somebody's "
-      "choice, "
-      "and changes with the direction of the ray.";
+      "Overlapping facets lie in one tilted plane. By rule the facet with the smaller vertices is visible, "
+      "and only an exact zero triggers the rule. The rule also applies to engines without a rule, whose "
+      "choice is arbitrary and changes with the direction of the ray.";
   const auto point = [&] { return tilted(uniform(random, -4, 74), uniform(random, -4, 74)); };
   for (int k = 0; k < (size == Size::page ? 40 : 16); ++k) {
     const GridPoint p = point(), q = point(), r = point();
@@ -127,7 +126,8 @@ Case layers_one_unit_apart(Size size) {
   c.name = "layers-one-unit-apart";
   c.title = "layers 1 unit apart";
   c.why =
-      "Sheets of tilted facets, 256 m away, each a micrometre behind the last: in float all are one sheet.";
+      "Sheets of tilted facets, 256 m away, each a micrometre behind the previous one. In float, all of them "
+      "are one sheet.";
   for (int layer = 0; layer < (size == Size::page ? 12 : 5); ++layer)
     for (int k = 0; k < 5; ++k) {
       const auto point = [&] {
@@ -148,9 +148,8 @@ Case thousands_of_layers(Size size) {
   c.name = "thousands-of-layers";
   c.title = "many thousand layers";
   c.why =
-      "A stack of turned triangles, each 3 units behind the last: nearly all are hidden, none by one facet "
-      "alone, "
-      "and what is left of a facet after many cuts decides on the next.";
+      "A stack of rotated triangles, each 3 units behind the previous one. Nearly all are hidden, but none "
+      "by a single facet. The remainder of a facet after many cuts determines the next cut.";
   const int layers = size == Size::page ? 4000 : 150;
   for (int k = 0; k < layers; ++k) {
     const double radius = 1.5e8 + uniform(random, 0, 50000000), turn = uniform(random, 0, 1 << 20) * 0x1p-20;
@@ -172,7 +171,7 @@ Case whole_coordinate_range(Size size) {
   c.name = "whole-coordinate-range";
   c.title = "facets over the whole coordinate range";
   c.why =
-      "Facets as large as the grid that run through each other: 30-bit numbers in determinants of degree 9.";
+      "Facets as large as the grid that intersect each other: 30-bit numbers in determinants of degree 9.";
   constexpr std::int32_t reach = (1 << 29) - 1;
   for (int k = 0; k < (size == Size::page ? 40 : 12); ++k) {
     const auto point = [&] {

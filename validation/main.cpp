@@ -29,7 +29,7 @@ bool check(const std::vector<Entry>& entries) {
            fmt::format("{}: the exact arithmetics differ or do not close: fixed {}, filtered {}, rational {}",
                        e.scene.name, exact_cell(e.fixed), exact_cell(e.filtered), exact_cell(e.rational)));
     demand(!e.rational.visibility.tubes.empty() && e.rational.visibility.facets > 1,
-           e.scene.name + ": shows nothing");
+           e.scene.name + ": no facet is visible");
   }
   // The atlas must also contain failures of the other methods.
   const auto some = [&](const auto& is_wrong) {

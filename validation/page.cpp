@@ -45,37 +45,37 @@ std::string ray_cell(const RayResult& result, const Sampling& sampling) {
 constexpr std::string_view preface = R"(<!-- Written by `make atlas`; do not edit. -->
 # Stability atlas
 
-The inputs on which methods of finding what is visible fail, and what each method does with them. Every
-scene is made by a function of its own from a fixed seed (`validation/cases_*.cpp`); `make atlas` builds the
-program, makes the scenes, runs every method, and writes this page and its pictures anew. It exits with an
-error unless the three exact arithmetics agree on every case: equal rational areas of every facet in every
-tube, equal topology hash, every tube closed. `ctest -R Atlas` does the same with smaller scenes.
+The atlas contains inputs on which methods for visibility fail, and the result of each method. A function with
+a fixed seed creates each scene (`validation/cases_*.cpp`). `make atlas` builds the program, creates the scenes,
+runs every method, and writes this page and its pictures. It exits with an error unless the three exact
+arithmetics agree on every case: equal rational areas of every facet in every tube, equal topology hash, and
+every tube closed. `ctest -R Atlas` does the same with smaller scenes.
 
-**Error** is the sum over facets of |area found - true area| in the tube's gnomonic plane, divided by the
-tube's area (mean over tubes): area credited to the wrong facet counts twice, once where it is missing and
-once where it is not due. The truth is what `rational` finds. *Open* counts tubes whose visible pieces and
-open water do not add up to the tube (the closure law of [docs/visibility.md](../docs/visibility.md)); where
-that happens with an error of 0, the open water is wrong. **Bold** is wrong.
+**Error** is the sum over facets of |computed area - true area| in the gnomonic plane of the tube, divided by the
+area of the tube (mean over tubes). Area of a wrong facet counts twice: as missing area of one facet and as
+additional area of another. The true area is the result of `rational`. *Open* counts tubes whose visible pieces
+and unobstructed region do not add up to the tube (the closure law of
+[docs/visibility.md](../docs/visibility.md)). If a tube with an error of 0 is open, its unobstructed region is
+wrong. **Bold** entries are wrong.
 
 - **fixed, filtered, rational**: the exact arithmetics. 0 stands for an equality of rationals.
-- **double**: the same algorithm, its signs taken from plain double, without a tolerance and with the best
-  of a sweep of powers of ten from 1e-17 to 1e-3 (relative to the lengths of the factors); a range means
-  that all of it is equally good. Only its decisions are judged: the corners it names are evaluated exactly,
-  and the facets whose plane holds the apex are set aside exactly for it. In the scenes at offsets it
+- **double**: the same algorithm with the signs of plain double arithmetic, without a tolerance and with the best
+  of a sweep of powers of ten from 1e-17 to 1e-3 (relative to the lengths of the factors). A range of tolerances
+  means that all of them are equally good. The atlas tests only the decisions: it evaluates the resulting corners
+  exactly, and it excludes facets whose plane contains the apex exactly. In the scenes at offsets, double
   computes in absolute coordinates.
-- **Embree** @EMBREE@, as a ray engine in a hurry uses it: float, absolute coordinates in metres, rays from
-  distance 0, the first hit counts; with default flags and with `RTC_SCENE_FLAG_ROBUST`. One ray from each
-  cell of a grid of 512 x 512 over the tube, or 256 x 256 over each of four. Beside its error, the share of
-  *wrong rays*: those that meet another facet than the exact answer has at that very point, so that sampling
-  has no part in it.
-- **sampling**: the error that so many rays make with nothing wrong: the exact answer read off at 8 other
-  draws of the points, mean and standard deviation. An entry of Embree is bold if its error lies more than 5
-  deviations above the mean, or if the wrong rays number more than 25, which is 5 times their own standard
-  deviation.
+- **Embree** @EMBREE@, as in a simple ray engine: float, absolute coordinates in metres, rays from distance 0,
+  and the first hit counts. The table has results with default flags and with `RTC_SCENE_FLAG_ROBUST`. There is
+  one ray per cell of a grid of 512 x 512 over one tube, or of 256 x 256 over each of four tubes. Next to the error
+  is the share of *wrong rays*. A wrong ray hits a facet other than the exact one at the same point, so that
+  sampling has no influence.
+- **sampling**: the error of this number of rays without mistakes, from the exact answer at 8 other draws of the
+  points, as mean and standard deviation. An entry of Embree is bold if its error is more than 5 deviations above
+  the mean, or if there are more than 25 wrong rays, which is 5 times their own standard deviation.
 
-Coincident facets are judged by the tie rule (the facet with the smaller vertices is seen). An engine
-without a rule shows one of them as well, but which one is chance; the share that differs from the rule is
-counted as error. No method crashed or failed to end: all run in one process, and there would be no page.
+For coincident facets, the tie rule decides that the facet with the smaller vertices is visible. An engine without
+a rule also shows one of them, but the choice is arbitrary. The share that differs from the rule counts as error.
+No method crashed or ran endlessly: all run in one process, and otherwise this page would not exist.
 )";
 
 void write_summary(std::string& page, std::span<const Entry> entries) {
@@ -83,9 +83,9 @@ void write_summary(std::string& page, std::span<const Entry> entries) {
     return std::count_if(entries.begin(), entries.end(), condition);
   };
   page += fmt::format(
-      "\nOf {} cases the exact arithmetics get {} right, double without a tolerance {}, double with the best "
-      "tolerance "
-      "for each case {}; Embree fails beyond its noise on {}, and on {} with robust flags.\n",
+      "\nOf {} cases, the exact arithmetics solve {}, double without a tolerance {}, and double with the "
+      "best tolerance for each case {}. Embree fails beyond its sampling noise in {} cases, and in {} with "
+      "robust flags.\n",
       entries.size(), count([](const Entry& e) { return e.exact_ones_agree(); }),
       count([](const Entry& e) { return e.plain.is_right(); }),
       count([](const Entry& e) { return e.tuned.is_right(); }),
@@ -110,10 +110,9 @@ void write_table(std::string& page, std::span<const Entry> entries) {
 /// scenes.
 void write_sweep(std::string& page, std::span<const Entry> entries) {
   page +=
-      "\n## One tolerance for all\n\nAn engine cannot choose its tolerance scene by scene, knowing the "
-      "answer. What one "
-      "tolerance does to all cases (areas only):\n\n| tolerance | cases right | largest error | where "
-      "|\n|---|---|---|---|\n";
+      "\n## One tolerance for all cases\n\nAn engine cannot choose its tolerance per scene, because it does "
+      "not know the answer. The table shows the effect of one tolerance on all cases (areas only):\n\n| "
+      "tolerance | correct cases | largest error | case |\n|---|---|---|---|\n";
   const auto row = [&](const std::string& name, const auto& error_in) {
     std::size_t right = 0;
     const Entry* worst = &entries[0];
@@ -131,13 +130,13 @@ void write_sweep(std::string& page, std::span<const Entry> entries) {
 
 void write_cases(std::string& page, std::span<const Entry> entries) {
   page +=
-      "\n## The cases\n\nEach picture shows the tubes as their apex sees them (gnomonic, stretched to a "
-      "square), left the "
-      "exact answer with a colour for each facet; then, pale, the same with red where a method is wrong: a "
-      "pixel is the redder the more of nine points in it are wrong. Walls between tubes are dark lines.\n";
+      "\n## The cases\n\nEach picture shows the tubes from their apex in a gnomonic projection that is "
+      "stretched to a square. The left part is the exact answer, with one colour per facet. The other parts "
+      "are pale and mark wrong pixels in red, with an intensity that depends on the number of wrong points "
+      "among nine in the pixel. Dark lines are walls between tubes.\n";
   for (const Entry& e : entries) {
     page += fmt::format(
-        "\n<a id=\"{0}\"></a>\n### {1}\n\n{2}\n\n{3} facets, {4}; {5} footprints seen, in {6} pieces.",
+        "\n<a id=\"{0}\"></a>\n### {1}\n\n{2}\n\n{3} facets, {4}; {5} visible footprints in {6} pieces.",
         e.scene.name, e.scene.title, e.scene.why, e.scene.mesh.facets.size(),
         e.scene.tubes.tubes.size() == 1 ? "one tube" : fmt::format("{} tubes", e.scene.tubes.tubes.size()),
         e.rational.visibility.facets, e.rational.visibility.pieces);

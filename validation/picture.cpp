@@ -122,7 +122,7 @@ class Strip {
 void draw(const Entry& entry, const std::filesystem::path& file) {
   Canvas canvas(4 * panel + 5 * margin, head + panel + foot, paper, label_font());
   Strip strip(entry, canvas);
-  strip.draw_exact(0, "exact", fmt::format("{} facets seen", entry.rational.visibility.facets));
+  strip.draw_exact(0, "exact", fmt::format("{} visible facets", entry.rational.visibility.facets));
   strip.draw_wrong(1, "double, tolerance 0", plain_text(entry.plain), strip.read_off(entry.plain.visibility));
   strip.draw_wrong(2, fmt::format("double, tolerance {:.0e}", entry.tolerance), plain_text(entry.tuned),
                    strip.read_off(entry.tuned.visibility));

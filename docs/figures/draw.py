@@ -43,7 +43,7 @@ class Transmission:
         self.tubes = []
         for line in path.read_text().splitlines():
             kind, *words = line.split() if line.strip() else ["#"]
-            if kind == "shot":
+            if kind in ("transmission", "shot"):  # version 2, version 1
                 [self.apex] = points(words[2:])
             elif kind == "tube":
                 axis, *rays = points(words[2:])

@@ -16,7 +16,7 @@
 
 // Cuts facets recursively at the midpoints of their edges. Weights and grid coordinates of the midpoints are
 // exact, so two facets compute the same midpoint for their common edge. Several tasks cut in parallel; their
-// points are welded in a fixed order (docs/textures.md, "Refinement").
+// points are welded in a fixed order (docs/notes/textures.md, "Refinement").
 
 namespace tubefoot {
 namespace {
@@ -37,9 +37,8 @@ Node middle(const Node& a, const Node& b) {
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t sum = a.weight[k] + b.weight[k];
     if (sum & 1u)
-      throw std::range_error(
-          fmt::format("a facet would have to be cut in half more than {} times: ask for larger parts",
-                      deepest_refinement));
+      throw std::range_error(fmt::format(
+          "the refinement bisects a facet more than {} times: request larger parts", deepest_refinement));
     m.weight[k] = sum / 2;
   }
   return m;
@@ -228,7 +227,7 @@ class Refiner {
     spread(parts);
     const std::size_t tasks = std::min<std::size_t>(parts.size(), 4 * enough);
     std::vector<Yield> yields(tasks);
-    Steps steps("parts of the ground", tasks);
+    Steps steps("refined surface parts", tasks);
     tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t t) {
       Nodes nodes;
       const std::size_t first = t * parts.size() / tasks, end = (t + 1) * parts.size() / tasks;

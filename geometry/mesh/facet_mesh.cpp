@@ -43,7 +43,8 @@ void MeshBuilder::add(const std::vector<glm::dvec3>& points_m,
   for (const auto& triangle : triangles) {
     for (const std::uint32_t index : triangle) {
       if (index >= points_m.size()) {
-        throw std::out_of_range(fmt::format("facet names point {} of {}", index, points_m.size()));
+        throw std::out_of_range(
+            fmt::format("a facet refers to point {}, but the mesh has {} points", index, points_m.size()));
       }
     }
   }

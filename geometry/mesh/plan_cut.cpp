@@ -306,7 +306,7 @@ PlanCut cut_in_plan(std::vector<glm::dvec3>& points,
     std::erase_if(near, [&](std::uint32_t k) { return !meets(segments[k], facet); });
     if (near.empty()) continue;
     if (way == CGAL::COLLINEAR)
-      throw std::domain_error("a facet that a border meets stands vertical: it cannot be cut in plan view");
+      throw std::domain_error("a border meets a vertical facet, which cannot be cut in plan view");
     met_facets.push_back(facet);
     met.push_back(near);
   }

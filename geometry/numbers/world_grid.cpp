@@ -27,7 +27,7 @@ std::int64_t whole_units(double metres, int exponent) {
   const double units = std::ldexp(metres, exponent);
   if (!(std::abs(units) < 0x1p62)) {
     throw GridRangeError(
-        fmt::format("coordinate {} m is beyond the reach of a grid of unit 2^-{} m", metres, exponent));
+        fmt::format("coordinate {} m is too large for a grid of unit 2^-{} m", metres, exponent));
   }
   return std::llround(units);
 }
@@ -68,7 +68,7 @@ std::size_t GridPointHash::operator()(const GridPoint& p) const noexcept {
 WorldGrid::WorldGrid(int exponent, glm::dvec3 origin_m) : exponent_(exponent), origin_m_(0) {
   if (exponent < 0 || exponent > kLargestExponent) {
     throw GridRangeError(
-        fmt::format("grid exponent {} is not within 0 (unit 1 m) and {}", exponent, kLargestExponent));
+        fmt::format("grid exponent {} is outside of 0 (unit 1 m) to {}", exponent, kLargestExponent));
   }
   for (int axis = 0; axis < 3; ++axis) {
     origin_m_[axis] = std::ldexp(static_cast<double>(whole_units(origin_m[axis], exponent)), -exponent);
@@ -80,8 +80,8 @@ WorldGrid WorldGrid::fitting(glm::dvec3 lo_m, glm::dvec3 hi_m) {
   const int exponent = finest_fitting(side);
   if (exponent < 0) {
     throw GridRangeError(
-        fmt::format("extent {} to {} is too large: a side of {:.6g} m, at most {:.6g} m fit a grid of "
-                    "1 m",
+        fmt::format("extent {} to {} is too large: its longest side is {:.6g} m, and at most {:.6g} m fit a "
+                    "grid of unit 1 m",
                     text(lo_m), text(hi_m), side, static_cast<double>(kReach - 2)));
   }
   return WorldGrid(exponent, 0.5 * lo_m + 0.5 * hi_m);
@@ -107,9 +107,9 @@ GridPoint WorldGrid::snap(glm::dvec3 point_m) const {
   for (int axis = 0; axis < 3; ++axis) {
     units[axis] = whole_units(point_m[axis], exponent_) - whole_units(origin_m_[axis], exponent_);
     if (units[axis] < -kReach || units[axis] > kReach) {
-      throw GridRangeError(fmt::format("point {} is beyond the grid: {:.6g} m about {} at unit 2^-{} m",
-                                       text(point_m), static_cast<double>(kReach) * unit_m(), text(origin_m_),
-                                       exponent_));
+      throw GridRangeError(
+          fmt::format("point {} is outside of the grid, which extends {:.6g} m around {} at unit 2^-{} m",
+                      text(point_m), static_cast<double>(kReach) * unit_m(), text(origin_m_), exponent_));
     }
   }
   return {static_cast<std::int32_t>(units[0]), static_cast<std::int32_t>(units[1]),

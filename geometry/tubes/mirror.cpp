@@ -11,7 +11,7 @@
 #include "geometry/steps/stop.hpp"
 
 // Mirrors points and directions at planes, and clips facets at a mirror plane. Sides of the plane are exact;
-// mirrored points and cut corners are rounded to the grid (docs/paths.md).
+// mirrored points and cut corners are rounded to the grid (docs/notes/multiple-paths.md).
 
 namespace tubefoot {
 namespace {
@@ -80,7 +80,8 @@ GridPoint MirrorPlane::image(GridPoint p) const {
   const auto moved = [twice](std::int32_t from, long double along) {
     const long double to = from + twice * along;
     if (!(std::abs(to) <= std::numeric_limits<std::int32_t>::max()))
-      throw GridRangeError("a mirrored apex lies outside of the world grid: its unit is too fine");
+      throw GridRangeError(
+          "a mirrored apex lies outside of the world grid: the unit of the grid is too fine");
     return static_cast<std::int32_t>(std::llround(to));
   };
   return {moved(p.x, x), moved(p.y, y), moved(p.z, z)};

@@ -48,7 +48,7 @@ int winding(const std::vector<GridPoint>& rays, const Tube& tube) {
 void check_edges(const std::vector<double>& edges_rad, const char* angle) {
   if (edges_rad.size() < 2)
     throw std::invalid_argument(
-        fmt::format("a tube grid needs two {} edges at least, not {}", angle, edges_rad.size()));
+        fmt::format("a tube grid needs at least two {} edges, not {}", angle, edges_rad.size()));
   for (std::size_t k = 0; k < edges_rad.size(); ++k) {
     if (!std::isfinite(edges_rad[k]))
       throw std::invalid_argument(fmt::format("{} edge {} of a tube grid is not finite", angle, k));
@@ -121,10 +121,10 @@ std::uint32_t append_tubes(TubeSet& set, const AngularGrid& grid) {
       Tube tube{ray(i, j), ray(i + 1, j), ray(i + 1, j + 1), ray(i, j + 1)};
       const int turn = winding(rays, tube);
       if (turn == 0)
-        throw std::invalid_argument(fmt::format(
-            "tube grid cell (azimuth {}, elevation {}) is no pyramid once its rays are rounded to 2^-30: "
-            "it is {} x {} rad, too narrow or too close to the axis",
-            i, j, azimuth[i + 1] - azimuth[i], elevation[j + 1] - elevation[j]));
+        throw std::invalid_argument(
+            fmt::format("tube grid cell (azimuth {}, elevation {}) degenerates when its rays are rounded to "
+                        "2^-30: it spans {} x {} rad and is too narrow or too close to the axis",
+                        i, j, azimuth[i + 1] - azimuth[i], elevation[j + 1] - elevation[j]));
       if (turn < 0) std::swap(tube[1], tube[3]);
       tubes.push_back(tube);
     }

@@ -21,7 +21,7 @@ constexpr std::array<std::pair<Arithmetic, std::string_view>, 4> arithmetic_name
      {Arithmetic::plain_double, "double"}}};
 
 /// Longer runs share more work, but every tube examines all facets that its run has collected. The value
-/// follows from measurements (docs/performance.md).
+/// follows from measurements (validation/performance.md).
 constexpr std::uint32_t most_tubes_a_run = 8;
 
 bool share_a_wall(const Tube& a, const Tube& b) {
@@ -40,7 +40,7 @@ std::unique_ptr<TubeSolver> make_solver(Arithmetic arithmetic) {
     case Arithmetic::plain_double:
       return make_double_solver();
   }
-  throw std::invalid_argument("no such arithmetic");
+  throw std::invalid_argument("unknown arithmetic");
 }
 
 }  // namespace
@@ -57,8 +57,8 @@ VisibilityScratch::VisibilityScratch(VisibilityScratch&&) noexcept = default;
 Arithmetic arithmetic_from_name(std::string_view name) {
   for (const auto& [arithmetic, text] : arithmetic_names)
     if (text == name) return arithmetic;
-  throw std::invalid_argument("no arithmetic named '" + std::string(name) +
-                              "': fixed, filtered, rational or double");
+  throw std::invalid_argument("there is no arithmetic '" + std::string(name) +
+                              "': choose fixed, filtered, rational or double");
 }
 
 std::string_view name_of(Arithmetic arithmetic) {

@@ -129,7 +129,7 @@ std::vector<std::string> materials(const NativeCoverage& self) {
 
 std::shared_ptr<NativePicture> picture(const NativeCoverage& self) {
   if (self.picture->empty())
-    throw UsageError("no facet lies in the sector of a ping: there is nothing to draw");
+    throw UsageError("no facet lies in the sector of a ping, so there is nothing to draw");
   std::shared_ptr<NativePicture> made;
   RunWatch watch;
   run_apart(watch, py::none(), [&] {

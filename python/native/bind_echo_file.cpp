@@ -34,7 +34,7 @@ ResultFiles files_of(const fs::path& place) {
   if (!fs::is_directory(place)) return {place, std::nullopt};
   if (!fs::exists(place / "echoes.nc"))
     throw InputError({place.string()},
-                     "the folder has no echoes.nc: name a folder that a run wrote, or an echo file");
+                     "the folder has no echoes.nc: name a result folder of a run, or an echo file");
   ResultFiles files{place / "echoes.nc", place / "stats.json"};
   if (!fs::exists(*files.statistics)) files.statistics.reset();
   return files;
@@ -47,7 +47,7 @@ std::shared_ptr<NativeResult> open(const std::string& place) {
   constexpr std::uintmax_t most_bytes = std::uintmax_t{64} << 20;
   if (files.statistics)
     result->statistics =
-        read_whole(*files.statistics, {files.statistics->string()}, most_bytes, "a run's stats.json");
+        read_whole(*files.statistics, {files.statistics->string()}, most_bytes, "the stats.json of a run");
   return result;
 }
 

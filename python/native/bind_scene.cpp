@@ -41,8 +41,8 @@ std::shared_ptr<const ComponentMesh> component(const Points& vertices, const Cor
     mesh->triangles.push_back({f(i, 0), f(i, 1), f(i, 2)});
     for (int k = 0; k < 3; ++k)
       if (f(i, k) >= v.shape(0))
-        throw InputError(place,
-                         fmt::format("facet {} has vertex {}, but there are {}", i, f(i, k), v.shape(0)));
+        throw InputError(place, fmt::format("facet {} refers to vertex {}, but there are {} vertices", i,
+                                            f(i, k), v.shape(0)));
   }
   drop_unused_points(*mesh);
   return mesh;

@@ -70,8 +70,8 @@ ApertureWindow window_of(const std::string& model, double side_lobe_db, int near
                                                 {"chebyshev", Law::chebyshev}};
   for (const auto& [name, known] : models)
     if (model == name) return {known, side_lobe_db, nearly_equal};
-  throw std::invalid_argument("window '" + model +
-                              "' is not known; there are uniform, hann, hamming, taylor, chebyshev");
+  throw std::invalid_argument("unknown window '" + model +
+                              "': expected uniform, hann, hamming, taylor or chebyshev");
 }
 
 /// Returns a complex array that owns its values.
@@ -93,8 +93,7 @@ Shared points(const Reals& targets, const Complexes& strengths, const Place& tra
   if (std::size_t(strengths.size()) != places.size() || at.size() != times.size() ||
       turned.size() != 4 * times.size())
     throw std::invalid_argument(
-        "there must be a strength for each target, and a position and an attitude for each "
-        "time of the track");
+        "the arguments need one strength per target, and one position and attitude per time of the track");
   std::vector<PointScatterer> scatterers;
   for (std::size_t k = 0; k < places.size(); ++k) scatterers.push_back({places[k], strengths.data()[k]});
   std::vector<Trajectory::Sample> track;

@@ -87,7 +87,8 @@ std::vector<Trial> chart(const ChartRequest& request, RunWatch& watch) {
                      request.first_pings ? first_pings(*request.first_pings) : chosen_pings(request.pings),
                      chart_reference_tolerance);
     if (!names.insert(scene.name()).second)
-      throw UsageError("two scenes are called '" + scene.name() + "': the chart could not tell them apart");
+      throw UsageError("two scenes have the name '" + scene.name() +
+                       "', so the chart cannot distinguish them: rename a file or its folder");
     std::vector<EngineSetting> settings = settings_of(request.builtin, scene.beams());
     for (const auto& [name, function] : request.own) {
       EngineSetting& own = settings.emplace_back();

@@ -37,7 +37,7 @@ void translate(std::exception_ptr raised) {
 
 /// Replaces the constructor function of a class.
 PyObject* made_by_functions_alone(PyTypeObject* type, PyObject*, PyObject*) {
-  PyErr_Format(PyExc_TypeError, "%.200s: only functions of tubefoot make objects of this class",
+  PyErr_Format(PyExc_TypeError, "%.200s: only functions of tubefoot create objects of this class",
                type->tp_name);
   return nullptr;
 }
@@ -51,7 +51,7 @@ void close_classes(const py::module_& module) {
     auto* type = reinterpret_cast<PyTypeObject*>(item.ptr());
     const std::string called = type->tp_name;
     const py::cpp_function refuse([called](const py::args&, const py::kwargs&) {
-      throw py::type_error(called + ": only functions of tubefoot make objects of this class");
+      throw py::type_error(called + ": only functions of tubefoot create objects of this class");
     });
     item.attr("__new__") = py::staticmethod(refuse);
     // Also covers calls of __new__ of a base class, because Python compares this function with that of the
@@ -67,7 +67,7 @@ void close_classes(const py::module_& module) {
 }  // namespace
 
 PYBIND11_MODULE(_native, module) {
-  module.doc() = "What tubefoot's Python functions call: see the package.";
+  module.doc() = "Native functions of the package tubefoot. Use the package instead.";
   module.attr("version") = TUBEFOOT_VERSION;
   py::register_exception_translator(&translate);
   module.def("nearest", [](const std::string& word, const std::vector<std::string>& candidates) {

@@ -27,7 +27,8 @@ std::shared_ptr<const OwnEngine> own_engine(const std::string& name, const py::o
                   using Energies = py::array_t<double, py::array::c_style | py::array::forcecast>;
                   const auto values = (*held)(transmission).cast<Energies>();
                   if (std::size_t(values.size()) != energy.size())
-                    throw std::length_error("an engine's energies have another size than its transmission");
+                    throw std::length_error(
+                        "the number of energies of a custom engine differs from that of the transmission");
                   std::copy_n(values.data(), energy.size(), energy.begin());
                 }});
 }

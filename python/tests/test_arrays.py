@@ -32,7 +32,7 @@ def test_masked_heights_are_holes(folder, keys):
 
 HOLE = np.array([[0, 0], [0, np.nan]])
 ENDLESS = np.array([[0, 0, 0], [0, 0, -np.inf]])
-TEXT_OF_HOLE = "1 of 4 heights are holes, the first in row 1, column 1: expected neighbours that make a facet"
+TEXT_OF_HOLE = "1 of 4 heights are holes, the first in row 1, column 1: expected adjacent heights that form a facet"
 
 
 @pytest.mark.parametrize("terrain, text", [

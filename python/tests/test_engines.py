@@ -183,8 +183,8 @@ def test_two_receivers_in_numpy_are_the_built_in_binning(two_receivers):
 
 @pytest.mark.parametrize("channels, text", [
     ((1, 1, 1.01, 0), r"engine 'odd': in beam 0 and sample 0 of transmission 0 of ping \d of sensor 'side' the mean product .* more than"),
-    ((1, 1, 0.8, -0.8), "more than the root of the product"),
-    ((0, 1, 0.1, 0), "more than the root of the product"),
+    ((1, 1, 0.8, -0.8), "more than the geometric mean"),
+    ((0, 1, 0.1, 0), "more than the geometric mean"),
     ((1, -1, 0, 0), "negative or not finite"),
     ((1, 1, np.nan, 0), "negative or not finite"),
     (None, r"expected \(channels, beams, samples\) = \(4, "),
@@ -273,8 +273,8 @@ def test_a_chart_that_is_stopped_leaves_nothing(folder, scene):
 @pytest.mark.parametrize("engines, text", [
     (["tubes"], "engines: 'tubes' is not 'tube' or 'ray': did you mean 'tube'?"),
     ("tubes", "engines: 'tubes' is not 'tube' or 'ray': did you mean 'tube'?"),
-    ([], "a chart needs a scene and an engine"),
-    ([nothing, nothing], "two engines have one name: nothing, nothing"),
+    ([], "a chart needs at least one scene and one engine"),
+    ([nothing, nothing], "two engines have the same name: nothing, nothing"),
 ])
 def test_charts_that_are_none(scene, engines, text):
     with pytest.raises(tubefoot.UsageError) as error:

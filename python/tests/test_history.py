@@ -108,7 +108,7 @@ def test_arrays_outlive_everything_else(scene):
     (lambda s: tubefoot.history(s, "camera", 3), "ping 3: sensor 'camera' has pings 0 to 2"),
     (lambda s: tubefoot.transmission(s, "camera", 0, 1), "transmission 1: a ping of sensor 'camera' has transmissions 0 to 0"),
     (lambda s: tubefoot.transmission(s, "camera", 0.5), "ping: expected a whole number, not 0.5"),
-    (lambda s: tubefoot.transmission(s, "camera", -1), "ping -1: counted from 0"),
+    (lambda s: tubefoot.transmission(s, "camera", -1), "ping -1: expected 0 or more"),
 ])
 def test_shots_that_are_not_there(scene, call, text):
     with pytest.raises(tubefoot.UsageError) as error:
@@ -220,7 +220,7 @@ def test_geopandas_has_the_scenes_crs(keys, folder):
 @pytest.mark.parametrize("options, text", [
     (dict(pings="2:9"), "pings '2:9': the sensor has pings 0 to 2"),
     (dict(pings=7), "pings '7': the sensor has pings 0 to 2"),
-    (dict(beams=[]), "beams: none of them"),
+    (dict(beams=[]), "beams: the selection is empty"),
     (dict(pings=0.5), "pings: expected a whole number, not 0.5"),
     (dict(beams=[1, 8]), "beams '1,8': the sensor has beams 0 to 7"),
 ])

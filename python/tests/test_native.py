@@ -98,8 +98,8 @@ def test_an_object_is_not_copied_and_keeps_its_class(scene):
 
 
 def test_a_class_says_who_makes_its_objects():
-    with pytest.raises(TypeError, match="_native.Scene: only functions of tubefoot make objects of this class"):
+    with pytest.raises(TypeError, match="_native.Scene: only functions of tubefoot create objects of this class"):
         _native.Scene.__new__(_native.Scene)
-    with pytest.raises(TypeError, match="_native.Scene: only functions of tubefoot make objects of this class"):
+    with pytest.raises(TypeError, match="_native.Scene: only functions of tubefoot create objects of this class"):
         _native.Scene()
     assert tubefoot.Scene.__new__(tubefoot.Scene).__class__ is tubefoot.Scene  # a class of Python's own

@@ -103,7 +103,7 @@ def test_a_multibeams_picture_is_the_echogram_of_its_steepest_beam(result):
 
 def test_one_ping_of_what_is_drawn_side_by_side(result):
     for sensor in ("side", "down", "fan"):
-        with pytest.raises(tubefoot.UsageError, match=f"sensor '{sensor}' has no picture of one ping"):
+        with pytest.raises(tubefoot.UsageError, match=f"sensor '{sensor}' has no picture of a single ping"):
             result[sensor].picture(0)
     with pytest.raises(IndexError, match="ping 3: sensor 'camera' has pings 0 to 2"):
         result["camera"].picture(3)
@@ -124,7 +124,7 @@ def test_a_slice_is_drawn_by_itself(result, folder):
 
 def test_places_that_cannot_be_written(result, folder):
     picture = result["camera"].picture(0)
-    with pytest.raises(tubefoot.UsageError, match="a picture is a .png"):
+    with pytest.raises(tubefoot.UsageError, match="the name of a picture must end in .png"):
         picture.save(folder / "picture.jpg")
     with pytest.raises(tubefoot.UsageError):
         picture.save(folder / "scene.toml" / "picture.png")

@@ -79,7 +79,7 @@ def test_a_strangers_file_with_the_least_that_it_must_have_and_more_of_its_own(f
     assert dataset["share"].dims == ("ping", "colour") and dataset["share"].attrs == {"units": "1",
                                                                                     "long_name": "of each colour"}
     assert dataset["share"].values.tolist() == [[2, 3], [4, 5]]
-    with pytest.raises(tubefoot.InputError, match="not evenly spaced: sample .* pictures are of even samples"):
+    with pytest.raises(tubefoot.InputError, match="not evenly spaced: sample .* pictures need evenly spaced samples"):
         echoes.picture()
     assert "<img" not in echoes._repr_html_() and "3 pings" in echoes._repr_html_()
 
@@ -88,11 +88,11 @@ def test_what_cannot_be_opened(result, folder):
     for place, text in [("none", "there is no such file"), ("scene.toml", "cannot be read as netCDF")]:
         with pytest.raises(tubefoot.InputError, match=text):
             tubefoot.open(folder / place)
-    with pytest.raises(tubefoot.InputError, match="the folder has no echoes.nc: name a folder that a run wrote"):
+    with pytest.raises(tubefoot.InputError, match="the folder has no echoes.nc: name a result folder of a run"):
         tubefoot.open(folder)
     for wrong in ("{", "[]", '{"warnings": 3}'):
         (folder / "out" / "stats.json").write_text(wrong)
-        with pytest.raises(tubefoot.InputError, match="stats.json: it is not what a run wrote"):
+        with pytest.raises(tubefoot.InputError, match="stats.json is not a valid result of a run"):
             tubefoot.open(folder / "out")
     data = (folder / "out" / "echoes.nc").read_bytes()
     (folder / "cut.nc").write_bytes(data[:len(data) // 2])
@@ -131,7 +131,7 @@ def test_one_ping_is_a_result_with_one_ping(result):
     (3, IndexError, "ping 3: sensor 'camera' has pings 0 to 2"),
     (-4, IndexError, "ping -4: sensor 'camera' has pings 0 to 2"),
     ([0, 7], IndexError, "ping 7: sensor 'camera' has pings 0 to 2"),
-    ([True, False], IndexError, "2 booleans for 3 pings"),
+    ([True, False], IndexError, "there are 2 booleans for 3 pings"),
     ("1", TypeError, "expected a ping, a slice or numbers of pings, not str"),
     (1.0, TypeError, "expected a ping, a slice or numbers of pings, not float"),
     ([0.5], TypeError, "numbers of pings are integers, not float64"),

@@ -315,7 +315,7 @@ except KeyboardInterrupt:
     (dict(threads=0), "threads: 0 is not in 1 to 4096"),
     (dict(engine="ray", rays=1e6), "rays: expected a whole number, not 1000000.0"),
     (dict(threads="2"), "threads: expected a whole number, not '2'"),
-    (dict(rays=10, rays_per_beam=10), "rays and rays_per_beam: give one of them"),
+    (dict(rays=10, rays_per_beam=10), "rays and rays_per_beam exclude each other: leave out one of them"),
     (dict(output=""), "output: the name of a folder is empty"),
 ])
 def test_wrong_options(scene, options, text):

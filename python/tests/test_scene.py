@@ -91,17 +91,17 @@ def test_heights_lie_from_south_to_north_and_west_to_east_with_holes(folder, key
 
 
 @pytest.mark.parametrize("wrong, text", [
-    ({"vertices": VERTICES}, "objects[0]: 'vertices' and 'facets' go together"),
+    ({"vertices": VERTICES}, "objects[0]: 'vertices' and 'facets' need each other: give both"),
     ({"vertices": VERTICES[:, :2], "facets": FACETS},
      "objects[0].vertices: expected an array of shape (n, 3), not (4, 2)"),
     ({"vertices": VERTICES, "facets": FACETS + 1},
-     "objects[0].facets: indices of vertices are 0 to 3, not 1 to 4"),
+     "objects[0].facets: vertex indices must be 0 to 3, not 1 to 4"),
     ({"vertices": VERTICES, "facets": FACETS - 1},
-     "objects[0].facets: indices of vertices are 0 to 3, not -1 to 2"),
+     "objects[0].facets: vertex indices must be 0 to 3, not -1 to 2"),
     ({"vertices": VERTICES, "facets": FACETS * 1.0}, "objects[0].facets: expected integers, not float64"),
     ({"vertices": VERTICES * np.nan, "facets": FACETS}, "objects[0].vertices: expected finite numbers, but row 0, column 0 is nan"),
-    ({"vertices": VERTICES, "facets": FACETS, "shape": "box"}, "objects[0]: give 'shape' or arrays, not both"),
-    ({"heights": np.zeros((2, 2))}, "objects[0]: 'heights' go with a terrain, without 'vertices' and 'facets'"),
+    ({"vertices": VERTICES, "facets": FACETS, "shape": "box"}, "objects[0]: 'shape' and arrays exclude each other: leave out one of them"),
+    ({"heights": np.zeros((2, 2))}, "objects[0]: 'heights' needs a terrain without 'vertices' and 'facets'"),
 ])
 def test_wrong_arrays(folder, keys, wrong, text):
     keys["objects"][0] = {"name": "thing", "material": "steel", **wrong}
@@ -178,8 +178,8 @@ def test_a_confined_scene_reads_nothing_outside_of_its_folder(folder, keys, tmp_
     inside.write_text(SCENE)
     outside.write_text(SCENE.replace("thing.obj", str(elsewhere)))
     assert tubefoot.load(inside, confined=True).hash == tubefoot.load(inside).hash
-    assert any("leaves the scene's folder" in warning for warning in tubefoot.load(outside).warnings())
-    with pytest.raises(tubefoot.InputError, match="leaves the scene's folder"):
+    assert any("lies outside of the scene's folder" in warning for warning in tubefoot.load(outside).warnings())
+    with pytest.raises(tubefoot.InputError, match="lies outside of the scene's folder"):
         tubefoot.load(outside, confined=True)
 
 
@@ -221,5 +221,5 @@ for call in calls:
     assert done.returncode == 0, done.stderr
     said = done.stdout.splitlines()
     assert len(said) == 7 and "filesystem error" not in done.stdout
-    deleted = "the current folder has been deleted: expected one that the name starts from"
+    deleted = "the current folder has been deleted, so the name has no starting point"
     assert all(deleted in line for line in said[:5]) and all(line.startswith("here") for line in said[5:])

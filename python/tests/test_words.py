@@ -16,13 +16,13 @@ ELSEWHERE = ("src/run/partial_run.cpp", "src/run/part_run.cpp", "src/run/ranks/"
 
 
 @pytest.mark.parametrize("command, python", [
-    ("--tolerance picks engine and settings itself: leave out --rays-per-beam, or --tolerance",
-     "tolerance picks engine and settings itself: leave out rays_per_beam, or tolerance"),
+    ("--tolerance selects engine and settings: leave out --rays-per-beam, or --tolerance",
+     "tolerance selects engine and settings: leave out rays_per_beam, or tolerance"),
     ("add --engine ray, or leave it out", 'add engine="ray", or leave it out'),
-    ("that integrates footprints: it needs --binning exact", 'that integrates footprints: it needs binning="exact"'),
-    ("--tolerance of a --reference is a relative bound", "tolerance of tubefoot.reference is a relative bound"),
-    ("less than that is for 'run --reference'", "less than that is for tubefoot.reference"),
-    ("compare all the same with --any-scene", "compare all the same with any_scene=True"),
+    ("certified bounds need footprints: use --binning exact", 'certified bounds need footprints: use binning="exact"'),
+    ("--tolerance of a --reference must be a relative bound", "tolerance of tubefoot.reference must be a relative bound"),
+    ("use 'run --reference' for smaller errors", "use tubefoot.reference for smaller errors"),
+    ("compare different scenes with --any-scene", "compare different scenes with any_scene=True"),
     ("--beams '3:2': the sensor has beams 0 to 7", "beams '3:2': the sensor has beams 0 to 7"),
     ("use `gdal_translate --config GDAL_NETCDF_BOTTOMUP NO bed.nc bed_new.tif` with --beams 3",
      "use `gdal_translate --config GDAL_NETCDF_BOTTOMUP NO bed.nc bed_new.tif` with beams 3"),
@@ -86,6 +86,8 @@ def test_columns_that_were_meant(scene):
     (lambda s: s.shots("camera"), "'shots' is now 'transmissions'"),
     (lambda s: tubefoot.history(s, "camera", shot=0), "'shot' is now 'transmission'"),
     (lambda s: tubefoot.history(s, "camera").shot.shot, "'shot' is now 'transmission'"),
+    (lambda s: tubefoot.footprints(s, "camera")["shot"], "'shot' is now 'transmission'"),
+    (lambda s: tubefoot.footprints(s, "camera")["mirrors_home"], "'mirrors_home' is now 'rx_reflections'"),
     (lambda s: tubefoot.transmission(s, "camera").staff_m, "'staff_m' is now 'receiver_baseline_m'"),
     (lambda s: tubefoot.advise(s, "50%", pings=2), "'pings' of advise"),
     (lambda s: tubefoot.chart(s, "tube", pings=1, repeats=1, seconds=0.1), "use '0:0'"),

@@ -50,7 +50,7 @@ def unmasked(values: Any, name: str) -> npt.NDArray[Any]:
     shown, hidden = values_and_mask(values)
     if hidden.any():
         raise UsageError(f"{name}: {place_of(first_of(hidden))} is masked: expected values without a mask; "
-                         "fill it with a number, or leave it out")
+                         "replace masked values by numbers, or leave them out")
     return shown
 
 
@@ -79,5 +79,5 @@ def with_holes(values: Any, name: str) -> npt.NDArray[np.float64]:
     wrong = np.isinf(array)
     if wrong.any():
         index = first_of(wrong)
-        raise UsageError(f"{name}: {place_of(index)} is {array[index]}: expected metres, or nan where there is a hole")
+        raise UsageError(f"{name}: {place_of(index)} is {array[index]}: expected metres, or nan for a hole")
     return array

@@ -19,7 +19,7 @@ class Columns(Mapping[str, np.ndarray]):
         try:
             return self._columns[column]
         except KeyError:
-            raise KeyError(f"no column {column!r}; there are {', '.join(self)}{meant(column, self)}") from None
+            raise KeyError(f"no column {column!r}; the columns are {', '.join(self)}{meant(column, self)}") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)

@@ -21,7 +21,7 @@ class Coverage(Columns):
     """Visible parts of the facets in the sectors of the pings, as columns with one element per facet.
 
     For example, ``coverage["seen_m2"]`` is the area that at least one ping sees. Names and units are those of the table
-    ``facets`` in docs/coverage.md. Areas are in m², and shares of the facet's area are from 0 to 1. ``facet``,
+    ``facets`` in docs/footprints.md. Areas are in m², and shares of the facet's area are from 0 to 1. ``facet``,
     ``most_pings`` and ``mean_pings`` are numbers. Arrays are read-only. ``N`` is the number of facets. ``D`` is the number
     of pairs of a facet and a number of pings.
     """
@@ -94,7 +94,7 @@ class Coverage(Columns):
 @with_named_arguments
 def coverage(scene: Union[Scene, PathLike], sensor: Optional[str] = None, pings: Optional[Numbers] = None, *,
              output: Optional[PathLike] = None) -> Coverage:
-    """Measures the parts of the scene's facets that pings see, as ``tubefoot coverage`` does (docs/coverage.md).
+    """Measures the parts of the scene's facets that pings see, as ``tubefoot coverage`` does (docs/footprints.md).
 
     Args:
         scene: the scene, or the name of its file.

@@ -53,7 +53,7 @@ class Engine:
             raise ValueError(f"engine '{self.name}' returned {energy.dtype}, expected float64") from None
         if hidden.any():
             raise ValueError(f"engine '{self.name}' returned a masked value{_at(hidden, transmission)}: expected energies "
-                             "without a mask; fill it, with 0 where there is no echo")
+                             "without a mask; replace masked values, by 0 without an echo")
         wrong = ~np.isfinite(energy)
         of_energies = ... if energy.ndim == 2 else slice(2)  # Products of signals may be negative.
         wrong[of_energies] |= energy[of_energies] < 0
@@ -100,4 +100,4 @@ def own_engine(engine: Union[str, Engine, None]) -> Optional[Engine]:
         return None
     if isinstance(engine, Engine):
         return engine
-    raise UsageError(f"an engine is a name or a function marked by tubefoot.engine, not {type(engine).__name__}")
+    raise UsageError(f"expected an engine name or a function with the decorator tubefoot.engine, not {type(engine).__name__}")

@@ -13,12 +13,14 @@ from ._columns import Columns
 from ._errors import UsageError, whole
 from ._result import Progress
 from ._scene import PathLike, Scene, a_scene
-from ._words import with_named_arguments
+from ._words import former, with_named_arguments
 
 if TYPE_CHECKING:
     import geopandas
 
 Numbers = Union[int, str, range, Iterable[int]]
+
+FORMER_COLUMNS = {"shot": "transmission", "mirrors_out": "tx_reflections", "mirrors_home": "rx_reflections"}
 
 
 class Footprints(Columns):
@@ -35,6 +37,12 @@ class Footprints(Columns):
         self._columns = {name: values for name, _, _, values in columns}
         self._units = {name: units for name, units, _, _ in columns}
         self._meanings = {name: long_name for name, _, long_name, _ in columns}
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        """Returns a column. Former names of columns give a DeprecationWarning."""
+        if column in FORMER_COLUMNS:
+            former(column, FORMER_COLUMNS[column])
+        return super().__getitem__(FORMER_COLUMNS.get(column, column))
 
     @property
     def rows(self) -> int:
@@ -151,6 +159,6 @@ def as_text(name: str, numbers: Numbers) -> str:
     if isinstance(numbers, Iterable):
         text = ",".join(str(whole(name, n)) for n in numbers)
         if not text:
-            raise UsageError(f"{name}: none of them")
+            raise UsageError(f"{name}: the selection is empty")
         return text
     return str(whole(name, numbers))

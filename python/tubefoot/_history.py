@@ -377,5 +377,5 @@ def history(scene: Union[Scene, PathLike], sensor: str, ping: int = 0, transmiss
 
 def _counted(name: str, number: int) -> int:
     if whole(name, number) < 0:
-        raise UsageError(f"{name} {number}: counted from 0")
+        raise UsageError(f"{name} {number}: expected 0 or more")
     return whole(name, number)

@@ -46,7 +46,7 @@ class Picture:
             UsageError: the name does not end with ``.png``, or the file cannot be written.
         """
         if os.path.splitext(os.fspath(file))[1] != ".png":
-            raise UsageError(f"{os.fspath(file)!r}: a picture is a .png")
+            raise UsageError(f"{os.fspath(file)!r}: the name of a picture must end in .png")
         self._native.write(os.fspath(file))
 
     def __array__(self, dtype: npt.DTypeLike = None, copy: Optional[bool] = None) -> np.ndarray:

@@ -25,33 +25,34 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], Any]
 
-# Dimensions, unit and meaning of each variable of echoes.nc (docs/echo-file.md).
+# Dimensions, unit and meaning of each variable of echoes.nc (docs/output-files.md).
 _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "energy": (("ping", "beam", "sample"), "J m-2",
-               "received energy density per beam and range sample, for a source of 1 J/sr at 1 m"),
+               "received energy density per beam and range bin, for a source of 1 J/sr at 1 m"),
     "energy_lower": (("ping", "beam", "sample"), "J m-2",
                      "received energy density per beam and range bin at the lower receiver; energy is that of the upper receiver"),
     "cross_real": (("ping", "beam", "sample"), "J m-2",
-                   "mean product of the upper receiver's signal and the lower one's conjugate, real part"),
+                   "real part of the mean product of the signal of the upper receiver and the conjugate signal of the lower receiver"),
     "cross_imag": (("ping", "beam", "sample"), "J m-2",
-                   "mean product of the upper receiver's signal and the lower one's conjugate, imaginary part"),
+                   "imaginary part of the mean product of the signal of the upper receiver and the conjugate signal of the lower "
+                   "receiver"),
     "energy_bound": (("ping", "beam", "sample"), "J m-2",
                      "certified half-width: the true energy lies within energy +- energy_bound"),
-    "ping_time": (("ping",), "s", "time of the transmission on the scene's clock"),
-    "slant_range": (("sample",), "m", "slant range of the sample's centre"),
+    "ping_time": (("ping",), "s", "time of the transmission on the clock of the scene"),
+    "slant_range": (("sample",), "m", "slant range of the centre of the range bin"),
     "slant_range_bounds": (("sample", "bound"), "m",
-                           "slant ranges between which the sample gathers energy, the nearer included"),
-    "two_way_travel_time": (("sample",), "s", "two-way travel time of the sample's centre"),
-    "beam_azimuth": (("beam",), "degree", "azimuth of the beam's axis in the sensor's frame, clockwise from "
+                           "slant ranges at both ends of the range bin, which contains the nearer end"),
+    "two_way_travel_time": (("sample",), "s", "two-way travel time of the centre of the range bin"),
+    "beam_azimuth": (("beam",), "degree", "azimuth of the beam axis in the sensor frame, clockwise from "
                      "forward, starboard positive"),
-    "beam_elevation": (("beam",), "degree", "elevation of the beam's axis above the sensor's horizontal plane"),
+    "beam_elevation": (("beam",), "degree", "elevation of the beam axis above the horizontal plane of the sensor"),
     "beam_azimuth_width": (("beam",), "degree", "full one-way width of the ideal rectangular beam in azimuth"),
     "beam_elevation_width": (("beam",), "degree", "full one-way width of the ideal rectangular beam in elevation"),
     "sensor_position": (("ping", "xyz"), "m", "position of the sensor in the local frame: east, north, up"),
-    "sensor_attitude": (("ping", "wxyz"), "1", "quaternion w, x, y, z that turns the sensor's axes (x starboard, y "
+    "sensor_attitude": (("ping", "wxyz"), "1", "quaternion w, x, y, z that rotates the sensor axes (x starboard, y "
                         "forward, z up) into the local frame"),
-    "sensor_heading": (("ping",), "degree", "heading of the sensor's forward axis, clockwise from the local frame's "
-                       "north"),
+    "sensor_heading": (("ping",), "degree", "heading of the forward axis of the sensor, clockwise from north in the "
+                       "local frame"),
     "sensor_pitch": (("ping",), "degree", "pitch of the sensor, forward axis up positive"),
     "sensor_roll": (("ping",), "degree", "roll of the sensor, starboard down positive"),
     # Only in files of a part of a run.
@@ -73,7 +74,7 @@ class SensorResult:
     """The echoes of one sensor, as read-only arrays that share the run's memory.
 
     ``P`` is the number of pings, ``B`` of beams and ``K`` of range samples. Names and units are those of echoes.nc
-    (docs/echo-file.md). Values that are missing in an opened file are NaN.
+    (docs/output-files.md). Values that are missing in an opened file are NaN.
 
     ``echoes[2:5]``, ``echoes[-1]`` and ``echoes[[0, 7]]`` select pings by the indexing rules of NumPy. A selection is
     another SensorResult with pings numbered from 0. One ping is a result with ``P = 1``, too.
@@ -125,16 +126,16 @@ class SensorResult:
         if isinstance(pings, (list, tuple, range, np.ndarray)) and np.ndim(pings) == 1:
             numbers = unmasked(pings, "pings") if len(pings) else np.zeros(0, np.int64)
             if numbers.dtype != bool and not np.issubdtype(numbers.dtype, np.integer):
-                raise TypeError(f"numbers of pings are integers, not {numbers.dtype}")
+                raise TypeError(f"expected integers as ping numbers, not {numbers.dtype}")
             if numbers.dtype == bool and len(numbers) != len(self):
-                raise IndexError(f"{len(numbers)} booleans for {plural(len(self), 'ping')}")
+                raise IndexError(f"there are {len(numbers)} booleans for {plural(len(self), 'ping')}")
             for ping in () if numbers.dtype == bool else numbers:
                 self._number(int(ping))
             return numbers
         try:
             ping = self._number(operator.index(pings))  # type: ignore[arg-type]
         except TypeError:
-            raise TypeError(f"expected a ping, a slice or numbers of pings, not {type(pings).__name__}") from None
+            raise TypeError(f"expected a ping, a slice or ping numbers, not {type(pings).__name__}") from None
         return slice(ping, ping + 1)
 
     def _number(self, ping: int) -> int:
@@ -223,7 +224,7 @@ class SensorResult:
 
     @property
     def labels(self) -> Optional[dict[str, Any]]:
-        """Objects and materials of each range bin, by the names of echoes.nc (docs/labels.md).
+        """Objects and materials of each range bin, by the names of echoes.nc (docs/output-files.md).
 
         The property is None except for a run with ``labels=True``. It contains these entries:
 
@@ -401,9 +402,9 @@ def _checked(options: dict[str, Any]) -> dict[str, Any]:
             continue
         options[name] = whole(name, options[name])
         if not least <= options[name] <= most:
-            raise UsageError(f"{name}: {options[name]} is not in {least} to {most}")
+            raise UsageError(f"{name}: {options[name]} is not within {least} to {most}")
     if options.get("rays") is not None and options.get("rays_per_beam") is not None:
-        raise UsageError("rays and rays_per_beam: give one of them")
+        raise UsageError("rays and rays_per_beam exclude each other: leave out one of them")
     return options
 
 
@@ -470,7 +471,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
     if own is None:
         options["engine"] = engine
     elif tolerance is not None:
-        raise UsageError("a tolerance picks among the engines that are built in: leave out 'engine' or 'tolerance'")
+        raise UsageError("a tolerance selects a built-in engine: leave out 'engine' or 'tolerance'")
     return _run(scene, options, own, progress)
 
 
@@ -485,7 +486,7 @@ def reference(scene: Union[Scene, PathLike], tolerance: float = 1e-9, *, arithme
         tolerance: requested relative bound, 1e-12 to 0.1. :attr:`Result.stats` reports bins that exceed it.
         arithmetic, threads, output, progress: as for :func:`run`.
 
-    The true energy of every ping, beam and sample lies within ``energy`` +- ``energy_bound``, in J/m² (docs/reference.md).
+    The true energy of every ping, beam and sample lies within ``energy`` +- ``energy_bound``, in J/m² (docs/reference-results.md).
 
     Raises:
         InputError, UsageError: as for :func:`run`.
@@ -511,7 +512,7 @@ def open(result: PathLike) -> Result:
 
     Args:
         result: a folder that :func:`run` or ``tubefoot run`` wrote, or an echo file. The echo file may come from another
-            program that follows docs/echo-file.md. The function reads the whole echo file into memory.
+            program that follows docs/output-files.md. The function reads the whole echo file into memory.
             :meth:`SensorResult.to_xarray` includes additional variables of the file.
 
     Raises:
@@ -522,5 +523,5 @@ def open(result: PathLike) -> Result:
         warnings = [in_python(text) for text in json.loads(native.statistics or "{}").get("warnings", [])]
     except (ValueError, AttributeError, TypeError):
         name = os.path.join(os.fspath(result), "stats.json")
-        raise InputError(f"{name}: it is not what a run wrote: bring it back, or open echoes.nc alone", name) from None
+        raise InputError(f"{name} is not a valid result of a run: restore the file, or open echoes.nc only", name) from None
     return Result(native, warnings)

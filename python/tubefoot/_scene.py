@@ -41,7 +41,7 @@ class Scene:
     @classmethod
     @with_named_arguments
     def from_dict(cls, keys: Mapping[str, Any], base: PathLike = ".", name: str = "scene.dict") -> Scene:
-        """Creates a scene from the keys of a scene file (docs/scene-file.md).
+        """Creates a scene from the keys of a scene file (docs/scene-keys.md).
 
         Args:
             keys: sections as dicts or lists of dicts, with the keys, units and defaults of scene files. Values may be
@@ -164,7 +164,7 @@ def _again(text: Optional[Text], meshes: list[tuple], file: str, confined: bool,
 
 @with_named_arguments
 def load(file: PathLike, *, confined: bool = False) -> Scene:
-    """Reads the scene of a scene file (TOML, docs/scene-file.md).
+    """Reads the scene of a scene file (TOML, docs/scene-keys.md).
 
     Args:
         confined: reads no file outside the folder of the scene file, after following links. Otherwise tubefoot reads such
@@ -218,25 +218,25 @@ def _mesh_of(entry: Mapping[str, Any], is_terrain: bool, path: str) -> tuple[tup
     rest = dict(entry)
     if "heights" in rest:
         if not is_terrain or _MESH_KEYS & set(rest):
-            raise UsageError(f"{path}: 'heights' go with a terrain, without 'vertices' and 'facets'")
+            raise UsageError(f"{path}: 'heights' needs a terrain without 'vertices' and 'facets'")
         if "cell_m" not in rest:
-            raise UsageError(f"{path}: 'heights' need 'cell_m', the distance of neighbours in metres")
+            raise UsageError(f"{path}: 'heights' needs 'cell_m', the distance between neighbours in metres")
         mesh = _heights(rest, path)
         own = _HEIGHT_KEYS
     else:
         if not _MESH_KEYS <= set(rest):
-            raise UsageError(f"{path}: 'vertices' and 'facets' go together")
+            raise UsageError(f"{path}: 'vertices' and 'facets' need each other: give both")
         mesh = (_array(rest["vertices"], path + ".vertices", np.float64),
                 _array(rest["facets"], path + ".facets", np.int64))
         own = _MESH_KEYS
     if mesh[1].size and (mesh[1].min() < 0 or mesh[1].max() >= len(mesh[0])):
-        raise UsageError(f"{path}.facets: indices of vertices are 0 to {len(mesh[0]) - 1}, "
+        raise UsageError(f"{path}.facets: vertex indices must be 0 to {len(mesh[0]) - 1}, "
                          f"not {mesh[1].min()} to {mesh[1].max()}")
     for key in own:
         rest.pop(key, None)
     kind = "kind" if is_terrain else "shape"
     if kind in rest:
-        raise UsageError(f"{path}: give '{kind}' or arrays, not both")
+        raise UsageError(f"{path}: '{kind}' and arrays exclude each other: leave out one of them")
     rest.update({"kind": "flat", "width_m": 1.0, "length_m": 1.0} if is_terrain else {"shape": "box"})
     return (mesh[0], mesh[1].astype(np.uint32)), rest
 
@@ -272,6 +272,6 @@ def _heights(entry: Mapping[str, Any], path: str) -> tuple[np.ndarray, np.ndarra
     if not len(facets):
         holes = np.isnan(heights)
         raise UsageError(f"{path}.heights: {holes.sum()} of {holes.size} heights are holes, the first in "
-                         f"{place_of(first_of(holes))}: expected neighbours that make a facet; fill holes with metres")
+                         f"{place_of(first_of(holes))}: expected adjacent heights that form a facet; replace holes by metres")
     vertices[~known] = 0  # These vertices belong to no facet.
     return vertices, facets

@@ -34,7 +34,7 @@ class Signals:
     """Complex baseband signals by ping, receiver and sample. The time factor is exp(-i omega t).
 
     ``P`` is the number of pings, ``R`` of receivers and ``S`` of samples. Arrays are read-only. The large array is the
-    program's own memory. docs/files-signals.md describes the file, and docs/beamforming.md gives the formulas.
+    program's own memory. docs/output-files.md describes the file, and docs/signals.md gives the formulas.
     """
 
     def __init__(self, native: _native.Signals) -> None:
@@ -196,7 +196,7 @@ def _count(value: int, what: str) -> int:
 def signals(file: PathLike) -> Signals:
     """Reads the signals of a file: ``tubefoot.signals("signals.nc").pressure``.
 
-    The file may come from tubefoot or from another program that follows docs/files-signals.md.
+    The file may come from tubefoot or from another program that follows docs/output-files.md.
 
     Raises:
         InputError: the file does not exist, or its content is invalid.

@@ -25,7 +25,7 @@ def compare(reference: Echoes, candidate: Echoes, *, sensor: Optional[str] = Non
     """Compares a candidate's energies with a reference's, and returns the figures of ``tubefoot compare --json``.
 
     Args:
-        reference: the reference: a result, an echo file (docs/echo-file.md) or a folder that a run wrote.
+        reference: the reference: a result, an echo file (docs/output-files.md) or a folder that a run wrote.
         candidate: the same pings, beams and samples from another engine.
         sensor: name of the only sensor to compare.
         worst: number of worst bins to list.
@@ -33,14 +33,14 @@ def compare(reference: Echoes, candidate: Echoes, *, sensor: Optional[str] = Non
 
     Returns:
         ``notes``, and for each entry of ``sensors``: ``l1_error`` (relative), ``rms_db_error`` (dB), ``energy_ratio``,
-        ``first_return``, ``within_bound``, ``worst_bins`` and more (docs/compare.md). Figures that are not finite are
+        ``first_return``, ``within_bound``, ``worst_bins`` and more (docs/engine-validation.md). Figures that are not finite are
         None.
 
     Raises:
         InputError: a file is invalid, or the reference and the candidate do not match.
     """
     if whole("worst", worst) < 0:
-        raise UsageError(f"worst: {worst} is no number of bins")
+        raise UsageError(f"worst: expected a number of bins of 0 or more, not {worst}")
     return json.loads(_native.compare(_native_echoes(reference), _native_echoes(candidate), sensor, worst, any_scene))
 
 
@@ -56,7 +56,7 @@ def advise(scene: Union[Scene, PathLike], tolerance: Union[float, str], *, pings
            trial_pings: int = 8, threads: Optional[int] = None) -> dict[str, Any]:
     """Finds the fastest engine and settings within a tolerance by measurements on a few pings.
 
-    The figures are those of ``tubefoot advise --json`` (docs/advise.md).
+    The figures are those of ``tubefoot advise --json`` (docs/accuracy-and-speed.md).
 
     Args:
         scene: the scene, or the name of its file.
@@ -83,9 +83,9 @@ def advise(scene: Union[Scene, PathLike], tolerance: Union[float, str], *, pings
         trial_pings, pings = whole("pings", pings), None
         warnings.warn("an integer for 'pings' of advise() is now 'trial_pings'", DeprecationWarning, stacklevel=3)
     if whole("trial_pings", trial_pings) < 2:
-        raise UsageError(f"trial_pings: {trial_pings} is not 2 or more")
+        raise UsageError(f"trial_pings: expected 2 or more, not {trial_pings}")
     if threads is not None and not 1 <= whole("threads", threads) <= 4096:
-        raise UsageError(f"threads: {threads} is not from 1 to 4096")
+        raise UsageError(f"threads: expected 1 to 4096, not {threads}")
     text = tolerance if isinstance(tolerance, str) else repr(float(tolerance))
     known = a_scene(scene)
     with known._explained():
@@ -136,9 +136,9 @@ def chart(scenes: Union[Scene, PathLike, Sequence[Union[Scene, PathLike]]],
             raise UsageError(f"engines: {engine!r} is not {one_of(choices)}{meant(engine, choices)}")
     names = builtin + [name for name, _ in own]
     if not known or not names:
-        raise UsageError("a chart needs a scene and an engine")
+        raise UsageError("a chart needs at least one scene and one engine")
     if len(set(names)) < len(names):
-        raise UsageError(f"two engines have one name: {', '.join(names)}")
+        raise UsageError(f"two engines have the same name: {', '.join(names)}")
     repeats = whole("repeats", repeats)
     first_pings = None
     if not isinstance(pings, str):
@@ -148,7 +148,7 @@ def chart(scenes: Union[Scene, PathLike, Sequence[Union[Scene, PathLike]]],
         pings, first_pings = f"0:{count - 1}", count
         warnings.warn(f"an integer for 'pings' of chart() is deprecated: use {pings!r}", DeprecationWarning, stacklevel=3)
     if repeats < 1 or not seconds > 0:
-        raise UsageError("repeats is 1 or more, seconds above 0")
+        raise UsageError("repeats must be 1 or more, and seconds above 0")
     folder = "" if output is None else os.fspath(output)
     asked = dict(scenes=[s._native for s in known], builtin=builtin, own=own, output=folder, pings=pings, first_pings=first_pings,
                  repeats=repeats, seconds=float(seconds))

@@ -25,7 +25,7 @@ def _text(value: str) -> str:
 
 def _key(name: object, path: str) -> str:
     if not isinstance(name, str):
-        raise UsageError(f"{path or 'the scene'}: keys are texts, not {name!r}")
+        raise UsageError(f"{path or 'the scene'}: keys must be texts, not {name!r}")
     return name if _BARE.match(name) else _text(name)
 
 
@@ -43,7 +43,7 @@ def _value(value: Any, path: str) -> str:
         return "true" if value else "false"
     if isinstance(value, int):
         if not -(2**63) <= value < 2**63:
-            raise UsageError(f"{path}: {value} does not fit 64 bits")
+            raise UsageError(f"{path}: {value} does not fit into 64 bits")
         return str(value)
     if isinstance(value, float):
         if math.isnan(value):
@@ -58,7 +58,7 @@ def _value(value: Any, path: str) -> str:
     if isinstance(value, Mapping):
         pairs = (f"{_key(k, path)} = {_value(v, f'{path}.{k}')}" for k, v in value.items())
         return "{" + ", ".join(pairs) + "}"
-    raise UsageError(f"{path}: a scene holds numbers, texts, lists and tables, not {type(value).__name__}")
+    raise UsageError(f"{path}: a scene can contain numbers, texts, lists and tables, not {type(value).__name__}")
 
 
 class Text:

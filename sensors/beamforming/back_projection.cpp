@@ -126,17 +126,17 @@ std::vector<Complex> back_projected(const ElementSignals& signals, const PixelPl
                                     const SignalInterpolator& interpolator, const BackProjection& how) {
   check(signals);
   if (plane.columns == 0 || plane.rows == 0)
-    throw std::invalid_argument(
-        fmt::format("a picture of {} x {} pixels: must be at least 1 x 1", plane.columns, plane.rows));
+    throw std::invalid_argument(fmt::format("the picture has {} x {} pixels, but must have at least 1 x 1",
+                                            plane.columns, plane.rows));
   if (plane.columns > (std::size_t{1} << 31) / plane.rows)
     throw std::invalid_argument(
-        fmt::format("a picture of {} x {} pixels: must have 2^31 at most", plane.columns, plane.rows));
+        fmt::format("the picture has {} x {} pixels, but must have at most 2^31", plane.columns, plane.rows));
   const glm::dvec3 last_m = plane.at(plane.columns - 1, plane.rows - 1);
   if (!std::isfinite(glm::length(plane.first_m)) || !std::isfinite(glm::length(last_m)))
-    throw std::invalid_argument("the picture's first pixel or last one lies at no finite place");
+    throw std::invalid_argument("the first or the last pixel of the picture has no finite position");
   if (how.half_beam_rad && !(*how.half_beam_rad > 0 && *how.half_beam_rad <= std::numbers::pi / 2))
-    throw std::invalid_argument(fmt::format(
-        "a half beam of {} rad: must be above 0 and at most pi / 2, or left out", *how.half_beam_rad));
+    throw std::invalid_argument(
+        fmt::format("the half beam is {} rad, but must be above 0 and at most pi / 2", *how.half_beam_rad));
   interpolator.check_holds(signals.waveform, signals.sampling);
   const Projector projector(signals, interpolator, how);
   std::vector<Complex> picture(plane.columns * plane.rows);

@@ -29,9 +29,11 @@ void require(bool holds, const std::string& what) {
 /// The steering with weights that sum to 1 and directions of length 1.
 BeamSteering normalised(const ElementSignals& signals, std::size_t ping, BeamSteering steering) {
   check(signals);
-  require(ping < signals.pings(), fmt::format("ping {} is asked for, there are {}", ping, signals.pings()));
-  require(!steering.directions.empty(), "no beams are asked for: give at least one direction");
-  require(std::isfinite(glm::length(steering.reference_m)), "the reference place of the beams is not finite");
+  require(ping < signals.pings(),
+          fmt::format("there is no ping {}: the signals have {} pings", ping, signals.pings()));
+  require(!steering.directions.empty(), "the steering has no beams: give at least one direction");
+  require(std::isfinite(glm::length(steering.reference_m)),
+          "the reference position of the beams is not finite");
   for (std::size_t beam = 0; beam < steering.directions.size(); ++beam) {
     const double length = glm::length(steering.directions[beam]);
     require(length > 0 && std::isfinite(length),
@@ -43,7 +45,7 @@ BeamSteering normalised(const ElementSignals& signals, std::size_t ping, BeamSte
           fmt::format("there are {} weights for {} receivers", steering.weights.size(), signals.receivers()));
   double sum = 0;
   for (const double weight : steering.weights) sum += weight;
-  require(sum != 0 && std::isfinite(sum), "the weights of the receivers sum to 0, or to nothing finite");
+  require(sum != 0 && std::isfinite(sum), "the sum of the receiver weights is 0 or not finite");
   for (double& weight : steering.weights) weight /= sum;
   return steering;
 }
@@ -121,16 +123,15 @@ std::vector<Complex> delay_and_sum(const ElementSignals& signals, std::size_t pi
 std::vector<Complex> phase_and_sum(const ElementSignals& signals, std::size_t ping,
                                    const BeamSteering& requested) {
   const BeamSteering steering = normalised(signals, ping, requested);
-  require(!steering.near_field, "beams by phases are of plane waves: focus near fields by delay_and_sum()");
+  require(!steering.near_field, "beams by phases need plane waves: use delay_and_sum() for the near field");
   const SignalSampling& sampling = signals.sampling;
   double longest_s = 0;
   for (std::size_t beam = 0; beam < steering.directions.size(); ++beam)
     for (std::size_t receiver = 0; receiver < signals.receivers(); ++receiver)
       longest_s = std::max(longest_s, std::abs(far_delay_s(signals, steering, beam, receiver)));
   require(longest_s * sampling.rate_hz <= static_cast<double>(signals.samples()),
-          fmt::format("a receiver receives a beam {:.3g} s earlier or later than the reference point of the "
-                      "array, longer than the "
-                      "record: place the receivers nearer to each other",
+          fmt::format("a beam arrives at a receiver {:.3g} s earlier or later than at the reference point of "
+                      "the array, longer than the record: place the receivers closer together",
                       longest_s));
   // Appends as many zeros as the longest shift, so that the cyclic transform does not wrap samples around.
   const SignalTransform transform(signals.samples() +
@@ -162,9 +163,11 @@ std::vector<double> beam_energies(const std::vector<Complex>& beams, const Signa
                                   double sound_speed_m_s, const RangeSamples& samples) {
   check(sampling);
   require(beams.size() % sampling.samples == 0,
-          fmt::format("{} values are no whole beams of {} samples", beams.size(), sampling.samples));
-  require(samples.count > 0 && samples.step_m > 0, "range samples must be at least one and longer than 0 m");
-  require(sound_speed_m_s > 0, fmt::format("the sound speed is {} m/s, must be above 0", sound_speed_m_s));
+          fmt::format("{} values are not whole beams of {} samples", beams.size(), sampling.samples));
+  require(samples.count > 0 && samples.step_m > 0,
+          "there must be at least one range sample, with a length above 0 m");
+  require(sound_speed_m_s > 0,
+          fmt::format("the sound speed is {} m/s, but must be above 0", sound_speed_m_s));
   const std::size_t count = beams.size() / sampling.samples, ranges = static_cast<std::size_t>(samples.count);
   std::vector<double> energies(count * ranges);
   for (std::size_t k = 0; k < sampling.samples; ++k) {

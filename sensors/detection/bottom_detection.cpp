@@ -27,20 +27,21 @@ void check(std::span<const double> energies_j, const LitSpan& lit, const RangeSa
     throw std::invalid_argument("bottom detection: " + what);
   };
   if (!(samples.step_m > 0 && std::isfinite(samples.step_m) && std::isfinite(samples.first_m)))
-    refuse(fmt::format("samples of {} m from {} m are none", samples.step_m, samples.first_m));
+    refuse(fmt::format("invalid range samples: step {} m, first {} m", samples.step_m, samples.first_m));
   if (samples.count < 0 || energies_j.size() != static_cast<std::size_t>(samples.count))
-    refuse(fmt::format("{} energies for {} samples", energies_j.size(), samples.count));
+    refuse(fmt::format("there are {} energies, but {} range samples", energies_j.size(), samples.count));
   if (rule.method == DetectionMethod::split_beam)
-    refuse("a split beam needs phases, and energies have none: take energy_centroid");
+    refuse("split-beam detection needs phases, which energies do not have: use energy_centroid");
   if (!(rule.relative_db <= 0))
-    refuse(fmt::format("the relative threshold is {} dB, must be 0 or less", rule.relative_db));
+    refuse(fmt::format("the relative threshold is {} dB, but must be 0 or less", rule.relative_db));
   if (!(rule.absolute_j >= 0))
-    refuse(fmt::format("the absolute threshold is {} J/m2, must be 0 or more", rule.absolute_j));
+    refuse(fmt::format("the absolute threshold is {} J/m2, but must be 0 or more", rule.absolute_j));
   if (!(rule.nearest_m <= rule.farthest_m))
-    refuse(fmt::format("the range gate is {} to {} m, must not be empty", rule.nearest_m, rule.farthest_m));
+    refuse(
+        fmt::format("the range gate is {} to {} m, but must not be empty", rule.nearest_m, rule.farthest_m));
   for (std::size_t k = lit.begin; k < lit.end; ++k)
     if (!(energies_j[k] >= 0 && std::isfinite(energies_j[k])))
-      refuse(fmt::format("the energy of sample {} is {} J/m2, must be finite and not negative", k,
+      refuse(fmt::format("the energy of sample {} is {} J/m2, but must be finite and not negative", k,
                          energies_j[k]));
 }
 
@@ -233,7 +234,7 @@ DetectionMethod detection_method_from_name(std::string_view name) {
        {DetectionMethod::first_return, DetectionMethod::energy_centroid, DetectionMethod::maximum})
     if (name == name_of(method)) return method;
   throw std::invalid_argument(
-      fmt::format("no detection named '{}': first_return, energy_centroid or maximum", name));
+      fmt::format("unknown detection method '{}': expected first_return, energy_centroid or maximum", name));
 }
 
 std::optional<Detection> detect_bottom(std::span<const double> energies_j, const RangeSamples& samples,
@@ -297,10 +298,10 @@ std::optional<Detection> detect_bottom(std::span<const double> energies_j, const
 glm::dvec3 sounding_position(const Pose& sensor_pose, glm::dvec3 beam_axis, double range_m) {
   if (!(std::abs(glm::length(beam_axis) - 1) <= 1e-6))
     throw std::invalid_argument(
-        fmt::format("sounding: the beam's axis has length {}, must be 1", glm::length(beam_axis)));
+        fmt::format("sounding: the beam axis has length {}, but must have length 1", glm::length(beam_axis)));
   if (!(range_m >= 0 && std::isfinite(range_m)))
     throw std::invalid_argument(
-        fmt::format("sounding: the slant range is {} m, must be finite and not negative", range_m));
+        fmt::format("sounding: the slant range is {} m, but must be finite and not negative", range_m));
   return sensor_pose.position_m + sensor_pose.attitude * (range_m * beam_axis);
 }
 

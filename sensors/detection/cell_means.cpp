@@ -23,7 +23,7 @@ namespace {
 
 void require_size(double cell_m) {
   if (!(cell_m > 0) || !std::isfinite(cell_m))
-    throw std::invalid_argument(fmt::format("a cell of {} m, must be positive", cell_m));
+    throw std::invalid_argument(fmt::format("the cell size is {} m, but must be positive", cell_m));
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ CellSums::CellSums(double cell_m) : cell_m_(cell_m) { require_size(cell_m); }
 
 void CellSums::refuse(double east_m, double north_m, double value) {
   throw std::invalid_argument(
-      fmt::format("value {} at east {} m, north {} m has no cell", value, east_m, north_m));
+      fmt::format("invalid value {} at east {} m, north {} m", value, east_m, north_m));
 }
 
 void CellSums::merge() {
@@ -61,7 +61,7 @@ void CellMeans::add(double east_m, double north_m, double value, double weight) 
 void CellMeans::add(const CellSums& sums) {
   if (sums.cell_m() != cell_m_)
     throw std::invalid_argument(
-        fmt::format("sums of cells of {} m on a grid of {} m", sums.cell_m(), cell_m_));
+        fmt::format("sums over cells of {} m cannot be added to cells of {} m", sums.cell_m(), cell_m_));
   for (const CellSum& sum : sums.sums()) add(sum);
 }
 
@@ -73,7 +73,7 @@ void CellMeans::add(const CellSum& one) {
     if (found == tiles_.end()) {
       if ((tiles_.size() + 1) * sizeof(Tile) > most_bytes_)
         throw std::runtime_error(
-            fmt::format("cells of {} m over this area take more than {} MiB: make them larger", cell_m_,
+            fmt::format("cells of {} m over this area need more than {} MiB: use larger cells", cell_m_,
                         most_bytes_ >> 20));
       found = tiles_.emplace(key, std::make_unique<Tile>()).first;
     }
@@ -101,12 +101,12 @@ void write_cells(const std::filesystem::path& file, const CellMeans& cells, cons
   const auto require = [&](bool good, const std::string& reason) {
     if (!good) throw write_error(file, reason + messages.in_brackets());
   };
-  require(!cells.empty(), "there is nothing to write: no value fell into any cell");
+  require(!cells.empty(), "there is nothing to write, because no value lies in a cell");
   const CellMeans::Extent& extent = cells.extent();
   constexpr std::int64_t most_side = 1 << 20, most_cells = std::int64_t{1} << 32;
   require(extent.columns() <= most_side && extent.rows() <= most_side &&
               extent.columns() * extent.rows() <= most_cells,
-          fmt::format("{} x {} cells of {} m are too many for one raster: make them larger", extent.columns(),
+          fmt::format("{} x {} cells of {} m are too many for one raster: use larger cells", extent.columns(),
                       extent.rows(), cells.cell_m()));
 
   // Encodes the file in memory, where it is smaller than the cells themselves. write_file then writes it.
@@ -116,7 +116,7 @@ void write_cells(const std::filesystem::path& file, const CellMeans& cells, cons
     ~MemoryFile() { VSIUnlink(name.c_str()); }
   } const memory{fmt::format("/vsimem/cells-{}.tif", static_cast<const void*>(&cells))};
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
-  require(driver != nullptr, "GDAL has no GeoTIFF");
+  require(driver != nullptr, "GDAL has no GeoTIFF driver");
   const std::array<const char*, 6> options{"COMPRESS=DEFLATE", "PREDICTOR=3",    "TILED=YES",
                                            "BIGTIFF=IF_SAFER", "SPARSE_OK=TRUE", nullptr};
   const auto columns = static_cast<int>(extent.columns()), rows = static_cast<int>(extent.rows());

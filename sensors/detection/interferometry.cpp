@@ -24,8 +24,8 @@ constexpr double nothing_known_rad = pi / (2 * std::numbers::sqrt3);  // standar
 void InterferometricSample::add(double energy_j, double path_difference_m, double wavelength_m) {
   if (!(energy_j >= 0 && std::isfinite(energy_j) && std::isfinite(path_difference_m) && wavelength_m > 0))
     throw std::invalid_argument(
-        fmt::format("interferometry: a path of {} J/m2, {} m longer, at a wavelength of {} m is none",
-                    energy_j, path_difference_m, wavelength_m));
+        fmt::format("interferometry: invalid path: {} J/m2, path difference {} m, wavelength {} m", energy_j,
+                    path_difference_m, wavelength_m));
   upper_j += energy_j;
   lower_j += energy_j;
   cross_j += std::polar(energy_j, 2 * pi * std::remainder(path_difference_m / wavelength_m, 1.0));
@@ -33,9 +33,9 @@ void InterferometricSample::add(double energy_j, double path_difference_m, doubl
 
 void InterferometricSample::add_noise(double upper_noise_j, double lower_noise_j) {
   if (!(upper_noise_j >= 0 && lower_noise_j >= 0 && std::isfinite(upper_noise_j + lower_noise_j)))
-    throw std::invalid_argument(
-        fmt::format("interferometry: noise of {} and {} J/m2, must be finite and not negative", upper_noise_j,
-                    lower_noise_j));
+    throw std::invalid_argument(fmt::format(
+        "interferometry: the noise energies are {} and {} J/m2, but must be finite and not negative",
+        upper_noise_j, lower_noise_j));
   upper_j += upper_noise_j;
   lower_j += lower_noise_j;
 }
@@ -60,7 +60,7 @@ Interferometer::Interferometer(double baseline_m, double wavelength_m, double ti
   if (!(wavelength_m > 0 && baseline_m > 0 && baseline_m <= longest_baseline * wavelength_m &&
         std::isfinite(wavelength_m) && std::isfinite(tilt_rad)))
     throw std::invalid_argument(
-        fmt::format("interferometry: a baseline of {} m at a wavelength of {} m, tilted by {} rad, is none",
+        fmt::format("interferometry: invalid geometry: baseline {} m, wavelength {} m, tilt {} rad",
                     baseline_m, wavelength_m, tilt_rad));
 }
 

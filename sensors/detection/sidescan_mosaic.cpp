@@ -37,9 +37,9 @@ Place place_of(const Pose& pose) {
   const glm::dvec3 starboard = pose.attitude * glm::dvec3(1, 0, 0),
                    forward = pose.attitude * glm::dvec3(0, 1, 0);
   const glm::dvec2 track(pose.position_m), ahead(forward);
-  require(std::isfinite(track.x) && std::isfinite(track.y), "its position is not finite");
+  require(std::isfinite(track.x) && std::isfinite(track.y), "the position is not finite");
   require(glm::length(ahead) > 1e-3 && std::isfinite(starboard.x),
-          "the sensor looks straight up or down: it has no heading");
+          "the sensor looks straight up or down, so it has no heading");
   const glm::dvec2 heading = glm::normalize(ahead);
   return {track, {heading.y, -heading.x}};
 }
@@ -83,8 +83,8 @@ class Strips {
     const double steps = std::ceil(length_m / spacing_m_);
     if (!(steps < most_points))
       throw std::runtime_error(
-          fmt::format("a sidescan sample {:.3g} m long has too many points in cells of {} m: end the line, "
-                      "or make the cells larger",
+          fmt::format("a sidescan sample with a length of {:.3g} m has too many points in cells of {} m: "
+                      "divide the survey line, or use larger cells",
                       length_m, sums_.cell_m()));
     return static_cast<int>(steps);
   }
@@ -122,10 +122,11 @@ class Strips {
 
 CellSums sums_on_map(const SidescanPing& ping, const Pose* before, const Pose* after, double cell_m) {
   require(std::isfinite(ping.altitude_m) && ping.altitude_m >= 0,
-          fmt::format("its altitude is {} m, must be 0 or more", ping.altitude_m));
+          fmt::format("the altitude is {} m, but must be 0 or more", ping.altitude_m));
   require(std::isfinite(ping.first_m) && ping.first_m >= 0 && std::isfinite(ping.step_m) && ping.step_m > 0,
-          fmt::format("ranges from {} m in steps of {} m: must be 0 or more, and positive", ping.first_m,
-                      ping.step_m));
+          fmt::format(
+              "ranges begin at {} m with a step of {} m, but must begin at 0 or more with a positive step",
+              ping.first_m, ping.step_m));
   Strips strips(ping, cell_m);
   if (before)
     strips.fill(place_of(*before), 0.5);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sensors/detection/sounding_grid.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
 #include <utility>
 
 namespace tubefoot {
@@ -13,7 +16,28 @@ bool belongs_into_a_grid(const Sounding& sounding) {
          !sounding.flags.has(DetectionFlag::cut_by_window);
 }
 
+/// Angle between two directions; 0 if one of them has no length.
+double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
 }  // namespace
+
+bool fills_between(const MeasuredFrom& a, const MeasuredFrom& b, double cell_m) {
+  constexpr double farthest_cells = 2, farthest = 2;
+  const glm::dvec3 from_a = a.sounding.position_m - a.sonar_m, from_b = b.sounding.position_m - b.sonar_m;
+  const glm::dvec3 way = b.sounding.position_m - a.sounding.position_m;
+  const double distance_m = std::hypot(way.x, way.y);
+  if (distance_m <= farthest_cells * cell_m) return true;
+  const double angle = angle_between(from_a, from_b);
+  // On a level seabed at the depth h below the sonar, a small angle spans R^2 / h times as many metres.
+  const auto spanned_m = [&](const glm::dvec3& ray) {
+    return ray.z < 0 ? angle * glm::dot(ray, ray) / -ray.z : std::numeric_limits<double>::infinity();
+  };
+  const double expected_m =
+      std::max(spanned_m(from_a), spanned_m(from_b)) + glm::distance(a.sonar_m, b.sonar_m);
+  return distance_m <= farthest * expected_m;
+}
 
 SoundingGrid::SoundingGrid(LocalFrame frame, double cell_m) : frame_(std::move(frame)), depths_(cell_m) {}
 

@@ -10,6 +10,19 @@
 
 namespace tubefoot {
 
+/// A sounding, and the place of the sonar that measured it.
+struct MeasuredFrom {
+  const Sounding& sounding;
+  glm::dvec3 sonar_m;
+};
+
+/// Returns whether the line between two neighbouring soundings may fill the cells between them. Neighbours
+/// are of adjacent beams or of consecutive pings. On a level seabed, their horizontal distance follows from
+/// the angle between their directions and from the movement of the sonar. A distance of more than twice this
+/// value shows that a part of the seabed between them lies in an acoustic shadow. Distances of up to two
+/// cells are always filled.
+bool fills_between(const MeasuredFrom& a, const MeasuredFrom& b, double cell_m);
+
 /// Mean depth of soundings per cell. Depths are positive down from height 0: minus up, minus the height of
 /// the frame's origin. In a tangent frame they count from the plane at height 0. The ellipsoid falls away
 /// from it by d^2 / 2R, 8 cm at 1 km.

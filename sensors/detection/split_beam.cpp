@@ -79,8 +79,8 @@ std::optional<SplitBeamDetection> split_beam_zero(std::span<const Complex> produ
   if (!(search.half_window >= 0 && search.samples_a_look >= 1 && search.edge_rad > 0 &&
         search.edge_rad < std::numbers::pi))
     throw std::invalid_argument(
-        "split beam: the window must be 0 samples or more, a look 1 sample or more, and the main lobe end "
-        "between phases of 0 and pi");
+        "split beam: the window must have 0 or more samples, a look must have 1 or more samples, and the "
+        "main lobe must end between phases of 0 and pi");
   std::optional<PhaseLine> line =
       first_line(product, about(search.from, search.half_window, product.size()), search);
   constexpr int rounds = 3;

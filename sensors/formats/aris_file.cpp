@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-// Writes ARIS files (.aris, "DDF_05", docs/files-ddf.md): headers of file and frames, range gates in whole
-// microseconds, and the frame rates that a range gate permits.
+// SPDX-License-Identifier: GPL-3.0-or-later Writes ARIS files (.aris, "DDF_05", docs/exchange-formats.md):
+// headers of file and frames, range gates in whole microseconds, and the frame rates that a range gate
+// permits.
 
 #include "sensors/formats/aris_file.hpp"
 
@@ -44,8 +44,9 @@ void check(const ArisHeader& header, const std::string& what) {
   if (header.model && *header.model != natural &&
       !(header.beams == 48 && *header.model == ArisModel::aris_1200))
     throw std::invalid_argument(
-        fmt::format("{}: {} beams, an ARIS 1200 has 48, an ARIS 1800 48 or 96, an ARIS 3000 64 or 128", what,
-                    header.beams));
+        fmt::format("{}: {} beams do not fit the model: an ARIS 1200 has 48 beams, an ARIS 1800 has 48 or "
+                    "96, and an ARIS 3000 has 64 or 128",
+                    what, header.beams));
   require_field(header.samples >= 1 && header.samples <= longest_cycle_us, what, "the number of samples",
                 header.samples, "1 to 65535");
   require_field(
@@ -56,15 +57,15 @@ void check(const ArisHeader& header, const std::string& what) {
                 what, "the sample period", header.window.sample_period_us, "4 to 100 us");
   const double cycle = cycle_us(header.window, header.samples);
   require_field(cycle <= longest_cycle_us, what, "the time of one transmission and its echoes", cycle,
-                "at most 65535 us: end the window nearer");
+                "at most 65535 us: end the window at a shorter range");
   require_field(header.sound_speed_m_s > 0 && header.sound_speed_m_s <= 1e5, what, "the speed of sound",
                 header.sound_speed_m_s, "above 0, at most 1e5 m/s");
   require_field(header.frame_rate_hz > 0 && header.frame_rate_hz <= 1e6, what, "the frame rate",
                 header.frame_rate_hz, "above 0, at most 1e6 Hz");
   require_field(header.pulse_width_us == 0 || (header.pulse_width_us >= 4 && header.pulse_width_us <= 100),
-                what, "the pulse width", header.pulse_width_us, "4 to 100 us, or 0 if not known");
+                what, "the pulse width", header.pulse_width_us, "4 to 100 us, or 0 if unknown");
   require_field(std::abs(header.water_temperature_c) <= 1000, what, "the water's temperature",
-                header.water_temperature_c, "within 1000 degrees");
+                header.water_temperature_c, "within -1000 to 1000 degrees");
 }
 
 ArisPingMode aris_ping_mode(int beams) {
@@ -78,7 +79,8 @@ ArisPingMode aris_ping_mode(int beams) {
     case 128:
       return {9, 8, ArisModel::aris_3000};
     default:
-      throw std::invalid_argument(fmt::format("{} beams, an ARIS has 48, 64, 96 or 128", beams));
+      throw std::invalid_argument(
+          fmt::format("invalid number of beams {}: an ARIS has 48, 64, 96 or 128", beams));
   }
 }
 
@@ -99,11 +101,10 @@ ArisWindow aris_window(double start_m, double length_m, int samples, double soun
                              ? shortest_period_us
                              : std::clamp(std::floor(wanted_us), shortest_period_us, longest_period_us - 1);
     const auto length_of = [&](double period) { return range_m(period * samples, sound_speed_m_s); };
-    throw std::invalid_argument(
-        fmt::format("an ARIS has no window of {} m in {} samples: its sample periods are whole microseconds, "
-                    "4 to 100; near "
-                    "are a window_length_m of {:.6f} ({} us) and {:.6f} ({} us)",
-                    length_m, samples, length_of(below), below, length_of(below + 1), below + 1));
+    throw std::invalid_argument(fmt::format(
+        "an ARIS has no window of {} m in {} samples: its sample period is a whole number of microseconds "
+        "from 4 to 100; choose a window_length_m of {:.6f} ({} us) or {:.6f} ({} us)",
+        length_m, samples, length_of(below), below, length_of(below + 1), below + 1));
   }
   const double delay_us = std::round(time_us(start_m, sound_speed_m_s));
   if (!(delay_us >= shortest_delay_us && delay_us <= longest_delay_us))

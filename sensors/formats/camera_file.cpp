@@ -10,7 +10,7 @@ namespace tubefoot {
 void CameraFile::add(const CameraFrame& frame) {
   const std::string what = fmt::format("{}: frame {}", file_.path().string(), frames_);
   if (frames_ == shape_.most_frames)
-    throw std::invalid_argument(fmt::format("{}: the file takes {} frames at most", what, frames_));
+    throw std::invalid_argument(fmt::format("{}: the file holds at most {} frames", what, frames_));
   check(frame, what, shape_.beams, shape_.samples);
   reorder(frame.amplitudes, shape_.beams, shape_.samples, amplitudes_);
   file_.append(frame_header(frame).bytes());
@@ -21,7 +21,7 @@ void CameraFile::add(const CameraFrame& frame) {
 
 void CameraFile::finish() {
   if (frames_ == 0)
-    throw std::logic_error(fmt::format("{}: a file without a frame cannot be read", file_.path().string()));
+    throw std::logic_error(fmt::format("{}: a file without frames cannot be read", file_.path().string()));
   file_.overwrite(0, file_header().bytes());
   file_.close();
 }

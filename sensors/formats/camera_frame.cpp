@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Common parts of DIDSON and ARIS frames: checks, the platform's fields in the frame header, calendar times,
-// sample order and amplitude codes. See docs/files-ddf.md.
+// sample order and amplitude codes. See docs/exchange-formats.md.
 
 #include "sensors/formats/camera_frame.hpp"
 
@@ -43,7 +43,7 @@ void require_field(bool holds, const std::string& what, const char* quantity, do
 
 void check(const CameraFrame& frame, const std::string& what, int beams, int samples) {
   require_field(frame.unix_time_s >= 0 && frame.unix_time_s <= std::numeric_limits<std::uint32_t>::max(),
-                what, "the time", frame.unix_time_s, "seconds since 1970, before 2106");
+                what, "the time", frame.unix_time_s, "in seconds since 1970 and before 2106");
   require_field(std::abs(frame.latitude_deg) <= 90, what, "the latitude", frame.latitude_deg,
                 "-90 to 90 degrees");
   require_field(std::abs(frame.longitude_deg) <= 180, what, "the longitude", frame.longitude_deg,
@@ -52,13 +52,15 @@ void check(const CameraFrame& frame, const std::string& what, int beams, int sam
   if (frame.camera) check(*frame.camera, what);
   constexpr double far = 1e6;  // limit for metres and for metres per second: no water is as deep
   require_field(std::abs(frame.velocity_m_s) <= far, what, "the velocity", frame.velocity_m_s,
-                "within 1e6 m/s");
-  require_field(std::abs(frame.depth_m) <= far, what, "the depth", frame.depth_m, "within 1e6 m");
-  require_field(std::abs(frame.altitude_m) <= far, what, "the altitude", frame.altitude_m, "within 1e6 m");
+                "within -1e6 to 1e6 m/s");
+  require_field(std::abs(frame.depth_m) <= far, what, "the depth", frame.depth_m, "within -1e6 to 1e6 m");
+  require_field(std::abs(frame.altitude_m) <= far, what, "the altitude", frame.altitude_m,
+                "within -1e6 to 1e6 m");
   const std::size_t wanted = static_cast<std::size_t>(beams) * static_cast<std::size_t>(samples);
   if (frame.amplitudes.size() != wanted)
-    throw std::invalid_argument(fmt::format("{}: {} amplitudes, must be {} for {} beams of {} samples", what,
-                                            frame.amplitudes.size(), wanted, beams, samples));
+    throw std::invalid_argument(
+        fmt::format("{}: there are {} amplitudes instead of {} for {} beams of {} samples", what,
+                    frame.amplitudes.size(), wanted, beams, samples));
 }
 
 void put_platform(PacketBytes& header, const CameraFrame& frame) {

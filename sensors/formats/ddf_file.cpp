@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-// Writes DIDSON files, version 3 (.ddf, "DDF_03", docs/files-ddf.md): headers of file and frames, and the
-// codes of range gates.
+// SPDX-License-Identifier: GPL-3.0-or-later Writes DIDSON files, version 3 (.ddf, "DDF_03",
+// docs/exchange-formats.md): headers of file and frames, and the codes of range gates.
 
 #include "sensors/formats/ddf_file.hpp"
 
@@ -43,12 +42,13 @@ void check(const DdfHeader& header, const std::string& what) {
   const int beams = header.high_resolution && !long_range(header) ? 96 : 48;
   if (header.beams != beams)
     throw std::invalid_argument(
-        fmt::format("{}: {} beams, a {}DIDSON in {} has {}; write ARIS (DDF_05) for 48, 64, 96 or 128", what,
-                    header.beams, long_range(header) ? "long-range " : "", resolution(header), beams));
+        fmt::format("{}: invalid number of beams {}: a {}DIDSON in {} has {}; write ARIS (DDF_05) for 48, "
+                    "64, 96 or 128 beams",
+                    what, header.beams, long_range(header) ? "long-range " : "", resolution(header), beams));
   if (header.samples != samples_per_beam)
     throw std::invalid_argument(
-        fmt::format("{}: {} samples a beam, a DIDSON has 512; write ARIS (DDF_05) for other counts", what,
-                    header.samples));
+        fmt::format("{}: {} samples per beam, but a DIDSON has 512; write ARIS (DDF_05) for other numbers",
+                    what, header.samples));
   require_field(header.window.start_code >= 1 && header.window.start_code <= largest_start_code, what,
                 "the window's start code", header.window.start_code, "1 to 31");
   require_field(header.window.length_code <= largest_length_code, what, "the window's length code",
@@ -60,7 +60,7 @@ void check(const DdfHeader& header, const std::string& what) {
   require_field(header.sound_speed_m_s > 0 && header.sound_speed_m_s <= 1e5, what, "the speed of sound",
                 header.sound_speed_m_s, "above 0, at most 1e5 m/s");
   require_field(std::abs(header.water_temperature_c) <= 1000, what, "the water's temperature",
-                header.water_temperature_c, "within 1000 degrees");
+                header.water_temperature_c, "within -1000 to 1000 degrees");
 }
 
 double ddf_window_length_m(const DdfHeader& camera, std::uint32_t length_code) {
@@ -95,17 +95,17 @@ DdfWindow ddf_window(const DdfHeader& camera, double start_m, double length_m, D
     found = true;
   }
   if (!found)
-    throw std::invalid_argument(fmt::format(
-        "a DIDSON in {} has no window of {} m that all readers agree on: choose a window_length_m of "
-        "{}, or write ARIS (DDF_05)",
-        resolution(camera), length_m, fmt::join(lengths_m, ", ")));
+    throw std::invalid_argument(
+        fmt::format("a DIDSON in {} has no window of {} m that all programs read in the same way: choose a "
+                    "window_length_m of {}, or write ARIS (DDF_05)",
+                    resolution(camera), length_m, fmt::join(lengths_m, ", ")));
   const double step_m = ddf_start_step_m(camera, step);
   const double code = std::clamp(std::round(start_m / step_m), 1.0, double{largest_start_code});
   if (!(std::abs(code * step_m - start_m) <= half_sample_m(ddf_window_length_m(camera, window.length_code))))
-    throw std::invalid_argument(fmt::format(
-        "a DIDSON in {} has no window that starts at {} m: starts are 1 to 31 steps of {:.6g} m, the nearest "
-        "window_start_m is {:.6g}; or write ARIS (DDF_05)",
-        resolution(camera), start_m, step_m, std::isnan(code) ? step_m : code * step_m));
+    throw std::invalid_argument(
+        fmt::format("a DIDSON in {} has no window that starts at {} m: windows start after 1 to 31 steps of "
+                    "{:.6g} m; choose a window_start_m of {:.6g}, or write ARIS (DDF_05)",
+                    resolution(camera), start_m, step_m, std::isnan(code) ? step_m : code * step_m));
   window.start_code = static_cast<std::uint32_t>(code);
   return window;
 }

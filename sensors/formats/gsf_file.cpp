@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-// Writes GSF files (Generic Sensor Format of Leidos, version 3, docs/files-gsf.md): records of pings with
-// scaled arrays, attitude, sound-speed profiles and processing parameters, all big-endian.
+// SPDX-License-Identifier: GPL-3.0-or-later Writes GSF files (Generic Sensor Format of Leidos, version 3,
+// docs/exchange-formats.md): records of pings with scaled arrays, attitude, sound-speed profiles and
+// processing parameters, all big-endian.
 
 #include "sensors/formats/gsf_file.hpp"
 
@@ -40,7 +40,7 @@ const GsfOptions& checked(const std::filesystem::path& path, const GsfOptions& o
   check.text("version", options.version, header_size);
   const auto scale = [&](const char* name, const GsfScale& array, int small, int large) {
     if (array.multiplier < 1)
-      check.fail(fmt::format("multiplier of {} is {}, must be 1 or more", name, array.multiplier));
+      check.fail(fmt::format("multiplier of {} is {}, must be at least 1", name, array.multiplier));
     if (array.bytes != small && array.bytes != large)
       check.fail(fmt::format("{} is stored in {} bytes, must be {}", name, array.bytes,
                              small == large ? fmt::to_string(small) : fmt::format("{} or {}", small, large)));
@@ -191,7 +191,7 @@ void GsfFile::add_ping(const GsfPing& ping) {
           fmt::format("there are {} values of {} for {} beams", array.values.size(), array.name, beams));
   }
   if (!arrays_of_file_.empty() && arrays_of_file_ != ids)
-    check.fail("the arrays that are there differ from those of the first ping");
+    check.fail("the arrays differ from those of the first ping");
 
   PacketBytes data = ping_header(ping, beams, check);
   if (arrays_of_file_.empty()) {
@@ -208,8 +208,8 @@ void GsfFile::add_ping(const GsfPing& ping) {
   for (const Array& array : arrays) array.append_to(data, check);
   if (ping.reson_8101) append_reson_8101(data, *ping.reson_8101, ping.ping_number, check);
   if (data.size() > largest_record)
-    check.fail(fmt::format("{} beams make a record of {} bytes, readers take at most {}", beams, data.size(),
-                           largest_record));
+    check.fail(fmt::format("{} beams make a record of {} bytes, but readers accept at most {}", beams,
+                           data.size(), largest_record));
   write(kSwathPing, std::move(data));
   arrays_of_file_ = std::move(ids);
 }
@@ -248,7 +248,7 @@ void GsfFile::add_processing_parameters(double unix_time_s, std::span<const std:
     data.put_text(data.size() - parameter.size() - 1, parameter);
   }
   if (data.size() > largest_record)
-    check.fail(fmt::format("{} parameters make a record of {} bytes, readers take at most {}",
+    check.fail(fmt::format("{} parameters make a record of {} bytes, but readers accept at most {}",
                            parameters.size(), data.size(), largest_record));
   write(kProcessingParameters, std::move(data));
 }
@@ -273,7 +273,8 @@ void GsfFile::add_sound_speed_profile(const GsfSoundSpeedProfile& profile) {
   double above_m = 0;
   for (std::size_t k = 0; k < kept; ++k) {
     const auto& [depth_m, speed_m_s] = profile.points[kept > 1 ? k * (count - 1) / (kept - 1) : 0];
-    if (!(depth_m >= above_m)) check.fail(fmt::format("depth {} m follows {} m", depth_m, above_m));
+    if (!(depth_m >= above_m))
+      check.fail(fmt::format("depth {} m follows {} m: depths must not decrease", depth_m, above_m));
     above_m = depth_m;
     data.append<std::uint32_t>(check.integer<std::uint32_t>("depth [m]", depth_m, 100));
     data.append<std::uint32_t>(check.integer<std::uint32_t>("sound speed [m/s]", speed_m_s, 100));
@@ -295,7 +296,7 @@ void GsfFile::add_attitude(std::span<const GsfAttitude> attitudes) {
   double earlier_s = begin_s;
   for (const GsfAttitude& one : attitudes) {
     if (!(one.unix_time_s >= earlier_s))
-      check.fail(fmt::format("time {} s follows {} s", one.unix_time_s, earlier_s));
+      check.fail(fmt::format("time {} s follows {} s: times must not decrease", one.unix_time_s, earlier_s));
     earlier_s = one.unix_time_s;
     const Attitude lie = attitude(one.heading_deg, one.pitch_deg, one.roll_deg, one.heave_m, check);
     data.append<std::uint16_t>(
@@ -306,7 +307,7 @@ void GsfFile::add_attitude(std::span<const GsfAttitude> attitudes) {
     data.append<std::uint16_t>(lie.heading);
   }
   if (data.size() > largest_record)
-    check.fail(fmt::format("{} attitudes make a record of {} bytes, readers take at most {}",
+    check.fail(fmt::format("{} attitudes make a record of {} bytes, but readers accept at most {}",
                            attitudes.size(), data.size(), largest_record));
   write(kAttitude, std::move(data));
 }

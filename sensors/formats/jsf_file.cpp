@@ -33,7 +33,7 @@ int weighting_of(std::span<const std::complex<double>> samples, const FieldCheck
   double largest = 0;
   for (const std::complex<double>& sample : samples) {
     if (!std::isfinite(sample.real()) || !std::isfinite(sample.imag()))
-      check.fail("a sample is not finite: leave the ping out");
+      check.fail("a sample is not finite: omit the ping");
     largest = std::max({largest, std::abs(sample.real()), std::abs(sample.imag())});
   }
   if (largest == 0) return 0;

@@ -147,7 +147,7 @@ int NetcdfGroup::define(const NetcdfVariable& row, std::size_t chunk_pings) cons
     std::vector<std::size_t> chunk{chunk_pings};
     for (std::size_t d = 1; d < row.dimensions.size(); ++d) {
       std::size_t length = 0;
-      check(nc_inq_dimlen(id_, row.dimensions[d], &length), "look at a dimension of", row.name);
+      check(nc_inq_dimlen(id_, row.dimensions[d], &length), "read a dimension of", row.name);
       chunk.push_back(length);
     }
     check(nc_def_var_chunking(id_, variable, NC_CHUNKED, chunk.data()), "chunk variable", row.name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Writes and reads signals.nc, in the layout of docs/files-signals.md. The reader checks dimensions, units,
+// Writes and reads signals.nc, in the layout of docs/output-files.md. The reader checks dimensions, units,
 // sizes and values before it allocates memory.
 #include "sensors/formats/signals_netcdf.hpp"
 
@@ -63,18 +63,17 @@ void define(EchoGroup& root, const ElementSignals& signals) {
   root.chunk(pressure, "pressure", {1, signals.receivers(), signals.samples(), 2});
 
   if (!signals.bound.empty()) {
-    const int bound = root.define(
-        "pressure_bound", {ping, receiver, sample, part}, "W^(1/2)",
-        "certified half-width: the true real and imaginary parts lie within pressure +- pressure_bound; "
-        "infinite: no bound");
+    const int bound = root.define("pressure_bound", {ping, receiver, sample, part}, "W^(1/2)",
+                                  "certified half-width: the true real and imaginary parts lie within "
+                                  "pressure +- pressure_bound; an infinite value means no bound");
     root.attribute(bound, "coordinates", "ping_start_time sample_time");
-    root.attribute(
-        bound, "comment",
-        "of Kirchhoff's approximation of smooth surfaces, along the edges of what is exactly visible "
-        "from the sensor's place on the world grid, facets as they are on it; places of elements, "
-        "times, pulse, sound speed, absorption and reflection are taken as the numbers that they "
-        "are. Infinite where a sample may hold what no bound encloses: rough surfaces, fluids and "
-        "roughness of smooth ones, beam patterns, mirrors, ends that move within a ping");
+    root.attribute(bound, "comment",
+                   "The bounds hold for Kirchhoff's approximation of smooth surfaces. Facets and the sensor "
+                   "lie on the world grid, and their visible polygons are exact. Positions of elements, "
+                   "times, pulse, sound speed, absorption and reflection count as exact numbers. A bound is "
+                   "infinite where a sample may contain an echo without a bound: an echo from a surface that "
+                   "is not smooth, or that is smooth with a fluid or roughness, an echo through beam "
+                   "patterns or mirrors, or an echo between ends that move within a ping.");
     root.chunk(bound, "pressure_bound", {1, signals.receivers(), signals.samples(), 2});
   }
 
@@ -86,11 +85,11 @@ void define(EchoGroup& root, const ElementSignals& signals) {
 
   const glm::dvec3& tx = signals.array.transmitter_m;
   root.variable("transmitter_position", {xyz}, "m",
-                "place of the transmitter on the vehicle: starboard, forward, up", {tx.x, tx.y, tx.z});
+                "position of the transmitter on the vehicle: starboard, forward, up", {tx.x, tx.y, tx.z});
   std::vector<double> places;
   for (const glm::dvec3& p : signals.array.receivers_m) places.insert(places.end(), {p.x, p.y, p.z});
   root.variable("receiver_position", {receiver, xyz}, "m",
-                "places of the receivers on the vehicle: starboard, forward, up", places);
+                "positions of the receivers on the vehicle: starboard, forward, up", places);
 
   const auto poses = [&](const std::string& of, int dimension, const std::string& when,
                          const std::vector<Pose>& all) {
@@ -114,8 +113,8 @@ void define(EchoGroup& root, const ElementSignals& signals) {
   for (const auto& [time_s, pose] : track) at_knots.push_back(pose), knot_times.push_back(time_s);
   poses("ping", ping, "at the ping's start", at_pings);
   root.variable("track_time", {knot}, "s",
-                "times of the track on the scene's clock; between them positions are linear, attitudes turn "
-                "evenly",
+                "times of the track on the scene's clock; between them positions are interpolated linearly "
+                "and attitudes turn at a constant rate",
                 knot_times);
   poses("track", knot, "at the track's times", at_knots);
   root.write();
@@ -124,7 +123,7 @@ void define(EchoGroup& root, const ElementSignals& signals) {
 class SignalsInput {
  public:
   explicit SignalsInput(const fs::path& path)
-      : file_(path, {"a file of element signals (signals.nc)", "docs/files-signals.md"}),
+      : file_(path, {"a file of element signals (signals.nc)", "docs/output-files.md"}),
         root_(file_, file_.id(), ""),
         attributes_(root_.attributes()) {}
 
@@ -132,7 +131,7 @@ class SignalsInput {
     const double speed = number("sound_speed_m_s", "m/s");
     const TransmitWaveform waveform{number("waveform_start_frequency", "Hz"),
                                     number("waveform_stop_frequency", "Hz"), number("waveform_duration", "s"),
-                                    number("waveform_taper", "a share of the duration")};
+                                    number("waveform_taper", "a fraction of the duration")};
     const Words along{"ping", "receiver", "sample", "complex"};
     const std::vector<std::size_t> shape = root_.checked_shape("pressure", along, pressures);
     if (shape[3] != 2)
@@ -143,7 +142,7 @@ class SignalsInput {
       ElementSignals signals{waveform,         sampling(shape[2]),       speed, array(shape[1]),
                              motion(shape[0]), flag("matched_filtered"), {}};
       require_memory(16.0 * static_cast<double>(shape[0] * shape[1] * shape[2]), {file_.path().string()},
-                     "its signals", "use a machine with more, or a file of fewer pings");
+                     "its signals", "use a machine with more memory, or a file with fewer pings");
       signals.pressure.resize(shape[0] * shape[1] * shape[2]);
       const std::span<double> values(reinterpret_cast<double*>(signals.pressure.data()),
                                      2 * signals.pressure.size());
@@ -166,15 +165,15 @@ class SignalsInput {
   void read_bound(const std::vector<std::size_t>& of_pressure, ElementSignals& signals) const {
     const Words along{"ping", "receiver", "sample", "complex"};
     if (root_.checked_shape("pressure_bound", along, pressures) != of_pressure)
-      root_.fail("pressure_bound", "has another shape than 'pressure'");
+      root_.fail("pressure_bound", "differs in shape from 'pressure'");
     require_memory(16.0 * static_cast<double>(signals.pressure.size()), {file_.path().string()},
-                   "the bounds of its signals", "use a machine with more, or a file of fewer pings");
+                   "the bounds of its signals", "use a machine with more memory, or a file with fewer pings");
     signals.bound.resize(signals.pressure.size());
     const std::span<double> values(reinterpret_cast<double*>(signals.bound.data()), 2 * signals.bound.size());
     root_.read_into("pressure_bound", along, values);
     for (const double value : values)
       if (!(value >= 0))
-        root_.fail("pressure_bound", fmt::format("holds {}; expected what is not negative", value));
+        root_.fail("pressure_bound", fmt::format("holds {}; expected values of at least 0", value));
   }
   std::optional<double> found(const char* name) const {
     for (const EchoAttribute& attribute : attributes_)
@@ -185,10 +184,9 @@ class SignalsInput {
   double number(const char* name, const char* unit) const {
     const std::optional<double> value = found(name);
     if (!value)
-      file_.fail(
-          fmt::format("attribute '{}' is missing or no number; expected {} (docs/files-signals.md has "
-                      "the layout)",
-                      name, unit));
+      file_.fail(fmt::format(
+          "attribute '{}' is missing or not a number; expected {} (see docs/output-files.md for the layout)",
+          name, unit));
     return *value;
   }
   bool flag(const char* name) const {
@@ -201,8 +199,8 @@ class SignalsInput {
     const std::string factor = root_.text("time_factor");
     if (factor != our_factor && factor != other_factor)
       file_.fail(
-          fmt::format("attribute 'time_factor' is '{}', expected '{}' or '{}': say which sign the "
-                      "phases have",
+          fmt::format("attribute 'time_factor' is '{}', expected '{}' or '{}': write the one that matches "
+                      "the sign of the phases",
                       factor, our_factor, other_factor));
     return factor == other_factor;
   }
@@ -221,8 +219,8 @@ class SignalsInput {
     for (const char* what : {"_time", "_position", "_attitude"})
       if (root_.has((of + what).c_str())) bytes += root_.bytes_of((of + what).c_str());
     constexpr double copies = 3;
-    require_memory(copies * bytes, {file_.path().string()}, "its places and times",
-                   "use a machine with more, or a file of fewer pings");
+    require_memory(copies * bytes, {file_.path().string()}, "its positions and times",
+                   "use a machine with more memory, or a file with fewer pings");
   }
 
   /// Reads finite values and checks their number.
@@ -244,10 +242,10 @@ class SignalsInput {
     constexpr double rounding = 1e-3;  // of a sample
     for (std::size_t k = 0; k < samples; ++k)
       if (!(std::abs(times[k] - sampling.time_s(k)) * sampling.rate_hz < rounding))
-        root_.fail("sample_time",
-                   fmt::format("is {} at sample {}; by 'sample_rate' it must be {}: write samples that are "
-                               "evenly spaced",
-                               times[k], k, sampling.time_s(k)));
+        root_.fail(
+            "sample_time",
+            fmt::format("is {} at sample {}, but 'sample_rate' implies {}: write evenly spaced samples",
+                        times[k], k, sampling.time_s(k)));
     return sampling;
   }
 
@@ -294,7 +292,7 @@ void write_signals(const fs::path& path, const ElementSignals& signals, const Pr
                     bytes = (signals.pressure.size() + signals.bound.size()) * sizeof(std::complex<double>);
   if (per_ping * sizeof(double) > static_cast<std::size_t>(limits::block_bytes))
     throw std::invalid_argument(fmt::format(
-        "{}: a ping of {} receivers x {} samples is more than 512 MB: write fewer of one or the other",
+        "{}: a ping of {} receivers x {} samples is larger than 512 MB: write fewer receivers or samples",
         path.string(), signals.receivers(), signals.samples()));
   EchoNetcdf file(path);
   EchoGroup root = file.root();

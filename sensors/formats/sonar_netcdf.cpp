@@ -29,7 +29,8 @@ void require(bool holds, const std::string& what) {
 }
 
 void check_header(const SonarNetcdfHeader& h) {
-  require(h.beams > 0 && h.beams <= 32767, fmt::format("{} beams, must be 1 to 32767", h.beams));
+  require(h.beams > 0 && h.beams <= 32767,
+          fmt::format("the number of beams is {}, must be 1 to 32767", h.beams));
   require(std::isfinite(h.frequency_hz) && h.frequency_hz > 0,
           fmt::format("frequency is {} Hz, must be positive", h.frequency_hz));
   require(std::isfinite(h.sound_speed_m_s) && h.sound_speed_m_s > 0,
@@ -102,14 +103,16 @@ class SonarNetcdfFile::State {
     as_many(ping.across_angle_deg.size(), "beam angles");
     as_many(of_signals_ ? ping.backscatter.size() : ping.backscatter_db.size(), "time series");
     fits((of_signals_ ? ping.backscatter_db.size() : ping.backscatter.size()) == 0,
-         of_signals_ ? "has levels in a file of complex beams" : "has complex beams in a file of levels");
+         of_signals_ ? "it has levels, but the file stores complex beams"
+                     : "it has complex beams, but the file stores levels");
     as_many(ping.detections.size(), "detections");
     fits(ping.unix_time_ns >= 0, "its time is before 1970");
-    fits(pings_ == 0 || ping.unix_time_ns > last_time_ns_, "its time is not after the one before");
+    fits(pings_ == 0 || ping.unix_time_ns > last_time_ns_,
+         "its time is not later than that of the previous ping");
     fits(ping.sample_interval_s > 0 && std::isfinite(ping.sample_interval_s),
          fmt::format("sample interval is {} s, must be positive", ping.sample_interval_s));
     fits(ping.blanking_interval_s >= 0 && std::isfinite(ping.blanking_interval_s),
-         fmt::format("blanking interval is {} s, must be 0 or more", ping.blanking_interval_s));
+         fmt::format("blanking interval is {} s, must be at least 0", ping.blanking_interval_s));
   }
 
   void write() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Writes tables of soundings (docs/soundings.md) as CSV, or as a GeoPackage through GDAL. Positions are in
+// Writes tables of soundings (docs/output-files.md) as CSV, or as a GeoPackage through GDAL. Positions are in
 // the coordinate reference system of the scene.
 
 #include "sensors/formats/soundings_file.hpp"
@@ -202,7 +202,8 @@ class GeoPackageWriter : public SoundingsFile::Writer {
 std::unique_ptr<SoundingsFile::Writer> writer_for(const fs::path& file, const LocalFrame& frame) {
   if (file.extension() == ".csv") return std::make_unique<CsvWriter>(file, frame);
   if (file.extension() == ".gpkg") return std::make_unique<GeoPackageWriter>(file, frame);
-  throw std::invalid_argument(fmt::format("'{}': soundings are written as .csv or .gpkg", file.string()));
+  throw std::invalid_argument(
+      fmt::format("'{}': the name of a file of soundings must end in .csv or .gpkg", file.string()));
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-// Writes XTF files (docs/files-xtf.md). Offsets are those of X41's structures: the number before each name
-// is its offset.
+// SPDX-License-Identifier: GPL-3.0-or-later Writes XTF files (docs/exchange-formats.md). Offsets are those of
+// X41's structures: the number before each name is its offset.
 #include "sensors/formats/xtf_file.hpp"
 
 #include <cmath>
@@ -81,9 +80,9 @@ void put_channel(PacketBytes& packet, std::size_t index, ChannelType type, const
   real(36, "along-track width [deg]", channel.along_track_width_deg);
   real(40, "tilt [deg]", channel.tilt_deg);
   real(44, "across-track width [deg]", channel.across_track_width_deg);
-  real(48, "place to starboard [m]", channel.starboard_m);
-  real(52, "place forward [m]", channel.forward_m);
-  real(56, "place down [m]", channel.down_m);
+  real(48, "position to starboard [m]", channel.starboard_m);
+  real(52, "position forward [m]", channel.forward_m);
+  real(56, "position down [m]", channel.down_m);
   packet.put<std::uint8_t>(begin + 74, 3);  // samples are 2-byte integers
 }
 
@@ -91,7 +90,8 @@ PacketBytes file_header(const std::filesystem::path& path, const XtfHeader& head
   const FieldCheck check(fmt::format("{}: file header", path.string()));
   check.positive("sound speed [m/s]", header.sound_speed_m_s);
   check.real("sound speed [m/s]", header.sound_speed_m_s);
-  if (!header.sidescan && !header.bathymetry) check.fail("neither a sidescan nor bathymetry is described");
+  if (!header.sidescan && !header.bathymetry)
+    check.fail("the header describes neither a sidescan nor bathymetry");
 
   PacketBytes packet(std::endian::little, file_header_size);
   packet.put<std::uint8_t>(0, 0x7B);

@@ -61,7 +61,7 @@ class Array : public Sensor {
 Array::Array(const SensorDescription& description) : Sensor(description) {
   const auto& own = description.kind.as<ArrayDescription>();
   require(own.sound_speed_m_s > 0 && own.samples >= 1, description, "samples", own.samples,
-          "what in_water() makes of the ranges");
+          "the number of whole samples in the range gate, as in_water() computes it");
   require(own.horizontal_deg > 0 && own.horizontal_deg < 180, description, "horizontal_deg",
           own.horizontal_deg, "above 0 and below 180");
   require(own.vertical_deg > 0 && own.vertical_deg < 180, description, "vertical_deg", own.vertical_deg,
@@ -118,8 +118,8 @@ void check_products(const ArrayDescription& own, const TomlTable& table) {
       if (table.has(key))
         throw InputError(
             table.place_of(key),
-            fmt::format("'{}' is read for products = [\"{}\"]{} alone: add that, or remove the key", key,
-                        fmt::join(any, "\"] or [\""), list));
+            fmt::format("'{}' applies only with products = [\"{}\"]{}: add this product, or remove the key",
+                        key, fmt::join(any, "\"] or [\""), list));
   };
   needs({"beams", "beams_deg"}, {"fan", "multibeam"}, "");
   needs({"beams_depression_deg"}, {"fan", "sidescan"}, "");
@@ -129,44 +129,42 @@ void check_products(const ArrayDescription& own, const TomlTable& table) {
   needs({"sides"}, {"sidescan", "interferogram"}, "");
   if (own.sides == "both" && !has(own.products, "sidescan"))
     throw InputError(table.place_of("sides"),
-                     "an interferogram's beams look to one side: sides = \"port\" or \"starboard\"");
+                     "an interferogram has beams on one side only: set sides = \"port\" or \"starboard\"");
   needs({"picture_m", "picture_up_m", "pixel_m", "half_beam_deg", "ping_window"}, {"aperture"}, "");
   needs({"upper", "lower", "looks_range", "looks_pings"}, {"interferogram"}, "");
   if (has(own.products, "aperture") && !own.picture_m)
     throw InputError(
         table.place_of("products"),
-        "\"aperture\" needs 'picture_m', the part of the ground that it shows: [east, north, east, "
-        "north] of two corners");
+        "\"aperture\" needs 'picture_m', the area of the picture: [east, north, east, north] of two corners");
   if (own.picture_m &&
       !((*own.picture_m)[2] > (*own.picture_m)[0] && (*own.picture_m)[3] > (*own.picture_m)[1]))
     throw InputError(table.place_of("picture_m"),
-                     "'picture_m' is [east, north, east, north], the lower of each first");
+                     "'picture_m' must be [east, north, east, north] with the lower corner first");
   if (own.picture_m) {
     const auto& [west, south, east, north] = *own.picture_m;
     const double columns = pixels_between(west, east, own), rows = pixels_between(south, north, own);
     if (!(columns >= 2 && rows >= 2 && columns * rows <= SignalAperture::most_pixels))
       throw InputError(
           table.place_of(table.has("pixel_m") ? "pixel_m" : "picture_m"),
-          fmt::format("'picture_m' by 'pixel_m' are {:.6g} x {:.6g} pixels, must be 2 x 2 or more, and {} at "
-                      "most in all: choose pixels of another size, or another part of the ground",
+          fmt::format("'picture_m' and 'pixel_m' give {:.6g} x {:.6g} pixels, but the picture must have 2 x "
+                      "2 or more, and {} at most in total: choose pixels of another size, or another area",
                       columns, rows, SignalAperture::most_pixels));
   }
   if (has(own.products, "interferogram") && (own.upper.empty() || own.lower.empty()))
-    throw InputError(
-        table.place_of("products"),
-        "\"interferogram\" needs 'upper' and 'lower', the numbers of the receivers of two groups");
+    throw InputError(table.place_of("products"),
+                     "\"interferogram\" needs 'upper' and 'lower', the receiver numbers of two groups");
   if (has(own.products, "interferogram") && own.upper == own.lower)
     throw InputError(table.place_of("lower"),
-                     "'upper' and 'lower' name the same receivers, whose phase is 0 everywhere: name others");
+                     "'upper' and 'lower' have the same receivers, so the phase is 0 everywhere: choose "
+                     "different receivers");
   if (has(own.formats, "jsf") && !has(own.products, "sidescan"))
     throw InputError(table.place_of("formats"),
-                     "\"jsf\" is of a sidescan's beams: add products = [\"sidescan\"]");
+                     "\"jsf\" needs the beams of a sidescan: add products = [\"sidescan\"]");
   const bool fan_across = has(own.products, "fan") && own.beams_plane == "across_track";
   if (has(own.formats, "sonar_netcdf") && !fan_across && !has(own.products, "multibeam"))
-    throw InputError(
-        table.place_of("formats"),
-        "\"sonar_netcdf\" is of beams across the track: add products = [\"multibeam\"], or [\"fan\"] "
-        "with beams_plane = \"across_track\"");
+    throw InputError(table.place_of("formats"),
+                     "\"sonar_netcdf\" needs beams across the track: add products = [\"multibeam\"], or "
+                     "[\"fan\"] with beams_plane = \"across_track\"");
 }
 
 constexpr std::size_t most_receivers = 4096;
@@ -185,76 +183,143 @@ class ArrayKind : public SensorKind {
         smooth_windows{"uniform", "hann", "hamming", "taylor"};
     section.kind<A>(
         "kind", name(),
-        {field("frequency_khz", &A::frequency_khz, {.ranges = {frequency}}),
-         field("bandwidth_khz", &A::bandwidth_khz, {.ranges = {kilohertz}}),
-         field("pulse_taper", &A::pulse_taper, {.ranges = {share}}),
+        "Receiver array that records signals with phase. Needs `pulse_length_us`. Receiver positions are "
+        "relative to `receiver_arm_m` or, without this key, to the transmitter.",
+        {field("frequency_khz", &A::frequency_khz,
+               {.meaning = "Centre frequency of the pulse.", .ranges = {frequency}}),
+         field("bandwidth_khz", &A::bandwidth_khz,
+               {.meaning = "Bandwidth of the linear sweep over the pulse, from low to high frequency. 0: a "
+                           "pulse of one frequency.",
+                .ranges = {kilohertz}}),
+         field("pulse_taper", &A::pulse_taper,
+               {.meaning = "Share of the pulse length that the two raised-cosine flanks occupy. 0: "
+                           "rectangle. 1: Hann window.",
+                .ranges = {share}}),
          field("sampling_frequency_khz", &A::sampling_frequency_khz,
-               {.ranges = {above_0}, .default_value = "1.25 times the pulse's band"}),
-         field("baseband_khz", &A::baseband_khz, {.ranges = {above_0}, .default_value = "as frequency_khz"}),
-         field("range_min_m", &A::range_min_m, {.ranges = {range_start}}),
-         field("range_max_m", &A::range_max_m, {.ranges = {sonar_range}}),
-         field("horizontal_deg", &A::horizontal_deg, {.ranges = {sector(180, true)}}),
-         field("vertical_deg", &A::vertical_deg, {.ranges = {sector(170, false)}}),
-         field("receivers", &A::receivers, {.ranges = {{.lo = 1, .hi = most_receivers}}}),
+               {.meaning = "Rate of the complex samples, which contain frequencies within half of this rate "
+                           "of `baseband_khz`.",
+                .ranges = {above_0},
+                .default_value = "1.25 times the bandwidth of the pulse"}),
+         field("baseband_khz", &A::baseband_khz,
+               {.meaning = "Mixing frequency of the sonar.",
+                .ranges = {above_0},
+                .default_value = "value of frequency_khz"}),
+         field("range_min_m", &A::range_min_m,
+               {.meaning = "Half of the two-way path length at the first sample.", .ranges = {range_start}}),
+         field("range_max_m", &A::range_max_m,
+               {.meaning = "Half of the two-way path length at the end of the last sample. tubefoot rounds "
+                           "the range gate to whole samples.",
+                .ranges = {sonar_range}}),
+         field(
+             "horizontal_deg", &A::horizontal_deg,
+             {.meaning = "Width of the transmitted and received sector about the forward axis of the sensor.",
+              .ranges = {sector(180, true)}}),
+         field("vertical_deg", &A::vertical_deg,
+               {.meaning = "Height of the transmitted and received sector.", .ranges = {sector(170, false)}}),
+         field("receivers", &A::receivers,
+               {.meaning = "Number of receivers on a line, centred on the receiver position.",
+                .ranges = {{.lo = 1, .hi = most_receivers}}}),
          field("receiver_spacing_m", &A::receiver_spacing_m,
-               {.ranges = {place}, .default_value = "half a wavelength to starboard"}),
-         field("receivers_m", &A::receivers_m, {.ranges = {place}}),
-         field("stop_and_hop", &A::stop_and_hop),
-         field("own_sights", &A::own_views),
-         field("signal_tolerance", &A::signal_tolerance, {.ranges = {{.lo = 1e-8, .hi = 0.1}}}),
+               {.meaning = "Step from each receiver to the next: starboard, forward, up.",
+                .ranges = {place},
+                .default_value = "half a wavelength to starboard"}),
+         field("receivers_m", &A::receivers_m,
+               {.meaning = "Position of each receiver (starboard, forward, up), instead of `receivers` and "
+                           "`receiver_spacing_m`. At most 4096 receivers.",
+                .ranges = {place}}),
+         field("stop_and_hop", &A::stop_and_hop,
+               {.meaning = "true: the carrier stands still during a ping. false: the carrier moves while the "
+                           "sound travels."}),
+         field("own_sights", &A::own_views,
+               {.meaning = "true: each receiver uses the surface that the transmitter and this receiver both "
+                           "see. false: all receivers use the visibility from the transmitter (and from "
+                           "`receiver_arm_m`)."}),
+         field("signal_tolerance", &A::signal_tolerance,
+               {.meaning = "Approximate error of the signals, relative to their level without interference.",
+                .ranges = {{.lo = 1e-8, .hi = 0.1}}}),
          field("products", &A::products,
-               {.choices = {"fan", "sidescan", "multibeam", "aperture", "interferogram"}}),
-         field("formats", &A::formats, {.choices = {"jsf", "sonar_netcdf"}}),
-         field("beams", &A::beams, {.ranges = {{.lo = 2, .hi = 4096}}}),
-         field("beams_deg", &A::beams_deg, {.ranges = {sector(180, true)}}),
-         field("beams_depression_deg", &A::beams_depression_deg, {.ranges = {pitch}}),
-         field("beams_plane", &A::beams_plane, {.choices = {"forward", "across_track"}}),
-         field("sides", &A::sides, {.choices = {"port", "starboard", "both"}}),
-         field("beam_window", &A::beam_window, {.choices = windows}),
-         field("range_window", &A::range_window, {.choices = smooth_windows}),
-         field("ping_window", &A::ping_window, {.choices = windows}),
-         field("picture_m", &A::picture_m, {.ranges = {anywhere}}),
-         field("picture_up_m", &A::picture_up_m, {.ranges = {anywhere}}),
-         field("pixel_m", &A::pixel_m, {.ranges = {{.lo = 1e-4, .hi = 1000}}}),
-         field("half_beam_deg", &A::half_beam_deg, {.ranges = {{.lo = 0, .hi = 90, .lo_excluded = true}}}),
-         field("upper", &A::upper, {.ranges = {element}}),
-         field("lower", &A::lower, {.ranges = {element}}),
-         field("looks_range", &A::looks_range, {.ranges = {looks}}),
-         field("looks_pings", &A::looks_pings, {.ranges = {looks}})});
+               {.meaning = "Products that tubefoot computes from the signals, in addition to signals.nc.",
+                .choices = {"fan", "sidescan", "multibeam", "aperture", "interferogram"}}),
+         field("formats", &A::formats,
+               {.meaning = "jsf: sidescan beams as EdgeTech complex samples. sonar_netcdf: beams of the fan, "
+                           "or else of the multibeam, as SONAR-netCDF4.",
+                .choices = {"jsf", "sonar_netcdf"}}),
+         field("beams", &A::beams,
+               {.meaning = "Number of beams of a fan or a multibeam.", .ranges = {{.lo = 2, .hi = 4096}}}),
+         field("beams_deg", &A::beams_deg,
+               {.meaning = "Angle between the axes of the outermost beams.", .ranges = {sector(180, true)}}),
+         field(
+             "beams_depression_deg", &A::beams_depression_deg,
+             {.meaning = "Depression angle of the beams of a forward fan or a sidescan.", .ranges = {pitch}}),
+         field("beams_plane", &A::beams_plane,
+               {.meaning = "Plane of the beams of a fan, relative to the axes of the carrier.",
+                .choices = {"forward", "across_track"}}),
+         field("sides", &A::sides,
+               {.meaning = "Sides of a sidescan. For an interferogram, the side of its beams.",
+                .choices = {"port", "starboard", "both"}}),
+         field("beam_window", &A::beam_window,
+               {.meaning = "Weighting window across the receivers. An aperture always uses uniform weights.",
+                .choices = windows}),
+         field("range_window", &A::range_window,
+               {.meaning = "Weighting window across the band of a chirp.", .choices = smooth_windows}),
+         field("ping_window", &A::ping_window,
+               {.meaning = "Weighting window across the pings of an aperture.", .choices = windows}),
+         field("picture_m", &A::picture_m,
+               {.meaning = "Area of the picture of an aperture: east and north of the lower corner, then of "
+                           "the upper corner.",
+                .ranges = {anywhere}}),
+         field("picture_up_m", &A::picture_up_m,
+               {.meaning = "Height of the horizontal plane of the picture.", .ranges = {anywhere}}),
+         field("pixel_m", &A::pixel_m,
+               {.meaning = "Side of the pixels of the picture.", .ranges = {{.lo = 1e-4, .hi = 1000}}}),
+         field("half_beam_deg", &A::half_beam_deg,
+               {.meaning = "Largest angle from abeam at which a ping contributes to a pixel of an aperture. "
+                           "Default: all pings contribute.",
+                .ranges = {{.lo = 0, .hi = 90, .lo_excluded = true}}}),
+         field("upper", &A::upper,
+               {.meaning = "Receivers of the first group of an interferogram, counted from 0.",
+                .ranges = {element}}),
+         field("lower", &A::lower,
+               {.meaning = "Receivers of the second group of an interferogram, counted from 0.",
+                .ranges = {element}}),
+         field("looks_range", &A::looks_range,
+               {.meaning = "Number of samples that an interferogram averages.", .ranges = {looks}}),
+         field("looks_pings", &A::looks_pings,
+               {.meaning = "Number of pings that an interferogram averages, at most the number of all pings.",
+                .ranges = {looks}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     const auto& own = sensor.kind.as<ArrayDescription>();
     check_ranges(own.range_min_m, own.range_max_m, table);
     if (!sensor.signal.pulse_length_us)
-      throw InputError(
-          table.place_of("kind"),
-          "kind = \"array\" records the pulse that is sent: say how long it is, 'pulse_length_us'");
+      throw InputError(table.place_of("kind"),
+                       "kind = \"array\" needs the length of the transmitted pulse: add 'pulse_length_us'");
     for (const char* key :
          {"source_level_db", "noise_level_db", "speckle", "speckle_looks", "speckle_shape", "tvg_spreading",
           "tvg_absorption_db_per_km", "tvg_gain_db", "tvg_fixed_below_m", "display_gain_db"})
       if (table.has(key))
-        throw InputError(table.place_of(key),
-                         fmt::format("'{}' is of what a receiver makes of energies: signals are as elements "
-                                     "receive them; remove the key",
-                                     key));
+        throw InputError(
+            table.place_of(key),
+            fmt::format("'{}' describes a receiver of energies, but an array records signals: remove the key",
+                        key));
     for (const char* key : {"receivers", "receiver_spacing_m"})
       if (!own.receivers_m.empty() && table.has(key))
         throw InputError(
             table.place_of(key),
-            fmt::format("'receivers_m' says where the receivers are: remove '{}', or the list", key));
+            fmt::format("'receivers_m' already gives the receiver positions: remove '{}', or 'receivers_m'",
+                        key));
     if (sensor.look_at_m && (sensor.receiver_arm_m || !own.stop_and_hop))
-      throw InputError(
-          table.place_of("look_at_m"),
-          "an array that is turned to look at something has one place, and stands still while it "
-          "listens: remove 'look_at_m', or 'receiver_arm_m' and stop_and_hop = false");
+      throw InputError(table.place_of("look_at_m"),
+                       "'look_at_m' needs an array with a single position that stands still during "
+                       "reception: remove 'look_at_m', or 'receiver_arm_m' and stop_and_hop = false");
     if (own.receivers_m.size() > most_receivers)
       throw InputError(table.place_of("receivers_m"),
-                       fmt::format("'receivers_m' has {} places, must be {} at most", own.receivers_m.size(),
-                                   most_receivers));
+                       fmt::format("'receivers_m' has {} positions, but must have {} at most",
+                                   own.receivers_m.size(), most_receivers));
     if (own.bandwidth_khz >= 2 * own.frequency_khz)
       throw InputError(place_of_pair(table, "frequency_khz", "bandwidth_khz"),
-                       fmt::format("'bandwidth_khz' ({}) about 'frequency_khz' ({}) begins below 0: make it "
-                                   "narrower, or the frequency higher",
+                       fmt::format("'bandwidth_khz' ({}) around 'frequency_khz' ({}) reaches below 0: reduce "
+                                   "the bandwidth, or increase the frequency",
                                    own.bandwidth_khz, own.frequency_khz));
     try {
       tubefoot::check(waveform_of(sensor));
@@ -266,10 +331,9 @@ class ArrayKind : public SensorKind {
         samples > 2 * most_samples)
       throw InputError(
           place_of_pair(table, "range_max_m", "sampling_frequency_khz"),
-          fmt::format(
-              "range_min_m to range_max_m hold some {:.3g} samples at {:.6g} kHz, {:.0f} are the most: "
-              "record less of a ping, or sample slower",
-              samples, sampling_hz(sensor) / 1000, most_samples));
+          fmt::format("range_min_m to range_max_m contain about {:.3g} samples at {:.6g} kHz, but the limit "
+                      "is {:.0f}: shorten the range gate, or reduce the sampling frequency",
+                      samples, sampling_hz(sensor) / 1000, most_samples));
     check_products(own, table);
   }
   bool looks_ahead() const override { return true; }
@@ -299,16 +363,16 @@ class ArrayKind : public SensorKind {
     };
     if (!(whole >= 1 && whole <= most_samples))
       fail(
-          fmt::format("at {:.6g} complex samples a second and {:.1f} m/s a sample is {:.4g} m long, and "
-                      "range_min_m to range_max_m hold {:.0f} of them: choose 1 to {:.0f}",
+          fmt::format("at {:.6g} complex samples per second and {:.1f} m/s a sample has a length of {:.4g} "
+                      "m, and range_min_m to range_max_m contain {:.0f} samples: choose 1 to {:.0f} samples",
                       rate_hz, sound_speed_m_s, step_m, whole, most_samples));
     const double receivers = static_cast<double>(
         own.receivers_m.empty() ? static_cast<std::size_t>(own.receivers) : own.receivers_m.size());
     constexpr double most_bytes = 512e6;  // per ping in signals.nc
     if (16 * whole * receivers > most_bytes)
       fail(
-          fmt::format("a ping of {:.0f} receivers and {:.0f} samples has {:.3g} MB, must be 512 MB at most: "
-                      "record fewer samples, or share the receivers among several sensors",
+          fmt::format("a ping of {:.0f} receivers and {:.0f} samples has {:.3g} MB, but the limit is 512 MB: "
+                      "record fewer samples, or divide the receivers among several sensors",
                       receivers, whole, 16e-6 * whole * receivers));
     own.samples = static_cast<int>(whole);
     own.range_max_m = own.range_min_m + whole * step_m;
@@ -322,7 +386,7 @@ class ArrayKind : public SensorKind {
     for (const std::vector<int>& group : {own.upper, own.lower})
       for (const int number : group)
         if (static_cast<std::size_t>(number) >= own.receivers_m.size())
-          fail(fmt::format("receiver {} of an interferogram's group is not there: they are 0 to {}", number,
+          fail(fmt::format("there is no receiver {} for the interferogram: receivers are 0 to {}", number,
                            own.receivers_m.size() - 1));
     try {
       check_sampled(waveform_of(sensor), sampling_of(sensor));

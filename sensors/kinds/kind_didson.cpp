@@ -206,37 +206,41 @@ void check_keys(const SensorDescription& sensor, const TomlTable& table) {
   };
   if (camera.beam_centres == "lens") {
     if (camera.beams != 48 && camera.beams != 96)
-      fail("beams",
-           fmt::format("beam_centres = \"lens\" is known for 48 or 96 beams, not for {}: take those, "
-                       "or \"even\"",
-                       camera.beams));
+      fail("beams", fmt::format("beam_centres = \"lens\" is available for 48 or 96 beams, not for {}: use "
+                                "one of these numbers, or \"even\"",
+                                camera.beams));
     if (table.has("horizontal_deg"))
       fail("horizontal_deg",
-           "beam_centres = \"lens\" says how wide the fan is: remove 'horizontal_deg', or take \"even\"");
+           "beam_centres = \"lens\" determines the width of the fan: remove 'horizontal_deg', or use "
+           "\"even\"");
   }
   if (camera.beams % camera.cycles != 0)
-    fail("cycles",
-         fmt::format("'cycles' must share out the {} beams evenly, {} do not", camera.beams, camera.cycles));
+    fail("cycles", fmt::format("the number of beams ({}) must be a multiple of 'cycles' ({})", camera.beams,
+                               camera.cycles));
   for (const char* key : {"cycle_interval_s", "firing_order"})
     if (table.has(key) && camera.cycles == 1)
-      fail(key, fmt::format("'{}' needs 'cycles' of 2 or more: with one, all beams are fired at once", key));
+      fail(key,
+           fmt::format(
+               "'{}' needs 'cycles' of 2 or more, because with one cycle all beams transmit at the same time",
+               key));
   std::vector<int> order = camera.firing_order;
   std::ranges::sort(order);
   for (std::size_t k = 0; k < order.size(); ++k)
     if (order.size() != static_cast<std::size_t>(camera.cycles) || order[k] != static_cast<int>(k))
       fail("firing_order",
-           fmt::format("'firing_order' must have each cycle from 0 to {} once", camera.cycles - 1));
+           fmt::format("'firing_order' must contain each cycle from 0 to {} once", camera.cycles - 1));
   if (table.has("receive_margin_deg") && !tells_beams_apart(sensor.receive, "elevation"))
     fail("receive_margin_deg",
-         "'receive_margin_deg' needs a 'receive_pattern' across the beams: without one, and over "
-         "\"elevation\", they end at their borders");
+         "'receive_margin_deg' needs a 'receive_pattern' across the beams; without a pattern, or with one "
+         "over \"elevation\", beams end at their borders");
   if (!table.has("transmit_steering")) return;
   if (sensor.transmit.pattern == "none")
-    fail("transmit_steering", "'transmit_steering' needs a 'transmit_pattern': add it, or remove the key");
-  if (camera.transmit_steering == "beams" && sensor.transmit.angle == "elevation")
     fail("transmit_steering",
-         "a pattern over \"elevation\" is the same for all beams of the fan: take transmit_steering = "
-         "\"fan\"");
+         "'transmit_steering' needs a 'transmit_pattern': add a pattern, or remove the key");
+  if (camera.transmit_steering == "beams" && sensor.transmit.angle == "elevation")
+    fail(
+        "transmit_steering",
+        "a pattern over \"elevation\" is the same for all beams of the fan: set transmit_steering = \"fan\"");
 }
 
 /// True if the range gate is that of a preset, so that it suits any water.
@@ -261,7 +265,7 @@ void fit_aris_window(const SensorDescription& description, DidsonDescription& ca
       (std::abs(start_m - camera.window_start_m) > half_sample_m ||
        std::abs(end_m - requested_end_m) > half_sample_m))
     notes->push_back(fmt::format(
-        "sensor '{}' is an ARIS, which counts its window in whole microseconds: at {:.2f} m/s it goes from "
+        "sensor '{}' is an ARIS, whose range gate is in whole microseconds: at {:.2f} m/s it extends from "
         "{:.4f} to {:.4f} m ({} us, then {} samples of {} us), not from {:.4f} to {:.4f} m",
         description.name, sound_speed_m_s, start_m, end_m, window->start_delay_us, camera.samples,
         window->sample_period_us, camera.window_start_m, requested_end_m));
@@ -275,28 +279,65 @@ class DidsonKind : public SensorKind {
 
   void add_keys(TomlSection<SensorDescription>& section) const override {
     using D = DidsonDescription;
-    section.kind<D>("kind", name(),
-                    {field("frequency_khz", &D::frequency_khz, {.ranges = {frequency}}),
-                     field("beams", &D::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
-                     field("beam_centres", &D::beam_centres, {.choices = {"even", "lens"}}),
-                     field("horizontal_deg", &D::horizontal_deg, {.ranges = {sector(180, true)}}),
-                     field("vertical_deg", &D::vertical_deg, {.ranges = {sector(170, false)}}),
-                     field("transmit_horizontal_deg", &D::transmit_horizontal_deg,
-                           {.ranges = {sector(180, true)}, .default_value = "as horizontal_deg"}),
-                     field("transmit_vertical_deg", &D::transmit_vertical_deg,
-                           {.ranges = {sector(170, false)}, .default_value = "as vertical_deg"}),
-                     field("receive_margin_deg", &D::receive_margin_deg, {.ranges = {{.lo = 0, .hi = 10}}}),
-                     field("cycles", &D::cycles, {.ranges = {{.lo = 1, .hi = 4096}}}),
-                     field("cycle_interval_s", &D::cycle_interval_s,
-                           {.ranges = {{.lo = 0, .hi = 1000}}, .default_value = "echo of the window's end"}),
-                     field("firing_order", &D::firing_order,
-                           {.ranges = {{.lo = 0, .hi = 4095}}, .default_value = "as numbered"}),
-                     field("transmit_steering", &D::transmit_steering,
-                           {.choices = {"fan", "beams"}, .default_value = "beams, if there are cycles"}),
-                     field("samples", &D::samples, {.ranges = {range_samples}}),
-                     field("window_start_m", &D::window_start_m, {.ranges = {range_start}}),
-                     field("window_length_m", &D::window_length_m, {.ranges = {sonar_range}}),
-                     field("pictures", &D::pictures, {.choices = {"all", "sequence"}})});
+    section.kind<D>(
+        "kind", name(),
+        "Acoustic camera with one fan of beams that looks ahead. Without patterns, the beams are ideal and "
+        "rectangular.",
+        {field("frequency_khz", &D::frequency_khz,
+               {.meaning = "Frequency, which determines the absorption.", .ranges = {frequency}}),
+         field("beams", &D::beams,
+               {.meaning = "Number of adjacent beams. Beam 0 is the port-most beam.",
+                .ranges = {{.lo = 1, .hi = 4096}}}),
+         field("beam_centres", &D::beam_centres,
+               {.meaning = "even: beams of equal width over `horizontal_deg`. lens: the 48 or 96 beams of a "
+                           "DIDSON lens, without `horizontal_deg`; borders lie midway between beam centres.",
+                .choices = {"even", "lens"}}),
+         field("horizontal_deg", &D::horizontal_deg,
+               {.meaning = "One-way width of the whole fan.", .ranges = {sector(180, true)}}),
+         field("vertical_deg", &D::vertical_deg,
+               {.meaning = "One-way height of the fan.", .ranges = {sector(170, false)}}),
+         field("transmit_horizontal_deg", &D::transmit_horizontal_deg,
+               {.meaning = "Width of the transmitted sector about the same axis. Only parts of beams within "
+                           "this sector contribute.",
+                .ranges = {sector(180, true)},
+                .default_value = "value of horizontal_deg"}),
+         field("transmit_vertical_deg", &D::transmit_vertical_deg,
+               {.meaning = "Height of the transmitted sector.",
+                .ranges = {sector(170, false)},
+                .default_value = "value of vertical_deg"}),
+         field("receive_margin_deg", &D::receive_margin_deg,
+               {.meaning = "With a receive pattern: margin by which the transmitted and received sector "
+                           "extends beyond the outermost beams.",
+                .ranges = {{.lo = 0, .hi = 10}}}),
+         field("cycles", &D::cycles,
+               {.meaning = "Number of transmissions per frame, a divisor of `beams`. Beam b belongs to cycle "
+                           "b mod `cycles`; the beams of a cycle transmit and receive simultaneously.",
+                .ranges = {{.lo = 1, .hi = 4096}}}),
+         field("cycle_interval_s", &D::cycle_interval_s,
+               {.meaning = "Time between cycles. Default: twice the range at the end of the range gate, "
+                           "divided by 1500 m/s, plus 420 us.",
+                .ranges = {{.lo = 0, .hi = 1000}},
+                .default_value = "computed from the range gate"}),
+         field("firing_order", &D::firing_order,
+               {.meaning = "Order in which the cycles transmit. Each cycle occurs once.",
+                .ranges = {{.lo = 0, .hi = 4095}},
+                .default_value = "in increasing order"}),
+         field("transmit_steering", &D::transmit_steering,
+               {.meaning =
+                    "beams: one transmit pattern per beam of the cycle, steered to the beam axis; powers "
+                    "add. fan: one pattern at the middle of the fan. Patterns over elevation require fan.",
+                .choices = {"fan", "beams"},
+                .default_value = "beams with several cycles, else fan"}),
+         field("samples", &D::samples,
+               {.meaning = "Number of range bins of equal length.", .ranges = {range_samples}}),
+         field("window_start_m", &D::window_start_m,
+               {.meaning = "Slant range at which the first range bin begins.", .ranges = {range_start}}),
+         field("window_length_m", &D::window_length_m,
+               {.meaning = "Length of the range gate.", .ranges = {sonar_range}}),
+         field("pictures", &D::pictures,
+               {.meaning = "all: a picture per ping. sequence: only the contact sheet of up to 20 pings, "
+                           "which tubefoot always writes for several pings.",
+                .choices = {"all", "sequence"}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     check_keys(sensor, table);

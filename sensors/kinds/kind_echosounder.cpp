@@ -168,7 +168,7 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
     append_line(made.line, recording, placer, ping, bottom);
     return made;
   };
-  Steps steps("pings of an echosounder's files", recording.pings());
+  Steps steps("pings for echosounder files", recording.pings());
   in_order(steps, 0, recording.pings(), 2 * sizeof(float) * recording.cells(), sounded,
            [&](std::size_t, const ReceivedPing& made) {
              energies.insert(energies.end(), made.energies.begin(), made.energies.end());
@@ -202,15 +202,33 @@ class EchosounderKind : public SensorKind {
     using E = EchosounderDescription;
     section.kind<E>(
         "kind", name(),
-        {field("frequency_khz", &E::frequency_khz, {.ranges = {frequency}}),
-         field("beam_deg", &E::beam_deg, {.ranges = {sector(90, false)}}),
+        "Single-beam echosounder that looks straight down. By default, both patterns are Gaussian functions "
+        "of the angle from the axis with the width `beam_deg`.",
+        {field("frequency_khz", &E::frequency_khz,
+               {.meaning = "Frequency, which determines the absorption and the beam patterns.",
+                .ranges = {frequency}}),
+         field("beam_deg", &E::beam_deg,
+               {.meaning = "Full one-way width of the beam at -3 dB.", .ranges = {sector(90, false)}}),
          field("sector_deg", &E::sector_deg,
-               {.ranges = {sector(170, false)}, .default_value = "3 beam_deg, at most 170"}),
-         field("samples", &E::samples, {.ranges = {range_samples}}),
-         field("range_min_m", &E::range_min_m, {.ranges = {range_start}}),
-         field("range_max_m", &E::range_max_m, {.ranges = {sonar_range}}),
-         field("detection", &E::detection, {.choices = {"first_return", "energy_centroid", "maximum"}}),
-         field("detection_threshold_db", &E::detection_threshold_db, {.ranges = {{.lo = -300, .hi = 0}}})});
+               {.meaning = "Side of the square sector about the axis. The sonar receives nothing from "
+                           "outside this sector.",
+                .ranges = {sector(170, false)},
+                .default_value = "3 times beam_deg, at most 170"}),
+         field("samples", &E::samples,
+               {.meaning = "Number of range bins of equal length.", .ranges = {range_samples}}),
+         field("range_min_m", &E::range_min_m,
+               {.meaning = "Slant range at which the first range bin begins.", .ranges = {range_start}}),
+         field("range_max_m", &E::range_max_m,
+               {.meaning = "Slant range at which the last range bin ends.", .ranges = {sonar_range}}),
+         field("detection", &E::detection,
+               {.meaning = "Method that computes the bottom range of a beam. first_return: first bin above "
+                           "the threshold. energy_centroid: energy-weighted mean range of one echo. maximum: "
+                           "peak of a parabola through the strongest bins.",
+                .choices = {"first_return", "energy_centroid", "maximum"}}),
+         field("detection_threshold_db", &E::detection_threshold_db,
+               {.meaning = "Threshold of detection, relative to the strongest range bin of the beam. Weaker "
+                           "bins are ignored.",
+                .ranges = {{.lo = -300, .hi = 0}}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     const auto& sounder = sensor.kind.as<EchosounderDescription>();

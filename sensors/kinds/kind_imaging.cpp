@@ -80,7 +80,7 @@ Imaging::Imaging(const SensorDescription& description) : Sensor(description) {
   } else {
     const std::vector<double> axes = axes_rad(fan), borders = borders_between(axes);
     require(borders.back() - borders.front() <= 2 * std::numbers::pi, description, "beam_angles_deg",
-            degrees(borders.back() - borders.front()), "a circle's 360 at most");
+            degrees(borders.back() - borders.front()), "at most 360 degrees");
     for (std::size_t beam = 0; beam < axes.size(); ++beam)
       beams_.push_back({axes[beam], 0, borders[beam + 1] - borders[beam], 2 * half_height_rad});
     sector = sector_between(borders, half_height_rad, description.cone_tolerance);
@@ -102,16 +102,34 @@ class ImagingKind : public SensorKind {
 
   void add_keys(TomlSection<SensorDescription>& section) const override {
     using I = ImagingDescription;
-    section.kind<I>("kind", name(),
-                    {field("frequency_khz", &I::frequency_khz, {.ranges = {frequency}}),
-                     field("beams", &I::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
-                     field("horizontal_deg", &I::horizontal_deg, {.ranges = {sector(180, true)}}),
-                     field("vertical_deg", &I::vertical_deg, {.ranges = {sector(170, false)}}),
-                     field("spacing", &I::spacing, {.choices = {"angle", "distance"}}),
-                     field("beam_angles_deg", &I::beam_angles_deg, {.ranges = {{.lo = -179, .hi = 179}}}),
-                     field("samples", &I::samples, {.ranges = {range_samples}}),
-                     field("range_min_m", &I::range_min_m, {.ranges = {range_start}}),
-                     field("range_max_m", &I::range_max_m, {.ranges = {sonar_range}})});
+    section.kind<I>(
+        "kind", name(),
+        "Imaging (forward-looking) sonar with one fan of ideal rectangular beams that looks ahead.",
+        {field("frequency_khz", &I::frequency_khz,
+               {.meaning = "Frequency, which determines the absorption and the beam patterns.",
+                .ranges = {frequency}}),
+         field("beams", &I::beams,
+               {.meaning = "Number of adjacent beams over `horizontal_deg`. Beam 0 is the port-most beam.",
+                .ranges = {{.lo = 1, .hi = 4096}}}),
+         field("horizontal_deg", &I::horizontal_deg,
+               {.meaning = "One-way width of the whole fan.", .ranges = {sector(180, true)}}),
+         field("vertical_deg", &I::vertical_deg,
+               {.meaning = "One-way height of the fan.", .ranges = {sector(170, false)}}),
+         field("spacing", &I::spacing,
+               {.meaning = "angle: beams of equal width. distance: beam axes equidistant on a straight line "
+                           "ahead, like pixels of a flat picture; borders lie midway between axes.",
+                .choices = {"angle", "distance"}}),
+         field("beam_angles_deg", &I::beam_angles_deg,
+               {.meaning = "Two or more angles of beam axes from straight ahead, in increasing order and "
+                           "positive to starboard. Replaces `beams`, `horizontal_deg` and `spacing`; borders "
+                           "lie midway between axes.",
+                .ranges = {{.lo = -179, .hi = 179}}}),
+         field("samples", &I::samples,
+               {.meaning = "Number of range bins of equal length.", .ranges = {range_samples}}),
+         field("range_min_m", &I::range_min_m,
+               {.meaning = "Slant range at which the first range bin begins.", .ranges = {range_start}}),
+         field("range_max_m", &I::range_max_m,
+               {.meaning = "Slant range at which the last range bin ends.", .ranges = {sonar_range}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     const auto& fan = sensor.kind.as<ImagingDescription>();
@@ -119,11 +137,12 @@ class ImagingKind : public SensorKind {
     check_beam_angles(fan.beam_angles_deg, {"beams", "horizontal_deg", "spacing"}, table);
     if (fan.beam_angles_deg.size() == 1)
       throw InputError(table.place_of("beam_angles_deg"),
-                       "'beam_angles_deg' needs two angles or more, which beams end midway between: for one "
-                       "beam take beams = 1 and 'horizontal_deg'");
+                       "'beam_angles_deg' needs two or more angles, because beams end midway between them: "
+                       "for one beam, use beams = 1 and 'horizontal_deg'");
     if (fan.spacing == "distance" && fan.beams == 1)
-      throw InputError(table.place_of("spacing"),
-                       "spacing = \"distance\" needs 'beams' of 2 or more: one beam has no neighbour");
+      throw InputError(
+          table.place_of("spacing"),
+          "spacing = \"distance\" needs 'beams' of 2 or more: increase 'beams', or use spacing = \"angle\"");
   }
   bool looks_ahead() const override { return true; }
   SensorFigures figures(const SensorDescription& sensor) const override {

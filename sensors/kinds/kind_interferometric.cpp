@@ -49,18 +49,29 @@ class InterferometricKind : public SensorKind {
   void add_keys(TomlSection<SensorDescription>& section) const override {
     using I = InterferometricDescription;
     std::vector<TomlField<I>> fields = inherited<I>(sidescan_fields());
-    fields.push_back(
-        field("baseline_m", &I::baseline_m, {.ranges = {{.lo = 0, .hi = 10, .lo_excluded = true}}}));
-    fields.push_back(field("staff_tilt_deg", &I::receiver_pair_tilt_deg, {.ranges = {pitch}}));
-    fields.push_back(field("phase_noise", &I::phase_noise));
-    section.kind<I>("kind", name(), fields);
+    fields.push_back(field("baseline_m", &I::baseline_m,
+                           {.meaning = "Distance between the two receivers, at most `range_min_m`. Up to "
+                                       "half a wavelength, each phase corresponds to a single angle.",
+                            .ranges = {{.lo = 0, .hi = 10, .lo_excluded = true}}}));
+    fields.push_back(field("receiver_pair_tilt_deg", &I::receiver_pair_tilt_deg,
+                           {.meaning = "Angle below the horizontal at which each receiver pair faces "
+                                       "outwards, on its side of the track.",
+                            .ranges = {pitch},
+                            .former_name = "staff_tilt_deg"}));
+    fields.push_back(field("phase_noise", &I::phase_noise,
+                           {.meaning = "true: the phases of soundings contain the random error of a single "
+                                       "look at the coherence of the range bin."}));
+    section.kind<I>("kind", name(),
+                    "Sidescan sonar with a receiver pair on each side. One receiver is above the "
+                    "transmitter, the other below.",
+                    fields);
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     const auto& own = sensor.kind.as<InterferometricDescription>();
     if (own.baseline_m > own.range_min_m)
       throw InputError(place_of_pair(table, "baseline_m", "range_min_m"),
-                       fmt::format("'baseline_m' ({}) must not be more than 'range_min_m' ({})",
-                                   own.baseline_m, own.range_min_m));
+                       fmt::format("'baseline_m' ({}) must be at most 'range_min_m' ({})", own.baseline_m,
+                                   own.range_min_m));
     check_sidescan(own, table);
     check_ranges(own.range_min_m, own.range_max_m, table);
   }

@@ -189,27 +189,55 @@ class MultibeamKind : public SensorKind {
     using M = MultibeamDescription;
     section.kind<M>(
         "kind", name(),
-        {field("frequency_khz", &M::frequency_khz, {.ranges = {frequency}}),
-         field("beams", &M::beams, {.ranges = {{.lo = 1, .hi = 4096}}}),
-         field("swath_deg", &M::swath_deg, {.ranges = {sector(180, true)}}),
-         field("spacing", &M::spacing, {.choices = {"angle", "distance"}}),
-         field("beam_angles_deg", &M::beam_angles_deg, {.ranges = {{.lo = -89, .hi = 89}}}),
-         field("beam_across_deg", &M::beam_across_deg, {.ranges = {sector(90, false)}}),
-         field("along_track_deg", &M::along_track_deg, {.ranges = {sector(90, false)}}),
-         field("samples", &M::samples, {.ranges = {range_samples}}),
-         field("range_min_m", &M::range_min_m, {.ranges = {range_start}}),
-         field("range_max_m", &M::range_max_m, {.ranges = {sonar_range}}),
-         field("detection", &M::detection, {.choices = {"first_return", "energy_centroid", "maximum"}}),
-         field("detection_threshold_db", &M::detection_threshold_db, {.ranges = {{.lo = -300, .hi = 0}}}),
-         field("grid_cell_m", &M::grid_cell_m, {.ranges = {{.lo = 0, .hi = 100000}}})});
+        "Multibeam echosounder with a fan of ideal rectangular beams across the track. Beam 0 is the "
+        "port-most beam.",
+        {field("frequency_khz", &M::frequency_khz,
+               {.meaning = "Frequency, which determines the absorption.", .ranges = {frequency}}),
+         field("beams", &M::beams,
+               {.meaning = "Number of beams. A single beam points straight down.",
+                .ranges = {{.lo = 1, .hi = 4096}}}),
+         field("swath_deg", &M::swath_deg,
+               {.meaning = "Angle between the axes of the outermost beams.", .ranges = {sector(180, true)}}),
+         field("spacing", &M::spacing,
+               {.meaning = "angle: equal angles between beams (equiangular). distance: equal distances "
+                           "between beams on a level seabed (equidistant).",
+                .choices = {"angle", "distance"}}),
+         field("beam_angles_deg", &M::beam_angles_deg,
+               {.meaning = "Angles of the beams from straight down, in increasing order and positive to "
+                           "starboard. Replaces `beams`, `swath_deg` and `spacing`.",
+                .ranges = {{.lo = -89, .hi = 89}}}),
+         field("beam_across_deg", &M::beam_across_deg,
+               {.meaning = "One-way width of a beam across the track.", .ranges = {sector(90, false)}}),
+         field("along_track_deg", &M::along_track_deg,
+               {.meaning = "One-way width of a beam along the track.", .ranges = {sector(90, false)}}),
+         field("samples", &M::samples,
+               {.meaning = "Number of range bins of equal length.", .ranges = {range_samples}}),
+         field("range_min_m", &M::range_min_m,
+               {.meaning = "Slant range at which the first range bin begins.", .ranges = {range_start}}),
+         field("range_max_m", &M::range_max_m,
+               {.meaning = "Slant range at which the last range bin ends.", .ranges = {sonar_range}}),
+         field("detection", &M::detection,
+               {.meaning = "Method that computes the bottom range of a beam. first_return: first bin above "
+                           "the threshold. energy_centroid: energy-weighted mean range of one echo. maximum: "
+                           "peak of a parabola through the strongest bins.",
+                .choices = {"first_return", "energy_centroid", "maximum"}}),
+         field("detection_threshold_db", &M::detection_threshold_db,
+               {.meaning = "Threshold of detection, relative to the strongest range bin of the beam. Weaker "
+                           "bins are ignored.",
+                .ranges = {{.lo = -300, .hi = 0}}}),
+         field(
+             "grid_cell_m", &M::grid_cell_m,
+             {.meaning = "Cell size of the depth grid. 0: computed from depth, beam width and ping spacing.",
+              .ranges = {{.lo = 0, .hi = 100000}}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     const auto& fan = sensor.kind.as<MultibeamDescription>();
     check_beam_angles(fan.beam_angles_deg, {"beams", "swath_deg", "spacing"}, table);
     if (2 * swath_of(fan).outermost_deg() + fan.beam_across_deg > 180 && !fan.beam_angles_deg.empty())
-      throw InputError(place_of_pair(table, "beam_angles_deg", "beam_across_deg"),
-                       fmt::format("a beam at {} degrees, of {} degrees across, reaches above the horizontal",
-                                   swath_of(fan).outermost_deg(), fan.beam_across_deg));
+      throw InputError(
+          place_of_pair(table, "beam_angles_deg", "beam_across_deg"),
+          fmt::format("a beam at {} degrees with a width of {} degrees reaches above the horizontal",
+                      swath_of(fan).outermost_deg(), fan.beam_across_deg));
     if (fan.beam_angles_deg.empty() && fan.beams > 1 && fan.swath_deg + fan.beam_across_deg > 180) {
       throw InputError(
           place_of_pair(table, "swath_deg", "beam_across_deg"),

@@ -140,7 +140,7 @@ std::string steps_table(const Recording& recording, const std::optional<Receiver
     }
     return lines;
   };
-  Steps steps("scans of a table", recording.pings());
+  Steps steps("scans for the table", recording.pings());
   in_order(steps, 0, recording.pings(), sizeof(double) * recording.cells(), lines_of,
            [&](std::size_t, const std::string& lines) { text += lines; });
   return text;
@@ -155,16 +155,36 @@ class ScanningKind : public SensorKind {
     constexpr ValueRange scan{.lo = 0, .hi = 360, .lo_excluded = true};
     section.kind<S>(
         "kind", name(),
-        {field("frequency_khz", &S::frequency_khz, {.ranges = {frequency}}),
-         field("scan_deg", &S::scan_deg, {.ranges = {scan}}),
-         field("step_deg", &S::step_deg, {.ranges = {scan}}),
-         field("beam_horizontal_deg", &S::beam_horizontal_deg, {.ranges = {sector(90, false)}}),
-         field("beam_vertical_deg", &S::beam_vertical_deg, {.ranges = {sector(170, false)}}),
+        "Mechanically scanning sonar, whose single beam turns from port to starboard. A ping is a scan with "
+        "one transmission per step.",
+        {field("frequency_khz", &S::frequency_khz,
+               {.meaning = "Frequency, which determines the absorption and the beam patterns.",
+                .ranges = {frequency}}),
+         field("scan_deg", &S::scan_deg,
+               {.meaning = "Sector of a scan, centred straight ahead. The steps point at whole multiples of "
+                           "`step_deg`.",
+                .ranges = {scan}}),
+         field("step_deg", &S::step_deg,
+               {.meaning = "Angle between transmissions. `scan_deg` is a whole multiple of this angle, with "
+                           "at most 4096 steps.",
+                .ranges = {scan}}),
+         field("beam_horizontal_deg", &S::beam_horizontal_deg,
+               {.meaning = "One-way width of the beam. Beams wider than a step overlap. With patterns: width "
+                           "of the transmitted and received sector.",
+                .ranges = {sector(90, false)}}),
+         field("beam_vertical_deg", &S::beam_vertical_deg,
+               {.meaning = "One-way height of the beam.", .ranges = {sector(170, false)}}),
          field("step_interval_s", &S::step_interval_s,
-               {.ranges = {{.lo = 0, .hi = 1000}}, .default_value = "echo of range_max_m, and 20 ms"}),
-         field("samples", &S::samples, {.ranges = {range_samples}}),
-         field("range_min_m", &S::range_min_m, {.ranges = {range_start}}),
-         field("range_max_m", &S::range_max_m, {.ranges = {sonar_range}})});
+               {.meaning = "Time between transmissions. Default: twice `range_max_m` divided by 1500 m/s, "
+                           "plus 20 ms to turn the head.",
+                .ranges = {{.lo = 0, .hi = 1000}},
+                .default_value = "computed from range_max_m"}),
+         field("samples", &S::samples,
+               {.meaning = "Number of range bins of equal length.", .ranges = {range_samples}}),
+         field("range_min_m", &S::range_min_m,
+               {.meaning = "Slant range at which the first range bin begins.", .ranges = {range_start}}),
+         field("range_max_m", &S::range_max_m,
+               {.meaning = "Slant range at which the last range bin ends.", .ranges = {sonar_range}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     const auto& scan = sensor.kind.as<ScanningDescription>();
@@ -172,16 +192,15 @@ class ScanningKind : public SensorKind {
     const std::optional<int> steps = steps_of(scan);
     if (!steps)
       throw InputError(place_of_pair(table, "scan_deg", "step_deg"),
-                       fmt::format("'scan_deg' ({}) must be a whole number of steps of 'step_deg' ({}), at "
-                                   "most 4096: it is {:.6g}",
+                       fmt::format("'scan_deg' ({}) must be a whole multiple of 'step_deg' ({}), at most "
+                                   "4096 steps, but it is {:.6g} steps",
                                    scan.scan_deg, scan.step_deg, scan.scan_deg / scan.step_deg));
     const double scan_s = *steps * step_interval_s(scan);
     if (sensor.pings.value_or(1) > 1 && scan_s > sensor.ping_interval_s * (1 + 1e-9))
-      throw InputError(
-          place_of_pair(table, "pings", "ping_interval_s"),
-          fmt::format("a ping is a scan of {} steps, which take {:.6g} s: 'ping_interval_s' must be that or "
-                      "more, not {:g}",
-                      *steps, scan_s, sensor.ping_interval_s));
+      throw InputError(place_of_pair(table, "pings", "ping_interval_s"),
+                       fmt::format("a ping is a scan of {} steps, which takes {:.6g} s, so 'ping_interval_s' "
+                                   "must be this time or more, not {:g}",
+                                   *steps, scan_s, sensor.ping_interval_s));
   }
   bool looks_ahead() const override { return true; }
   SensorFigures figures(const SensorDescription& sensor) const override {
@@ -202,7 +221,7 @@ class ScanningKind : public SensorKind {
                                        std::vector<std::string>& warnings) const override {
     if (const std::optional<double> too_soon_s = overlap_s(recording))
       warnings.push_back(fmt::format(
-          "'{}' begins its scans {:.6g} s before the one before is over: raise 'ping_interval_s' by that",
+          "'{}' begins scans {:.6g} s before the previous scan ends: increase 'ping_interval_s' by this time",
           recording.sensor->description().name, *too_soon_s));
     const std::optional<ReceiverOutput> receiver_output = receiver_output_of(recording, run);
     std::vector<fs::path> files = write_fan_pictures(folder, recording, receiver_output, run.pictures,

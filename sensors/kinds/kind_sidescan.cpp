@@ -37,8 +37,8 @@ void sample_at_frequency(SensorDescription& description, SidescanDescription& fa
     throw InputError(
         description.place,
         fmt::format(
-            "sensor '{}': at sampling_frequency_khz = {} and {:.1f} m/s a sample is {:.4g} m long, and "
-            "range_min_m to range_max_m hold {:.0f} of them: choose 1 to {:.0f}",
+            "sensor '{}': at sampling_frequency_khz = {} and {:.1f} m/s a range bin has a length of {:.4g} "
+            "m, and range_min_m to range_max_m contain {:.0f} range bins: choose 1 to {:.0f} range bins",
             description.name, *fan.sampling_frequency_khz, sound_speed_m_s, step_m, whole, most));
   fan.samples = static_cast<int>(whole);
   fan.range_max_m = fan.range_min_m + whole * step_m;
@@ -53,23 +53,30 @@ class SidescanKind : public SensorKind {
     using S = SidescanDescription;
     std::vector<TomlField<S>> fields = sidescan_fields();
     fields.push_back(field("axis_depression_deg", &S::axis_depression_deg,
-                           {.ranges = {depression}, .default_value = "the fan's middle"}));
+                           {.meaning = "Depression angle of the axis of the transmit and receive patterns.",
+                            .ranges = {depression},
+                            .default_value = "middle of the fan"}));
     fields.push_back(field("sampling_frequency_khz", &S::sampling_frequency_khz,
-                           {.ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}}));
-    section.kind<S>("kind", name(), fields);
+                           {.meaning = "Sampling frequency f, instead of `samples`. A range bin is c / (2 f) "
+                                       "long, and the last bin ends at or before `range_max_m`.",
+                            .ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}}));
+    section.kind<S>("kind", name(),
+                    "Sidescan sonar with two fans abeam of the track. Beam 0 looks to port, beam 1 to "
+                    "starboard. Beams are ideal and rectangular.",
+                    fields);
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
     const auto& fan = sensor.kind.as<SidescanDescription>();
     check_sidescan(fan, table);
     if (table.has("samples") && table.has("sampling_frequency_khz")) {
       throw InputError(table.place_of("sampling_frequency_khz"),
-                       "'samples' and 'sampling_frequency_khz' both say how long a sample is: remove one of "
-                       "the two");
+                       "'samples' and 'sampling_frequency_khz' both determine the length of range bins: "
+                       "remove one of them");
     }
     if (fan.axis_depression_deg && sensor.transmit.pattern == "none" && sensor.receive.pattern == "none")
       throw InputError(table.place_of("axis_depression_deg"),
-                       "'axis_depression_deg' is the axis of patterns: add transmit_pattern or "
-                       "receive_pattern, or remove the key");
+                       "'axis_depression_deg' needs a pattern: add transmit_pattern or receive_pattern, or "
+                       "remove the key");
     check_ranges(fan.range_min_m, fan.range_max_m, table);
   }
   SensorFigures figures(const SensorDescription& sensor) const override {
@@ -130,13 +137,22 @@ SonarOutline sidescan_outline(const SidescanDescription& own) {
 
 std::vector<TomlField<SidescanDescription>> sidescan_fields() {
   using S = SidescanDescription;
-  return {field("frequency_khz", &S::frequency_khz, {.ranges = {frequency}}),
-          field("along_track_deg", &S::along_track_deg, {.ranges = {sector(90, false)}}),
-          field("depression_min_deg", &S::depression_min_deg, {.ranges = {depression}}),
-          field("depression_max_deg", &S::depression_max_deg, {.ranges = {depression}}),
-          field("samples", &S::samples, {.ranges = {range_samples}}),
-          field("range_min_m", &S::range_min_m, {.ranges = {range_start}}),
-          field("range_max_m", &S::range_max_m, {.ranges = {sonar_range}})};
+  return {field("frequency_khz", &S::frequency_khz,
+                {.meaning = "Frequency, which determines the absorption.", .ranges = {frequency}}),
+          field("along_track_deg", &S::along_track_deg,
+                {.meaning = "One-way width of the ideal rectangular beam along the track.",
+                 .ranges = {sector(90, false)}}),
+          field("depression_min_deg", &S::depression_min_deg,
+                {.meaning = "Depression angle of the upper limit of each fan.", .ranges = {depression}}),
+          field("depression_max_deg", &S::depression_max_deg,
+                {.meaning = "Depression angle of the lower limit of each fan. 90: straight down.",
+                 .ranges = {depression}}),
+          field("samples", &S::samples,
+                {.meaning = "Number of range bins of equal length.", .ranges = {range_samples}}),
+          field("range_min_m", &S::range_min_m,
+                {.meaning = "Slant range at which the first range bin begins.", .ranges = {range_start}}),
+          field("range_max_m", &S::range_max_m,
+                {.meaning = "Slant range at which the last range bin ends.", .ranges = {sonar_range}})};
 }
 
 void check_sidescan(const SidescanDescription& fan, const TomlTable& table) {
@@ -165,11 +181,12 @@ Sidescan::Sidescan(const SensorDescription& description, const SidescanDescripti
   require(fan.depression_min_deg >= -90 && fan.depression_min_deg < fan.depression_max_deg, description,
           "depression_min_deg", fan.depression_min_deg, "-90 or more and below depression_max_deg");
   require(fan.depression_max_deg <= 90, description, "depression_max_deg", fan.depression_max_deg,
-          "at most 90: beyond, the fans of port and starboard overlap");
+          "at most 90, because the fans of port and starboard would overlap");
 
   if (fan.sampling_frequency_khz)
-    throw std::invalid_argument(fmt::format(
-        "sensor '{}': its sampling frequency makes samples only with a speed of sound", description.name));
+    throw std::invalid_argument(
+        fmt::format("sensor '{}': 'sampling_frequency_khz' determines range bins only with a sound speed",
+                    description.name));
 
   frequency_khz_ = fan.frequency_khz;
   samples_ = range_window(description, fan);

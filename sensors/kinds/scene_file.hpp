@@ -19,4 +19,6 @@ inline SceneDescription read_scene_text(const std::string& text, const std::file
 
 inline std::vector<SceneKey> scene_file_keys() { return scene_file_keys(sensor_kinds()); }
 
+inline std::vector<SceneSection> scene_file_sections() { return scene_file_sections(sensor_kinds()); }
+
 }  // namespace tubefoot

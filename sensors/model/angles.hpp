@@ -56,7 +56,7 @@ template <typename Value>
 void require(bool holds, const SensorDescription& sensor, const char* key, Value value, const char* wanted) {
   if (!holds)
     throw std::invalid_argument(
-        fmt::format("sensor '{}': {} is {}, must be {}", sensor.name, key, value, wanted));
+        fmt::format("sensor '{}': {} is {}, but must be {}", sensor.name, key, value, wanted));
 }
 
 }  // namespace tubefoot

@@ -15,7 +15,8 @@ std::vector<double> lens_beam_centres(int beams) {
     double f, a3, a2, a1, a0;
   };
   if (beams != 48 && beams != 96)
-    throw std::invalid_argument(fmt::format("the lens is known for 48 or 96 beams, not for {}", beams));
+    throw std::invalid_argument(
+        fmt::format("lens positions are available for 48 or 96 beams, not for {}", beams));
   const Lens lens =
       beams == 48 ? Lens{1, 0.0015, -0.0036, 1.3351, 24.0976} : Lens{1.012, 0.0030, -0.0055, 2.6829, 48.04};
   std::vector<double> centres;

@@ -22,14 +22,14 @@ void Sensor::refuse_narrow() const {
     if (width_rad < narrowest_rad * (1 - 1e-9))
       throw InputError(
           description_.place,
-          fmt::format("{} of sensor '{}' {:.3g} degrees, and directions are resolved to 6e-8 degrees only: "
-                      "at least {:g} degrees are taken; {}",
+          fmt::format("the width of {} of sensor '{}' is {:.3g} degrees, but the resolution of directions is "
+                      "6e-8 degrees: at least {:g} degrees are needed; {}",
                       what, description_.name, degrees(width_rad), degrees(narrowest_rad), remedy));
   };
-  const char* widen = "widen them, or ask for fewer beams";
+  const char* widen = "widen the beams, or use fewer beams";
   for (const BeamAxis& beam : beams_) {
-    refuse(beam.azimuth_width_rad, "the beams across", widen);
-    refuse(beam.elevation_width_rad, "the beams along", widen);
+    refuse(beam.azimuth_width_rad, "the beams in azimuth", widen);
+    refuse(beam.elevation_width_rad, "the beams in elevation", widen);
   }
   for (const Transmission& transmission : transmissions_)
     for (const AngularGrid& sector : transmission.sectors) {

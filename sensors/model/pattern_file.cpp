@@ -28,7 +28,7 @@ double number(std::string_view text, const char* name, const SourcePlace& place)
   const char* end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc() || rest != end || !std::isfinite(value))
-    throw InputError(place, fmt::format("{} is '{}', expected a finite number", name, text));
+    throw InputError(place, fmt::format("{} is '{}': expected a finite number", name, text));
   return value;
 }
 
@@ -49,7 +49,7 @@ PatternTable read_pattern_file(const std::filesystem::path& file) {
     if (text.empty() || text.front() == '#') continue;
     const std::size_t comma = text.find(',');
     if (comma == text.npos || text.find(',', comma + 1) != text.npos)
-      throw InputError(place, fmt::format("expected two fields, {}", header));
+      throw InputError(place, fmt::format("expected two fields: {}", header));
     const std::string_view first = trimmed(text.substr(0, comma)), second = trimmed(text.substr(comma + 1));
     if (!headed) {
       if (first != header.substr(0, 9) || second != header.substr(10))
@@ -59,24 +59,24 @@ PatternTable read_pattern_file(const std::filesystem::path& file) {
     }
     const double angle = number(first, "angle_deg", place), level = number(second, "level_db", place);
     if (std::abs(angle) > 180)
-      throw InputError(place, fmt::format("angle_deg is {}, expected -180 to 180", angle));
+      throw InputError(place, fmt::format("angle_deg is {}: expected -180 to 180", angle));
     if (std::abs(level) > 1000)
-      throw InputError(place, fmt::format("level_db is {}, expected -1000 to 1000", level));
+      throw InputError(place, fmt::format("level_db is {}: expected -1000 to 1000", level));
     // At smaller steps angles in radians may be equal, and a slope between them would not be a number.
     constexpr double least_step_deg = 1e-9;
     if (!angle_deg.empty() && !(angle - angle_deg.back() >= least_step_deg))
-      throw InputError(place, fmt::format("angle_deg is {} after {}, expected angles that increase", angle,
+      throw InputError(place, fmt::format("angle_deg is {} after {}: expected increasing angles", angle,
                                           angle_deg.back()));
     if (angle_deg.size() == most_rows)
-      throw InputError(place, fmt::format("more than {} rows, expected a beam pattern", most_rows));
+      throw InputError(place, fmt::format("more than {} rows: expected a beam pattern", most_rows));
     angle_deg.push_back(angle);
     level_db.push_back(level);
   }
-  if (in.bad()) throw InputError(place, "cannot be read to its end");
+  if (in.bad()) throw InputError(place, "cannot be read completely");
   const SourcePlace whole{file.string(), 0, 0};
-  if (!headed) throw InputError(whole, fmt::format("is empty, expected the header line {}", header));
+  if (!headed) throw InputError(whole, fmt::format("is empty: expected the header line {}", header));
   if (angle_deg.size() < 2)
-    throw InputError(whole, fmt::format("has {} rows, expected two angles at least", angle_deg.size()));
+    throw InputError(whole, fmt::format("has {} rows: expected at least two angles", angle_deg.size()));
 
   std::vector<double> angle_rad, level;
   if (angle_deg.front() == 0)

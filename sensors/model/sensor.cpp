@@ -159,8 +159,9 @@ glm::dquat Sensor::attitude_on(const Pose& carrier) const {
   const glm::dvec3 way = glm::dvec3(east, north, up) - at_arm(description_.lever_arm_m, carrier);
   const double level_m = std::hypot(way.x, way.y);
   if (!(glm::length(way) > 0))
-    throw InputError(description_.place,
-                     fmt::format("sensor '{}' is where it is to look at ('look_at_m')", description_.name));
+    throw InputError(description_.place, fmt::format("sensor '{}' is at the position of 'look_at_m', so it "
+                                                     "has no direction: move the sensor or 'look_at_m'",
+                                                     description_.name));
   // Straight up or down there is no heading, so that the carrier's heading applies.
   const glm::dvec3 forward = carrier.attitude * forward_axis;
   const double heading = level_m > 0 ? std::atan2(way.x, way.y) : std::atan2(forward.x, forward.y);

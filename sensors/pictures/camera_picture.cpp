@@ -57,11 +57,13 @@ Canvas CameraFrames::draw(std::size_t ping, const ReceiverOutput* receiver_outpu
       fan.beams(), fan.beams() == 1 ? "" : "s", std::round(degrees(fan.extent_rad()) * 100) / 100,
       fan.samples(), fan.near_m(), fan.far_m());
   if (receiver_output) subtitle += "; " + receiver_output->said;
-  const std::string footer = scale.reference_j() > 0
-                                 ? fmt::format("0 dB: {} dB re 1 J/m2; blue: no echo{}",
-                                               tick_label(10 * std::log10(scale.reference_j()), 0.1),
-                                               ends_early(fan, echoes) ? "; grey: no surface there" : "")
-                                 : "no echo";
+  // Noise leaves no empty range bins.
+  const bool has_empty = std::ranges::any_of(energy, [](double value) { return !(value > 0); });
+  std::string footer = "no echo";
+  if (scale.reference_j() > 0)
+    footer = fmt::format("0 dB: {} dB re 1 J/m2{}{}", tick_label(10 * std::log10(scale.reference_j()), 0.1),
+                         has_empty ? "; blue: no echo" : "",
+                         has_empty && ends_early(fan, echoes) ? "; grey: no surface there" : "");
 
   return page_.draw({title, subtitle, footer}, echoes, scale, font_);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Draws the mean depths of soundings as a shaded relief, coloured by depth, with axes, scale and legend. The
-// light comes from the north-west, 45 degrees high; slopes are central differences.
+// light comes from the north-west, 45 degrees high; slopes are central differences. Cells without soundings
+// keep the background.
 
 #include "sensors/pictures/depth_picture.hpp"
 
@@ -12,25 +13,44 @@
 #include <limits>
 #include <stdexcept>
 
+#include "sensors/model/angles.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/pictures/map_axes.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 52, axis_height = 62, legend_width = 150;
+constexpr int margin = 28, header_height = 2 * margin + 52, axis_height = 62, legend_width = 180;
 constexpr int longest_side = 900, shortest_side = 320;
 
-/// Colours from shallow to deep: sand, green, blue, night. Lightness falls linearly.
+/// Colour of a point in the perceptually uniform space OKLab (B. Ottosson, 2020), in sRGB.
+Colour from_oklab(double lightness, double a, double b) {
+  const auto cube = [](double x) { return x * x * x; };
+  const double l = cube(lightness + 0.3963377774 * a + 0.2158037573 * b),
+               m = cube(lightness - 0.1055613458 * a - 0.0638541728 * b),
+               s = cube(lightness - 0.0894841775 * a - 1.2914855480 * b);
+  const auto coded = [](double linear) {
+    const double x = std::clamp(linear, 0.0, 1.0);
+    return static_cast<float>(x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
+  };
+  return {coded(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
+          coded(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
+          coded(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
+}
+
+/// Colours from shallow to deep: pale yellow, green, blue, dark blue. Equal steps of depth are equal steps of
+/// lightness and of hue, so that the map has no visible bands and stays readable in grey.
 Colour depth_colour(double part) {
-  constexpr std::array<Colour, 5> stops{{{0.98f, 0.90f, 0.66f},
-                                         {0.62f, 0.80f, 0.52f},
-                                         {0.24f, 0.64f, 0.66f},
-                                         {0.16f, 0.40f, 0.62f},
-                                         {0.13f, 0.16f, 0.38f}}};
-  const double at = std::clamp(part, 0.0, 1.0) * (stops.size() - 1);
-  const auto k = std::min(static_cast<std::size_t>(at), stops.size() - 2);
-  return mix(stops[k], stops[k + 1], at - static_cast<double>(k));
+  constexpr std::size_t count = 1024;
+  static const std::array<Colour, count> colours = [] {
+    std::array<Colour, count> values;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double at = static_cast<double>(k) / (count - 1), hue = radians(100 + 175 * at), chroma = 0.1;
+      values[k] = from_oklab(0.93 - 0.6 * at, chroma * std::cos(hue), chroma * std::sin(hue));
+    }
+    return values;
+  }();
+  return colours[static_cast<std::size_t>(std::lround(std::clamp(part, 0.0, 1.0) * (count - 1)))];
 }
 
 /// Range of the drawn depths: the extremes of the cells.
@@ -145,6 +165,11 @@ Canvas draw_depths(const CellMeans& depths, const std::string& title, const std:
   const int scale_y = bar_top + bar_height + 34;
   canvas.fill(bar_x, scale_y, bar_x + scale_pixels, scale_y + 3, palette.ink);
   canvas.text(bar_x, scale_y + 20, fmt::format("{:g} m", scale_m), label_size, palette.ink);
+
+  const int swatch_y = scale_y + 50;
+  canvas.fill(bar_x - 1, swatch_y - 8, bar_x + bar_width + 1, swatch_y + 8, palette.faint_ink);
+  canvas.fill(bar_x, swatch_y - 7, bar_x + bar_width, swatch_y + 7, palette.background);
+  canvas.text(bar_x + bar_width + 12, swatch_y, "no sounding", label_size, palette.ink);
   return canvas;
 }
 

@@ -42,7 +42,7 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
   const RangeSamples& samples = sensor.samples();
   const auto count = static_cast<std::size_t>(samples.count);
   const int side = static_cast<int>(std::clamp<std::size_t>(count, 300, 600));
-  const int rows = static_cast<int>(std::clamp<std::size_t>(recording.pings(), 240, 1500));
+  const int rows = static_cast<int>(std::clamp<std::size_t>(recording.pings(), 480, 1500));
   const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
   const std::string title =
       fmt::format("{}   phase of upper against lower receiver", sensor.description().name);

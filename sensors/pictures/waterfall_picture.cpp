@@ -234,13 +234,15 @@ Canvas Waterfall::draw(const ReceiverOutput* receiver_output) const {
   else
     subtitle += ", equal scales";
   if (receiver_output) subtitle += "; " + receiver_output->said;
-  const std::string footer = scale.reference_j() > 0
-                                 ? fmt::format("{}; 0 dB: {} dB re 1 J/m2 at 1 m; blue: no echo{}",
-                                               own_gain ? "the sonar's own time-varied gain"
-                                                        : "time-varied gain 40 log R + 2 alpha R",
-                                               tick_label(10 * std::log10(scale.reference_j()), 0.1),
-                                               drawn.ends_early ? "; grey: no surface there" : "")
-                                 : "no echo";
+  // Noise leaves no empty range bins.
+  const bool has_empty = std::ranges::any_of(drawn.energy_j, [](double value) { return !(value > 0); });
+  std::string footer = "no echo";
+  if (scale.reference_j() > 0)
+    footer =
+        fmt::format("{}; 0 dB: {} dB re 1 J/m2 at 1 m{}{}",
+                    own_gain ? "time-varied gain of the sonar" : "time-varied gain 40 log R + 2 alpha R",
+                    tick_label(10 * std::log10(scale.reference_j()), 0.1), has_empty ? "; blue: no echo" : "",
+                    has_empty && drawn.ends_early ? "; grey: no surface there" : "");
 
   const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
   const int right = middle + side;

@@ -82,8 +82,8 @@ void require_memory_of(const SignalProducts& products, const Recording& recordin
   require_memory(
       2 * bounds * bytes_of(counts) + memory_of_signal_files(products, counts),
       recording.sensor->description().place,
-      fmt::format("the files of {} pings' signals of {} receivers", counts.pings, counts.receivers),
-      "ask for fewer pings at a time (--pings), or leave out products");
+      fmt::format("the files of the signals of {} pings and {} receivers", counts.pings, counts.receivers),
+      "use fewer pings at a time (--pings), or leave out products");
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
   const SensorDescription& description = recording.sensor->description();
   if (!recording.signals) {
     warnings.push_back(fmt::format(
-        "'{}': energies alone do not tell phases: there are no files of its signals", description.name));
+        "'{}': energies do not determine phases, so there are no files of its signals", description.name));
     return {};
   }
   const std::vector<std::string> left_out = leave_out(products, recording);

@@ -111,8 +111,10 @@ CameraFormat format_of(const Recording& recording, const RunContext& run) {
     format.aris = header;
   } catch (const std::invalid_argument& error) {
     reasons[1] = error.what();
-    format.why_neither = fmt::format("no DIDSON or ARIS file is written for '{}'. DIDSON: {}. ARIS: {}",
-                                     sensor.name, reasons[0], reasons[1]);
+    format.why_neither = fmt::format(
+        "no DIDSON or ARIS file is written for '{}', because neither format is possible. DIDSON: {}. ARIS: "
+        "{}",
+        sensor.name, reasons[0], reasons[1]);
   }
   return format;
 }
@@ -145,7 +147,7 @@ class Levels {
       }
       return places;
     };
-    Steps steps("pings read for a camera's scale", recording_.pings());
+    Steps steps("pings for the scale of camera files", recording_.pings());
     in_order(steps, 0, recording_.pings(), (sizeof(double) + sizeof(std::uint32_t)) * recording_.cells(),
              places_of, [&](std::size_t, const std::vector<std::uint32_t>& places) {
                for (const std::uint32_t place : places) ++counts[place];
@@ -208,7 +210,7 @@ void write_frames(CameraFile&& file, const Recording& recording, const RunContex
     });
     return codes;
   };
-  Steps steps("frames of a camera's file", recording.pings());
+  Steps steps("frames of camera files", recording.pings());
   in_order(steps, 0, recording.pings(), (sizeof(double) + 1) * recording.cells(), codes_of,
            [&](std::size_t ping, const std::vector<std::uint8_t>& codes) {
              CameraFrame frame = frames.of(ping);

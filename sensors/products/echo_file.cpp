@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-// Writes echo files (echoes.nc), in the layout of docs/echo-file.md: dimensions, coordinates, attributes and
-// the chunks of each ping.
+// SPDX-License-Identifier: GPL-3.0-or-later Writes echo files (echoes.nc), in the layout of
+// docs/output-files.md: dimensions, coordinates, attributes and the chunks of each ping.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,15 +33,18 @@ constexpr struct {
     {"energy_lower",
      "received energy density per beam and range bin at the lower receiver; energy is that of the upper "
      "receiver"},
-    {"cross_real", "mean product of the upper receiver's signal and the lower one's conjugate, real part"},
+    {"cross_real",
+     "real part of the mean product of the signal of the upper receiver and the conjugate signal of the "
+     "lower receiver"},
     {"cross_imag",
-     "mean product of the upper receiver's signal and the lower one's conjugate, imaginary part"},
+     "imaginary part of the mean product of the signal of the upper receiver and the conjugate signal of the "
+     "lower receiver"},
 };
 
 std::string meaning_of(const std::string& name) {
   constexpr std::string_view bound = "_bound";
   if (name == "energy")
-    return "received energy density per beam and range sample, for a source of 1 J/sr at 1 m";
+    return "received energy density per beam and range bin, for a source of 1 J/sr at 1 m";
   if (name.ends_with(bound)) {
     const std::string of = name.substr(0, name.size() - bound.size());
     return "certified half-width: the true " + (of == "energy" ? "energy" : "value of " + of) +
@@ -102,7 +104,7 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
     group.chunk(variable, name, {1, beams.size(), static_cast<std::size_t>(samples.count)});
   }
 
-  group.variable("ping_time", {ping}, "s", "time of the transmission on the scene's clock",
+  group.variable("ping_time", {ping}, "s", "time of the transmission on the clock of the scene",
                  recording.ping_time_s);
   if (!provenance.start_utc.empty()) {
     const int time = group.variable("ping_utc", {ping}, "seconds since " + provenance.start_utc,
@@ -120,19 +122,18 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
     travel_times.push_back(2 * centre / recording.sound_speed_m_s);
   }
   const int range =
-      group.variable("slant_range", {sample}, "m", "slant range of the sample's centre", centres);
+      group.variable("slant_range", {sample}, "m", "slant range of the centre of the range bin", centres);
   group.attribute(range, "bounds", "slant_range_bounds");
   group.variable("slant_range_bounds", {sample, bound}, "m",
-                 "slant ranges between which the sample gathers energy, the nearer included", bounds);
-  group.variable("two_way_travel_time", {sample}, "s", "two-way travel time of the sample's centre",
+                 "slant ranges at both ends of the range bin, which contains the nearer end", bounds);
+  group.variable("two_way_travel_time", {sample}, "s", "two-way travel time of the centre of the range bin",
                  travel_times);
 
-  group.variable(
-      "beam_azimuth", {beam}, "degree",
-      "azimuth of the beam's axis in the sensor's frame, clockwise from forward, starboard positive",
-      column(beams, [](const BeamAxis& axis) { return degrees(axis.azimuth_rad); }));
+  group.variable("beam_azimuth", {beam}, "degree",
+                 "azimuth of the beam axis in the sensor frame, clockwise from forward, starboard positive",
+                 column(beams, [](const BeamAxis& axis) { return degrees(axis.azimuth_rad); }));
   group.variable("beam_elevation", {beam}, "degree",
-                 "elevation of the beam's axis above the sensor's horizontal plane",
+                 "elevation of the beam axis above the horizontal plane of the sensor",
                  column(beams, [](const BeamAxis& axis) { return degrees(axis.elevation_rad); }));
   group.variable("beam_azimuth_width", {beam}, "degree",
                  "full one-way width of the ideal rectangular beam in azimuth",
@@ -156,11 +157,11 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
   group.variable("sensor_position", {ping, xyz}, "m",
                  "position of the sensor in the local frame: east, north, up", positions);
   group.variable("sensor_attitude", {ping, wxyz}, "1",
-                 "quaternion w, x, y, z that turns the sensor's axes (x starboard, y forward, z up) into the "
+                 "quaternion w, x, y, z that rotates the sensor axes (x starboard, y forward, z up) into the "
                  "local frame",
                  attitudes);
   group.variable("sensor_heading", {ping}, "degree",
-                 "heading of the sensor's forward axis, clockwise from the local frame's north",
+                 "heading of the forward axis of the sensor, clockwise from north in the local frame",
                  column(angles, [](const PoseAngles& a) { return a.heading_deg; }));
   group.variable("sensor_pitch", {ping}, "degree", "pitch of the sensor, forward axis up positive",
                  column(angles, [](const PoseAngles& a) { return a.pitch_deg; }));

@@ -48,8 +48,9 @@ Canvas draw_echoes(const Recording& recording, std::optional<std::size_t> ping, 
   const Sensor& sensor = *recording.sensor;
   const bool sides = are_two_sides(sensor);
   if (ping && (sides || sensor.is_across_track()))
-    throw UsageError(fmt::format("sensor '{}' has no picture of one ping: its pings are drawn side by side",
-                                 sensor.description().name));
+    throw UsageError(fmt::format(
+        "sensor '{}' has no picture of a single ping, because its pings form the rows of one picture",
+        sensor.description().name));
   if (sides) return Waterfall(recording, font).draw();
   if (sensor.is_across_track()) return echogram_of_steepest(recording, font);
   if (recording.channels() > 1) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Adds labels to echo files (echoes.nc), in the layout of docs/echo-file.md: shares of objects and
+// Adds labels to echo files (echoes.nc), in the layout of docs/output-files.md: shares of objects and
 // materials, mean heights and ranges.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -37,16 +37,18 @@ class LabelGroup {
     check(nc_inq_dimlen(id_, along_[2], &samples_), "sample");
     const int object = names("object", label_recording.objects),
               material = names("material", label_recording.materials);
-    object_share_ = shares("object_share", object, "part of the energy that facets of the object return");
+    object_share_ = shares("object_share", object, "share of the energy that facets of the object return");
     material_share_ =
-        shares("material_share", material, "part of the energy that facets of the material return");
+        shares("material_share", material, "share of the energy that facets of the material return");
     if (label_recording.has_unscattered)
       unscattered_ =
-          define("unscattered_share", NC_DOUBLE, "1", "part of the energy that comes without scattering");
-    height_ = define("mean_height", NC_DOUBLE, "m",
-                     "height in the local frame of what returns the energy, its mean weighed by energy");
+          define("unscattered_share", NC_DOUBLE, "1", "share of the energy that arrives without scattering");
+    height_ =
+        define("mean_height", NC_DOUBLE, "m",
+               "energy-weighted mean height of the surfaces that return the energy, in the local frame");
     range_ = define("mean_range", NC_DOUBLE, "m",
-                    "straight way from the sensor to what returns the energy, its mean weighed by energy");
+                    "energy-weighted mean distance from the sensor to the surfaces that return the energy, "
+                    "along straight lines");
     object_label_ = labels("object_label", "object", label_recording.objects);
     material_label_ = labels("material_label", "material", label_recording.materials);
   }
@@ -114,12 +116,11 @@ class LabelGroup {
   }
   int labels(const char* name, const char* what, const std::vector<std::string>& all) {
     const std::optional<double>& level_db = label_recording_.label_level_db;
-    const std::string long_name =
-        level_db ? fmt::format(
-                       "{} with the largest share of what the beam receives within {:g} dB of its "
-                       "pattern's two-way peak",
-                       what, *level_db)
-                 : fmt::format("{} with the largest share", what);
+    const std::string long_name = level_db ? fmt::format(
+                                                 "{} with the largest share of the energy that the beam "
+                                                 "receives within {:g} dB of the two-way peak of its pattern",
+                                                 what, *level_db)
+                                           : fmt::format("{} with the largest share", what);
     const int variable = define(name, NC_SHORT, "1", long_name.c_str());
     if (level_db)
       check(nc_put_att_double(id_, variable, "label_level_db", NC_DOUBLE, 1, &*level_db), "label_level_db");
@@ -141,7 +142,7 @@ class LabelGroup {
       start.push_back(0);
       count.insert(count.begin() + 1, labels);
     }
-    check(nc_put_vara_double(id_, variable, start.data(), count.data(), values.data()), "truth");
+    check(nc_put_vara_double(id_, variable, start.data(), count.data(), values.data()), "labels");
   }
   void put(int variable, std::size_t ping, const std::vector<std::int16_t>& values) const {
     const std::size_t start[] = {ping, 0, 0}, count[] = {1, beams_, samples_};

@@ -14,9 +14,9 @@ std::vector<std::filesystem::path> write_label_pictures(const std::filesystem::p
   const std::string& font = label_font();
   std::vector<std::filesystem::path> files;
   const auto write = [&](const Canvas& canvas, const std::string& end) {
-    files.emplace_back(fmt::format("{}-truth{}.png", name, end));
-    canvas.write_png(folder / files.back(), fmt::format("{}: whose the energy is, and its mean height", name),
-                     bits);
+    files.emplace_back(fmt::format("{}-labels{}.png", name, end));
+    canvas.write_png(folder / files.back(),
+                     fmt::format("{}: labels of the energy, and its mean height", name), bits);
   };
   const std::size_t pings = recording.pings();
   if (pings == 0) return files;

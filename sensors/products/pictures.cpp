@@ -49,7 +49,7 @@ void write_fan_exr(const fs::path& file, const Recording& recording, std::size_t
     for (std::size_t sample = 0; sample < samples; ++sample)
       values[sample * beams + beam] = static_cast<float>(energy[beam * samples + sample]);
   auto attributes =
-      exr_attributes(recording, "range samples, the nearest first", "beams, from port to starboard");
+      exr_attributes(recording, "range samples, nearest first", "beams, from port to starboard");
   attributes.attribute("ping", static_cast<int>(recording.number_of(ping)));
   attributes.attribute("ping_time_s", OIIO::TypeDesc::DOUBLE, 1, &recording.ping_time_s[ping]);
   write_exr(file, static_cast<int>(beams), static_cast<int>(samples), values, attributes);
@@ -59,9 +59,8 @@ void write_two_sided_exr(const fs::path& file, const Recording& recording) {
   const auto samples = static_cast<std::size_t>(recording.sensor->samples().count);
   ScanlinePicture picture(
       file, static_cast<int>(2 * samples), static_cast<int>(recording.pings()),
-      exr_spec(
-          exr_attributes(recording, "pings, the first on top",
-                         "port samples, the farthest first, then starboard samples, the nearest first")));
+      exr_spec(exr_attributes(recording, "pings, first ping on top",
+                              "port samples, farthest first, then starboard samples, nearest first")));
   const auto row_of = [&](std::size_t ping) {
     const PingEnergies energy = recording.energy_of(ping);
     std::vector<float> row(2 * samples);
@@ -81,7 +80,8 @@ void write_two_sided_exr(const fs::path& file, const Recording& recording) {
 std::string stem_of(const Sensor& sensor) {
   const std::string& name = sensor.description().name;
   if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos)
-    throw std::runtime_error(fmt::format("sensor name '{}' cannot be the name of a picture file", name));
+    throw std::runtime_error(
+        fmt::format("the sensor name '{}' cannot be the name of a picture file: rename the sensor", name));
   return name;
 }
 
@@ -90,9 +90,10 @@ std::string stem_of(const Sensor& sensor) {
 const std::string& font_for(const std::string& sensor, std::vector<std::string>& warnings) {
   const std::string& font = label_font();
   if (font.empty())
-    warnings.push_back(fmt::format(
-        "the pictures of '{}' have no labels: no font was found (on Debian, install fonts-dejavu-core)",
-        sensor));
+    warnings.push_back(
+        fmt::format("the pictures of '{}' have no labels, because no font was found: on Debian, install "
+                    "fonts-dejavu-core",
+                    sensor));
   return font;
 }
 

@@ -67,8 +67,8 @@ std::optional<ReceiverOutput> receiver_output_of(const Recording& recording, con
   std::vector<std::string> parts;
   if (signal.speckle != "none") parts.push_back("speckle");
   if (signal.noise_level_db) parts.push_back("noise");
-  if (signal.tvg_spreading) parts.push_back("the sonar's own gain");
-  if (signal.pulse_length_us) parts.push_back("the pulse's length");
+  if (signal.tvg_spreading) parts.push_back("the gain of the sonar");
+  if (signal.pulse_length_us) parts.push_back("the length of the pulse");
   if (parts.empty()) return std::nullopt;
   return ReceiverOutput{[pings = ReceivedPings(recording, run)](std::size_t ping) { return pings.of(ping); },
                         signal.tvg_spreading.has_value(),

@@ -62,9 +62,8 @@ void write_cells_exr(const fs::path& file, const Recording& recording, const cha
   OIIO::ParamValueList attributes;
   attributes.attribute("sensor", recording.sensor->description().name);
   attributes.attribute("quantity", quantity);
-  attributes.attribute("rows", "pings, the first on top");
-  attributes.attribute("columns",
-                       "port samples, the farthest first, then starboard samples, the nearest first");
+  attributes.attribute("rows", "pings, first ping on top");
+  attributes.attribute("columns", "port samples, farthest first, then starboard samples, nearest first");
   write_exr(file, static_cast<int>(2 * count), static_cast<int>(recording.pings()), cells, attributes);
 }
 
@@ -81,7 +80,7 @@ std::vector<fs::path> write_receiver_pair_files(const fs::path& folder, const Re
     files = {sensor.name + "-phase.png", sensor.name + "-phase.exr", sensor.name + "-coherence.exr"};
     draw_phases(recording, label_font())
         .write_png(folder / files[0], sensor.name + ", phase", run.pictures.bits);
-    write_cells_exr(folder / files[1], recording, "phase of upper against lower receiver [rad]",
+    write_cells_exr(folder / files[1], recording, "phase of the upper relative to the lower receiver [rad]",
                     [](const InterferometricSample& s) { return s.phase_rad().value_or(0); });
     write_cells_exr(folder / files[2], recording, "coherence of the two receivers [1]",
                     [](const InterferometricSample& s) { return s.coherence(); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Writes the files and pictures of signals with phase (docs/files-signals.md), ping by ping: signals.nc, and
+// Writes the files and pictures of signals with phase (docs/output-files.md), ping by ping: signals.nc, and
 // the requested beams, soundings, images and interferograms. Estimates their cost and memory.
 
 #include "sensors/products/signal_files.hpp"
@@ -59,12 +59,12 @@ std::vector<fs::path> write_signal_files(const fs::path& folder, const ElementSi
       interpolator_for(signals.waveform, signals.sampling, products.interpolation_error);
   require_memory(memory_of_signal_files(products, counts), {},
                  fmt::format("the files of '{}'", products.name),
-                 "ask for fewer pings, or for no synthetic aperture");
+                 "use fewer pings, or no synthetic aperture");
   std::vector<fs::path> files{products.name + "-signals.nc"};
   write_signals(folder / files.front(), signals, provenance_of(products, run));
   if (silent(signals)) {
     warnings.push_back(fmt::format(
-        "'{}': its receivers hear nothing, there are no pictures, beams or soundings of their signals",
+        "'{}': its receivers receive nothing, so there are no pictures, beams or soundings of their signals",
         products.name));
     return files;
   }

@@ -66,7 +66,7 @@ class FanPicture : public SignalMaker {
                                across ? std::string()
                                       : fmt::format(", {:g} degrees down",
                                                     std::round(10 * degrees(fan_.depression_rad)) / 10)),
-                   "0 dB: the strongest echo; spreading undone"},
+                   "0 dB: strongest echo; spreading compensated"},
                   {strength, {}}, DecibelScale(largest), job_.font),
         "-fan.png", "beams of a ping");
   }
@@ -82,13 +82,13 @@ std::string weighed_by(const ApertureWindow& window) {
     case ApertureWindow::Law::uniform:
       return "uniform window";
     case ApertureWindow::Law::hann:
-      return "Hann's window";
+      return "Hann window";
     case ApertureWindow::Law::hamming:
-      return "Hamming's window";
+      return "Hamming window";
     case ApertureWindow::Law::taylor:
-      return fmt::format("Taylor's window, {:g} dB", window.side_lobe_db);
+      return fmt::format("Taylor window, {:g} dB", window.side_lobe_db);
     case ApertureWindow::Law::chebyshev:
-      return fmt::format("Chebyshev's window, {:g} dB", window.side_lobe_db);
+      return fmt::format("Chebyshev window, {:g} dB", window.side_lobe_db);
   }
   return {};
 }
@@ -148,10 +148,10 @@ void write_elements_picture(const SignalJob& job) {
                                         job.number_of(0), job.number_of(signals.pings() - 1))
                           : fmt::format("{}   ping {}   {} receivers", job.products.name,
                                         job.number_of(job.products.picture_ping), columns);
-  page.subtitle = fmt::format("{}; complex baseband about {:g} kHz{}", job.said_of_signals(),
+  page.subtitle = fmt::format("{}; complex baseband around {:g} kHz{}", job.said_of_signals(),
                               signals.sampling.baseband_hz / 1000,
                               signals.matched_filtered ? ", compressed" : ", as received");
-  page.footer = "0 dB: the largest; phases are as bright as their levels";
+  page.footer = "0 dB: largest level; the brightness of phases shows their level";
   page.panels.push_back(level_panel("level", std::move(powers), columns));
   page.panels.push_back(phase_panel("phase", std::move(values), columns));
   for (GridPanel& panel : page.panels) {
@@ -162,7 +162,7 @@ void write_elements_picture(const SignalJob& job) {
     }
     panel.down = {"c t / 2 (m)", ranges.first_m, ranges.first_m + ranges.count * ranges.step_m};
   }
-  job.write(draw_grid_page(page, job.font), "-signals.png", "levels and phases of elements");
+  job.write(draw_grid_page(page, job.font), "-signals.png", "levels and phases of the elements");
 }
 
 void write_aperture_picture(const SignalJob& job, const ElementSignals& compressed) {
@@ -178,13 +178,14 @@ void write_aperture_picture(const SignalJob& job, const ElementSignals& compress
   how.nearest_abeam_only = true;
   const std::vector<Complex> real = back_projected(compressed, aperture.plane, job.interpolator, how);
   page.panels.push_back(map_panel("synthetic aperture", focused, aperture.plane));
-  page.panels.push_back(map_panel("real aperture: of the ping that is nearest abeam", real, aperture.plane));
+  page.panels.push_back(
+      map_panel("real aperture: each pixel from the ping nearest to abeam", real, aperture.plane));
   page.title = fmt::format("{}   {} pings", job.products.name, compressed.pings());
   page.subtitle =
       fmt::format("{}; {} x {} pixels of {:g} x {:g} m; {} over the pings", job.said_of_signals(),
                   aperture.plane.columns, aperture.plane.rows, glm::length(aperture.plane.column_step_m),
                   glm::length(aperture.plane.row_step_m), weighed_by(aperture.ping_window));
-  page.footer = "0 dB: the strongest echo of each; spreading undone";
+  page.footer = "0 dB: strongest echo of each picture; spreading compensated";
   job.write(draw_grid_page(page, job.font), "-aperture.png", "synthetic and real aperture");
 }
 

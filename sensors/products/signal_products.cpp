@@ -30,15 +30,16 @@ void require(bool holds, const std::string& what) {
 void check(const SignalFan& fan, const char* of, const ElementArray& array) {
   constexpr std::size_t most_beams = 4096;
   require(fan.beams >= 2 && fan.beams <= most_beams,
-          fmt::format("the {} has {} beams: must be 2 to {}", of, fan.beams, most_beams));
+          fmt::format("the {} has {} beams, but must have 2 to {}", of, fan.beams, most_beams));
   const bool across = fan.plane == SignalFan::Plane::across_track;
   require(fan.opening_rad > 0 && fan.opening_rad <= pi,
-          fmt::format("the {} opens by {:g} degrees: must be above 0 and at most 180", of,
+          fmt::format("the opening angle of the {} is {:g} degrees, but must be above 0 and at most 180", of,
                       degrees(fan.opening_rad)));
-  require(!across || fan.depression_rad == 0,
-          fmt::format("the {} is across the track and points straight down: it has no depression", of));
+  require(
+      !across || fan.depression_rad == 0,
+      fmt::format("the {} is across the track and points straight down, so it must have no depression", of));
   require(std::abs(fan.depression_rad) < pi / 2,
-          fmt::format("the {} points {:g} degrees down: must be between -90 and 90", of,
+          fmt::format("the {} points {:g} degrees down, but must be between -90 and 90", of,
                       degrees(fan.depression_rad)));
   weights_along(array, starboard_axis, fan.window);
 }
@@ -53,44 +54,42 @@ bool knows_sides(const ElementArray& array) {
 
 void check(const SignalSidescan& sidescan, const ElementArray& array) {
   require(std::abs(sidescan.depression_rad) < pi / 2,
-          fmt::format("the sidescan's beams point {:g} degrees down: must be between -90 and 90",
+          fmt::format("the sidescan beams point {:g} degrees down, but must be between -90 and 90",
                       degrees(sidescan.depression_rad)));
   require(sidescan.sides != SignalSidescan::Sides::both || knows_sides(array),
-          "a sidescan to both sides needs receivers that tell port from starboard: these lie on a line "
-          "forward; ask for one side, or give the array elements beside or above each other");
+          "a sidescan to both sides needs receivers that distinguish port from starboard, but these are on a "
+          "line forward: use one side, or place array elements next to or above each other");
   weights_along(array, forward_axis, sidescan.window);
 }
 
 void check(const SignalMultibeam& multibeam, const ElementArray& array) {
   check(multibeam.fan, "fan of soundings", array);
   require(multibeam.fan.plane == SignalFan::Plane::across_track,
-          "the multibeam's fan looks forward: soundings need one across the track");
+          "the fan of the multibeam looks forward, but soundings need a fan across the track");
   if (!multibeam.split_beam) return;
   const auto [first, last] =
       std::ranges::minmax(array.receivers_m, {}, [](const glm::dvec3& place) { return place.x; });
-  require(
-      array.receivers_m.size() >= 2 && last.x - first.x > least_extent_m,
-      fmt::format("a split beam needs two halves of an array, and the {} receiver{} not extend across the "
-                  "track: place more of them to starboard of each other, or detect by amplitude alone",
-                  array.receivers_m.size(), array.receivers_m.size() == 1 ? " does" : "s do"));
+  require(array.receivers_m.size() >= 2 && last.x - first.x > least_extent_m,
+          fmt::format("a split beam needs two halves of an array, but the {} receiver{} not extend across "
+                      "the track: place receivers to starboard of each other, or detect by amplitude only",
+                      array.receivers_m.size(), array.receivers_m.size() == 1 ? " does" : "s do"));
 }
 
 void check(const SignalAperture& aperture, const ElementArray& array, std::size_t pings) {
   constexpr std::size_t most = SignalAperture::most_pixels;
   const PixelPlane& plane = aperture.plane;
   require(plane.columns >= 2 && plane.rows >= 2,
-          fmt::format("the aperture's picture has {} x {} pixels: must have 2 x 2 or more", plane.columns,
+          fmt::format("the aperture picture has {} x {} pixels, but must have 2 x 2 or more", plane.columns,
                       plane.rows));
-  require(plane.columns <= most / plane.rows,
-          fmt::format("the aperture's picture has {} x {} pixels, {} are the most: take larger pixels, or "
-                      "a smaller piece of the plane",
-                      plane.columns, plane.rows, most));
+  require(plane.columns <= most / plane.rows, fmt::format("the aperture picture has {} x {} pixels, but the "
+                                                          "limit is {}: use larger pixels, or a smaller area",
+                                                          plane.columns, plane.rows, most));
   const double column_m = glm::length(plane.column_step_m), row_m = glm::length(plane.row_step_m);
   require(column_m > 0 && row_m > 0 && std::isfinite(column_m) && std::isfinite(row_m),
-          fmt::format("the aperture's pixels are {:g} x {:g} m: must be above 0", column_m, row_m));
-  require(pings >= 2, "a synthetic aperture needs two pings or more: there is one");
+          fmt::format("the aperture pixels are {:g} x {:g} m, but must be above 0", column_m, row_m));
+  require(pings >= 2, "a synthetic aperture needs two or more pings, but there is one ping");
   require(!aperture.half_beam_rad || (*aperture.half_beam_rad > 0 && *aperture.half_beam_rad <= pi / 2),
-          "the aperture's half beam must be above 0 and at most 90 degrees");
+          "the half beam of the aperture must be above 0 and at most 90 degrees");
   window_weights(aperture.ping_window, pings);
   weights_along(array, forward_axis, aperture.receiver_window);
 }
@@ -98,23 +97,23 @@ void check(const SignalAperture& aperture, const ElementArray& array, std::size_
 void check(const SignalInterferogram& interferogram, const SignalCounts& counts) {
   for (const auto& [group, name] :
        {std::pair{&interferogram.upper, "upper"}, std::pair{&interferogram.lower, "lower"}}) {
-    require(!group->empty(), fmt::format("the interferogram has no {} receivers: name at least one", name));
+    require(!group->empty(),
+            fmt::format("the interferogram has no {} receivers: give at least one receiver", name));
     for (const std::size_t receiver : *group)
       require(receiver < counts.receivers,
-              fmt::format("the interferogram's {} receiver {} is not there: they count from 0 to {}", name,
+              fmt::format("there is no {} receiver {} for the interferogram: receivers are 0 to {}", name,
                           receiver, counts.receivers - 1));
   }
-  require(
-      interferogram.upper != interferogram.lower,
-      "the interferogram's upper and lower receivers are the same: their phase is 0 everywhere; name others");
+  require(interferogram.upper != interferogram.lower,
+          "the upper and lower receivers of the interferogram are the same, so the phase is 0 everywhere: "
+          "choose different receivers");
   const double length = glm::length(interferogram.direction);
-  require(length > 0 && std::isfinite(length), "the interferogram's direction has no length above 0");
-  require(
-      interferogram.looks_range >= 1 && interferogram.looks_range <= counts.samples &&
-          interferogram.looks_pings >= 1 && interferogram.looks_pings <= counts.pings,
-      fmt::format("an interferogram of {} samples and {} pings a cell, of {} and {}: must be 1 or more and "
-                  "not beyond what is there",
-                  interferogram.looks_range, interferogram.looks_pings, counts.samples, counts.pings));
+  require(length > 0 && std::isfinite(length), "the direction of the interferogram has no length above 0");
+  require(interferogram.looks_range >= 1 && interferogram.looks_range <= counts.samples &&
+              interferogram.looks_pings >= 1 && interferogram.looks_pings <= counts.pings,
+          fmt::format("a cell of the interferogram has {} samples and {} pings, but the signals have {} and "
+                      "{}: the numbers must be 1 or more and not larger",
+                      interferogram.looks_range, interferogram.looks_pings, counts.samples, counts.pings));
 }
 
 }  // namespace
@@ -142,15 +141,15 @@ std::vector<double> weights_along(const ElementArray& array, glm::dvec3 axis, co
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return places[k]; });
   const double first = places[order.front()], extent = places[order.back()] - first;
   require(extent > least_extent_m,
-          "a window other than uniform weighs receivers along an axis on which these do not extend: "
-          "take a uniform one, or place receivers along it");
+          "a window other than uniform needs receivers along the axis of its weights: use a uniform window, "
+          "or place receivers along this axis");
   const double step = extent / static_cast<double>(count - 1);
   std::vector<double> weights(count);
   if (window.law == ApertureWindow::Law::chebyshev) {
     const std::vector<double> even = window_weights(window, count);
     for (std::size_t k = 0; k < count; ++k) {
       require(std::abs(places[order[k]] - first - static_cast<double>(k) * step) < 1e-3 * step,
-              "Chebyshev's window is of evenly spaced elements, and the receivers are not: take Taylor's");
+              "the Chebyshev window needs uniformly spaced receivers: use the Taylor window");
       weights[order[k]] = even[k];
     }
     return weights;
@@ -179,24 +178,23 @@ const SignalFan* fan_of_complex_beams(const SignalProducts& products) {
 void check(const SignalProducts& products, const ElementArray& array, const SignalCounts& counts) {
   require(!products.name.empty() && products.name != "." && products.name != ".." &&
               products.name.find('/') == std::string::npos,
-          fmt::format("'{}' cannot be the name of files", products.name));
+          fmt::format("'{}' cannot be a file name", products.name));
   require(!array.receivers_m.empty() && counts.receivers == array.receivers_m.size() && counts.pings > 0 &&
               counts.samples > 0,
           "products of signals need pings, receivers and samples");
   require(products.picture_ping < counts.pings,
-          fmt::format("ping {} is to be drawn, there are {}", products.picture_ping, counts.pings));
+          fmt::format("there is no ping {} to draw: the signals have {} pings", products.picture_ping,
+                      counts.pings));
   require(products.ping_numbers.empty() || products.ping_numbers.size() == counts.pings,
-          fmt::format("there are {} numbers for {} pings", products.ping_numbers.size(), counts.pings));
+          fmt::format("there are {} ping numbers for {} pings", products.ping_numbers.size(), counts.pings));
   if (products.fan) check(*products.fan, "fan", array);
   if (products.sidescan) check(*products.sidescan, array);
   if (products.multibeam) check(*products.multibeam, array);
   if (products.aperture) check(*products.aperture, array, counts.pings);
   if (products.interferogram) check(*products.interferogram, counts);
-  require(!products.jsf || products.sidescan,
-          "a JSF file is of a sidescan's beams: ask for a sidescan as well");
-  require(
-      !products.sonar_netcdf || fan_of_complex_beams(products) != nullptr,
-      "a SONAR-netCDF4 file of complex beams is of a fan across the track: ask for one, or for a multibeam");
+  require(!products.jsf || products.sidescan, "a JSF file needs the beams of a sidescan: add a sidescan");
+  require(!products.sonar_netcdf || fan_of_complex_beams(products) != nullptr,
+          "a SONAR-netCDF4 file of complex beams needs a fan across the track: add a fan or a multibeam");
 }
 
 }  // namespace tubefoot

@@ -99,7 +99,7 @@ class BeamsAbeam : public SignalMaker {
                                 : port()              ? "to port"
                                                       : "to starboard",
                                 std::round(10 * degrees(sidescan_.depression_rad)) / 10);
-    page.footer = "0 dB: the strongest echo; spreading undone";
+    page.footer = "0 dB: strongest echo; spreading compensated";
     job_.write(draw_grid_page(page, job_.font), "-sidescan.png", "beams abeam");
   }
 
@@ -174,7 +174,7 @@ class Interferogram : public SignalMaker {
     GridPage page;
     for (const bool of_phase : {true, false}) {
       GridPanel panel;
-      panel.title = of_phase ? "phase, as bright as it is coherent" : "coherence";
+      panel.title = of_phase ? "phase (brightness: coherence)" : "coherence";
       panel.columns = columns_;
       panel.rows = cells_.size() / columns_;
       panel.legend = of_phase ? GridPanel::Legend::phase : GridPanel::Legend::coherence;
@@ -200,10 +200,12 @@ class Interferogram : public SignalMaker {
       page.panels.push_back(std::move(panel));
     }
     page.title = fmt::format("{}   phase between two groups of receivers", job_.products.name);
-    page.subtitle = fmt::format("{}; {} and {} of them; a cell is {} samples by {} pings",
+    page.subtitle = fmt::format("{}; {} and {} receivers; a cell has {} samples x {} pings",
                                 job_.said_of_signals(), requested_.upper.size(), requested_.lower.size(),
                                 requested_.looks_range, requested_.looks_pings);
-    page.footer = "phase of the mean product of the first with the second's conjugate, coherence its share";
+    page.footer =
+        "phase and magnitude of the normalised mean product of the first signal with the conjugate of the "
+        "second";
     job_.write(draw_grid_page(page, job_.font), "-interferogram.png", "phase between receivers");
   }
 

@@ -72,7 +72,7 @@ class SoundingsMaker : public SignalMaker {
     page.title = fmt::format("{}   ping {}   {} beams", job_.products.name, job_.number_of(ping), beams);
     page.subtitle = job_.said_of_signals() + "; focused beams across the track";
     page.footer = fmt::format(
-        "0 dB: the strongest echo, spreading undone; {} of {} soundings by amplitude (blue), {} by phase "
+        "0 dB: strongest echo, spreading compensated; {} of {} soundings by amplitude (blue), {} by phase "
         "(green)",
         all - phases, beams, phases);
     job_.write(draw_grid_page(page, job_.font), "-beams.png", "beams and soundings of a ping");
@@ -88,9 +88,8 @@ SonarNetcdfHeader header_of(const SignalJob& job) {
   SonarNetcdfHeader header;
   header.title = job.run.title.empty() ? job.products.name : job.run.title;
   header.summary =
-      "Simulated. Complex beams of an array, matched filtered, focused at every range. The reference point "
-      "is "
-      "the vehicle's.";
+      "Simulated. Complex beams of an array, matched filtered and focused at every range. The reference "
+      "point is that of the vehicle.";
   header.keywords = "multibeam, simulation, complex samples";
   header.date_created =
       fmt::format("{:%Y-%m-%dT%H:%M:%S}Z", fmt::gmtime(static_cast<std::time_t>(job.run.start_unix_s)));

@@ -93,18 +93,24 @@ double chosen_cell_m(const Recording& recording, const std::vector<PlacedPing>& 
 
 /// Adds a ping's soundings, and points on straight lines between those of neighbouring beams. If the sonar
 /// moved by at most two cells, it adds lines to the soundings of the same beams in the previous ping.
-/// Without them, pings one cell apart would sometimes skip a cell as the sonar rolls and pitches.
+/// Without them, pings one cell apart would sometimes skip a cell as the sonar rolls and pitches. No line
+/// crosses an acoustic shadow (fills_between).
 void add_to_grid(SoundingGrid& grid, const PlacedPing& ping, const PlacedPing* before,
                  const std::vector<std::optional<Sounding>>& (*soundings_of)(const PlacedPing&)) {
   const std::vector<std::optional<Sounding>>& soundings = soundings_of(ping);
-  const bool close =
-      before && glm::distance(before->position_m, ping.position_m) <= 2 * grid.depths().cell_m();
+  const double cell_m = grid.depths().cell_m();
+  const bool close = before && glm::distance(before->position_m, ping.position_m) <= 2 * cell_m;
+  const auto measured = [&](const PlacedPing& from, std::size_t beam) {
+    return MeasuredFrom{*soundings_of(from)[beam], from.position_m};
+  };
+  const auto add_line = [&](const MeasuredFrom& a, const MeasuredFrom& b) {
+    if (fills_between(a, b, cell_m)) grid.add_between(a.sounding, b.sounding);
+  };
   for (std::size_t beam = 0; beam < soundings.size(); ++beam) {
-    const std::optional<Sounding>& sounding = soundings[beam];
-    if (!sounding) continue;
-    grid.add(*sounding);
-    if (beam > 0 && soundings[beam - 1]) grid.add_between(*soundings[beam - 1], *sounding);
-    if (close && soundings_of(*before)[beam]) grid.add_between(*soundings_of(*before)[beam], *sounding);
+    if (!soundings[beam]) continue;
+    grid.add(*soundings[beam]);
+    if (beam > 0 && soundings[beam - 1]) add_line(measured(ping, beam - 1), measured(ping, beam));
+    if (close && soundings_of(*before)[beam]) add_line(measured(*before, beam), measured(ping, beam));
   }
 }
 
@@ -131,23 +137,23 @@ Kept kept_of(const Recording& recording, const RunContext& run) {
   const double first_s = run.start_unix_s + recording.ping_time_s.front(),
                last_s = run.start_unix_s + recording.ping_time_s.back();
   if (!run.frame.is_georeferenced())
-    return {
-        false,
-        false,
-        {fmt::format("'{0}': {0}-sonar.nc, {0}.gsf and {0}.xtf need a place on Earth and are left out: add "
-                     "[georeference]",
-                     name)}};
+    return {false,
+            false,
+            {fmt::format("'{0}': {0}-sonar.nc, {0}.gsf and {0}.xtf need a position on Earth and are omitted: "
+                         "add [georeference]",
+                         name)}};
   if (first_s < 0)
     return {false,
             false,
-            {fmt::format("'{0}': its first ping is before 1970, {0}-sonar.nc, {0}.gsf and {0}.xtf are left "
-                         "out: see 'start_utc' and 'first_ping_s'",
+            {fmt::format("'{0}': its first ping is before 1970, so {0}-sonar.nc, {0}.gsf and {0}.xtf are "
+                         "omitted: change 'start_utc' or 'first_ping_s'",
                          name)}};
   constexpr double gsf_ends_s = 2147483647;
   if (last_s < gsf_ends_s) return {true, true, {}};
   return {true,
           false,
-          {fmt::format("'{0}': {0}.gsf is left out, its seconds end in 2038: see 'start_utc'", name)}};
+          {fmt::format("'{0}': {0}.gsf is omitted, because its time format ends in 2038: change 'start_utc'",
+                       name)}};
 }
 
 /// All files of a recording that are open simultaneously.
@@ -276,8 +282,8 @@ class SwathFiles {
 
   void write_grid() {
     if (!grid_) {
-      warnings_.push_back(
-          fmt::format("'{}': no beam found the bed within its range window, there is no depth grid", name_));
+      warnings_.push_back(fmt::format(
+          "'{}': no beam detects the seabed within its range gate, so there is no depth grid", name_));
       return;
     }
     grid_->write_tiff(new_file("-depth", ".tif"));
@@ -286,7 +292,7 @@ class SwathFiles {
     draw_depths(grid_->depths(), name_, font)
         .write_png(new_file("-depth", ".png"), name_, run_.pictures.bits);
     if (ideal_grid_ && !ideal_grid_->depths().empty())
-      draw_depths(ideal_grid_->depths(), name_ + "   by an ideal receiver", font)
+      draw_depths(ideal_grid_->depths(), name_ + "   with an ideal receiver", font)
           .write_png(new_file("-depth-ideal", ".png"), name_, run_.pictures.bits);
   }
 

@@ -116,9 +116,9 @@ class SonarNetcdfFormat : public SwathFormat {
     SonarNetcdfHeader header;
     header.title = run.title.empty() ? sensor.description().name : run.title;
     header.summary =
-        "Simulated. Levels are those of the receiver: spreading and absorption are in them, unless the "
-        "sensor "
-        "has a time-varied gain. The reference point is the transducer, whose attitude is given.";
+        "Simulated. Levels are those of the receiver: they include spreading and absorption, unless the "
+        "sensor has a time-varied gain. The reference point is the transducer, which also has the given "
+        "attitude.";
     header.keywords = "multibeam, simulation";
     header.date_created = fmt::format("{:%Y-%m-%dT%H:%M:%S}Z", fmt::gmtime(second));
     header.history = header.date_created + " tubefoot: simulated";

@@ -120,18 +120,18 @@ std::optional<std::string> why_no_xtf(const Recording& recording, const RunConte
     return fmt::format("{}.xtf is not written: {}", recording.sensor->description().name, why);
   };
   if (!run.frame.is_georeferenced())
-    return without("XTF holds longitude and latitude: add [georeference] to the scene");
+    return without("XTF contains longitude and latitude: add [georeference] to the scene");
   constexpr double most_before = 1e6;
   if (XtfRecord::samples_before(recording) > most_before)
     return without(
-        fmt::format("its samples begin at range 0, which would make more than {:.0f} empty ones; "
-                    "make range_min_m smaller, or the samples longer",
+        fmt::format("its samples begin at range 0, which needs more than {:.0f} empty samples: reduce "
+                    "range_min_m, or increase the length of range bins",
                     most_before));
   constexpr double end_s = 4294967295;  // its clocks have 32 bits of seconds
   const auto [first_s, last_s] =
       std::minmax_element(recording.ping_time_s.begin(), recording.ping_time_s.end());
   if (run.start_unix_s + *first_s < 0 || run.start_unix_s + *last_s >= end_s)
-    return without("its dates go from 1970 to 2106: change start_utc or first_ping_s");
+    return without("its dates must be from 1970 to 2106: change start_utc or first_ping_s");
   return std::nullopt;
 }
 
@@ -152,12 +152,10 @@ std::vector<std::uint16_t> codes_of(std::span<const float> amplitudes, const Qua
 
 OIIO::ImageSpec waterfall_spec(const Recording& recording, double white_upa) {
   OIIO::ImageSpec spec(1, 1, 1, OIIO::TypeDesc::UINT16);
-  spec.attribute(
-      "ImageDescription",
-      fmt::format(
-          "{}: amplitude, 65535 is {:.6g} uPa and more; rows: pings, the first on top; columns: port, the "
-          "farthest sample first, then starboard, the nearest first",
-          recording.sensor->description().name, white_upa));
+  spec.attribute("ImageDescription",
+                 fmt::format("{}: amplitude, 65535 is {:.6g} uPa and more; rows: pings, first ping on top; "
+                             "columns: port samples, farthest first, then starboard samples, nearest first",
+                             recording.sensor->description().name, white_upa));
   return spec;
 }
 
@@ -218,10 +216,9 @@ bool at_rest(const Recording& recording, const PingSpan& line) {
 
 std::string no_mosaic_at_rest(const std::string& name, std::size_t pings) {
   return fmt::format(
-      "{}-mosaic.tif is not written: {} a line on the bed and no area; a mosaic needs a sensor that moves or "
-      "turns "
-      "from ping to ping (the waterfall shows all received echoes)",
-      name, pings == 1 ? "one ping covers" : "the sensor is at rest, so that its pings cover");
+      "{}-mosaic.tif is not written: {} a line on the seabed without area. A mosaic needs a sensor that "
+      "moves or turns between pings; the waterfall shows all received echoes",
+      name, pings == 1 ? "one ping covers" : "the sensor is at rest, so its pings cover");
 }
 
 /// Reason why a recording has no mosaic, as far as its poses determine it.
@@ -236,13 +233,13 @@ std::vector<fs::path> write_map(const fs::path& folder, const Recording& recordi
                                 const Map& map, std::vector<std::string>& warnings) {
   const fs::path file = map.name + "-mosaic.tif", picture = map.name + "-mosaic.png";
   if (map.left_out > 0)
-    warnings.push_back(
-        fmt::format("{}: {} of {} pings have no seabed straight below them, or no heading, and were "
-                    "left out",
-                    file.string(), map.left_out, map.pings));
+    warnings.push_back(fmt::format(
+        "{}: {} of {} pings are omitted, because they have no seabed straight below them, or no heading",
+        file.string(), map.left_out, map.pings));
   if (map.cells.empty()) {
-    warnings.push_back(fmt::format("{} was not written: no echo came from beyond the seabed below the sonar",
-                                   file.string()));
+    warnings.push_back(
+        fmt::format("{} is not written, because no echo came from the seabed on either side of the sonar",
+                    file.string()));
     return {};
   }
   write_cells(folder / file, map.cells, run.frame, "Backscatter", "uPa");
@@ -292,7 +289,7 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
   std::vector<fs::path> files, maps;
   const std::vector<PingSpan> lines = recording.lines();
   const std::vector<std::string> names = line_names(recording);
-  Steps steps("pings of a sidescan's files", recording.pings());
+  Steps steps("pings for sidescan files", recording.pings());
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const std::string& of_line = names[k];
     std::optional<XtfRecord> xtf;

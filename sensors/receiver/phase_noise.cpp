@@ -16,7 +16,8 @@ using std::numbers::pi;
 
 void check(double coherence) {
   if (!(coherence >= 0 && coherence <= 1))
-    throw std::invalid_argument(fmt::format("phase noise: the coherence is {}, must be 0 to 1", coherence));
+    throw std::invalid_argument(
+        fmt::format("phase noise: the coherence is {}, but must be 0 to 1", coherence));
 }
 
 /// b = g cos phi, sqrt(1 - b^2) without cancellation, and acos(-b) from both.
@@ -69,7 +70,9 @@ double phase_distribution(double phase_rad, double coherence) {
 
 double phase_variance(double coherence, int looks) {
   check(coherence);
-  if (looks < 1) throw std::invalid_argument(fmt::format("phase noise: {} looks, must be 1 or more", looks));
+  if (looks < 1)
+    throw std::invalid_argument(
+        fmt::format("phase noise: the number of looks is {}, but must be 1 or more", looks));
   const double single = single_look_variance(coherence);
   if (looks == 1 || coherence == 0) return single;
   return std::min(single, (1 - coherence) * (1 + coherence) / (2.0 * looks * coherence * coherence));

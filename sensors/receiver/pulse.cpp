@@ -45,7 +45,7 @@ std::vector<double> spread_over_pulse(std::span<const double> energies, const Ra
     throw std::invalid_argument(
         fmt::format("pulse: {} energies are not whole beams of {} samples", energies.size(), samples.count));
   if (!(extent_m >= 0 && std::isfinite(extent_m)))
-    throw std::invalid_argument(fmt::format("pulse: its extent is {} m, must be 0 or more", extent_m));
+    throw std::invalid_argument(fmt::format("pulse: the extent is {} m, but must be 0 or more", extent_m));
   const std::vector<double> part = parts(extent_m / samples.step_m, count);
   std::vector<double> spread(energies.size(), 0.0);
   for (std::size_t i = 0; i < energies.size(); ++i) {

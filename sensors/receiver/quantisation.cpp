@@ -11,12 +11,13 @@ namespace tubefoot {
 
 Quantiser::Quantiser(double bottom, double top, int bits) : bottom_(bottom) {
   if (bits < 1 || bits > 16)
-    throw std::invalid_argument(fmt::format("quantisation: {} bits, must be 1 to 16", bits));
+    throw std::invalid_argument(
+        fmt::format("quantisation: the number of bits is {}, but must be 1 to 16", bits));
   largest_ = static_cast<std::uint16_t>((1u << bits) - 1);
   step_ = (top - bottom) / largest_;
   if (!(step_ > 0 && std::isfinite(step_)) || bottom + step_ == bottom)
     throw std::invalid_argument(
-        fmt::format("quantisation: the range is {} to {}, must grow and be finite", bottom, top));
+        fmt::format("quantisation: the range is {} to {}, but must be finite and increasing", bottom, top));
 }
 
 std::uint16_t Quantiser::code(double value) const {

@@ -19,7 +19,8 @@ constexpr int most_looks = 1024;
 
 template <typename Value>
 void require(bool holds, const char* what, Value value, const char* wanted) {
-  if (!holds) throw std::invalid_argument(fmt::format("receiver: {} is {}, must be {}", what, value, wanted));
+  if (!holds)
+    throw std::invalid_argument(fmt::format("receiver: {} is {}, but must be {}", what, value, wanted));
 }
 
 void require_level(const char* what, double level_db) {
@@ -29,16 +30,17 @@ void require_level(const char* what, double level_db) {
 double ratio(double level_db) { return std::pow(10, level_db / 10); }
 
 void check(const TimeVariedGain& tvg) {
-  require(tvg.spreading >= 0 && std::isfinite(tvg.spreading), "the TVG's spreading", tvg.spreading,
+  require(tvg.spreading >= 0 && std::isfinite(tvg.spreading), "the spreading of the TVG", tvg.spreading,
           "a finite number, 0 or more");
-  require(tvg.absorption_db_per_km >= 0 && std::isfinite(tvg.absorption_db_per_km), "the TVG's absorption",
-          tvg.absorption_db_per_km, "a finite number of dB/km, 0 or more");
-  require_level("the TVG's gain", tvg.gain_db);
-  require(tvg.fixed_below_m > 0 && std::isfinite(tvg.fixed_below_m), "the TVG's nearest range",
+  require(tvg.absorption_db_per_km >= 0 && std::isfinite(tvg.absorption_db_per_km),
+          "the absorption of the TVG", tvg.absorption_db_per_km, "a finite number of dB/km, 0 or more");
+  require_level("the gain of the TVG", tvg.gain_db);
+  require(tvg.fixed_below_m > 0 && std::isfinite(tvg.fixed_below_m), "the nearest range of the TVG",
           tvg.fixed_below_m, "a finite number of metres above 0");
-  require_level("the TVG's least gain", tvg.least_db);
-  require_level("the TVG's most gain", tvg.most_db);
-  require(tvg.least_db <= tvg.most_db, "the TVG's least gain", tvg.least_db, "no more than its most gain");
+  require_level("the smallest gain of the TVG", tvg.least_db);
+  require_level("the largest gain of the TVG", tvg.most_db);
+  require(tvg.least_db <= tvg.most_db, "the smallest gain of the TVG", tvg.least_db,
+          "at most the largest gain of the TVG");
 }
 
 }  // namespace
@@ -59,7 +61,7 @@ ReceiverChain::ReceiverChain(const ReceiverDescription& description)
   const Speckle& speckle = description.speckle;
   require(speckle.looks >= 1 && speckle.looks <= most_looks, "the number of looks", speckle.looks,
           "between 1 and 1024");
-  require(speckle.shape > 0 && std::isfinite(speckle.shape), "the K law's shape", speckle.shape,
+  require(speckle.shape > 0 && std::isfinite(speckle.shape), "the shape of the K distribution", speckle.shape,
           "a finite number above 0");
   require(description.display_gain > 0 && std::isfinite(description.display_gain), "the display gain",
           description.display_gain, "a finite number above 0");
@@ -103,9 +105,10 @@ void ReceiverChain::receive_beam(std::uint32_t ping, std::uint32_t beam, std::sp
     }
     const auto sample = static_cast<std::uint32_t>(k);
     if (!(energies_j[k] >= 0 && std::isfinite(energies_j[k])))
-      throw std::invalid_argument(fmt::format(
-          "receiver: the energy of ping {}, beam {}, sample {} is {} J/m2, must be finite and not negative",
-          ping, beam, sample, energies_j[k]));
+      throw std::invalid_argument(
+          fmt::format("receiver: the energy of ping {}, beam {}, range bin {} is {} J/m2, but must be finite "
+                      "and not negative",
+                      ping, beam, sample, energies_j[k]));
     const SampleRandom random(description_.seed, ping, beam, sample);
     received_j[k] = received_energy(random, description_.speckle, energies_j[k], noise_j_) * gains[k];
   }

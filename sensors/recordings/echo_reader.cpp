@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-// Reads echo files (echoes.nc, docs/echo-file.md) of any origin. Names, dimensions, units, sizes and values
-// are checked before use, and memory is checked before allocation.
+// SPDX-License-Identifier: GPL-3.0-or-later Reads echo files (echoes.nc, docs/output-files.md) of any origin.
+// Names, dimensions, units, sizes and values are checked before use, and memory is checked before allocation.
 #include "sensors/recordings/echo_reader.hpp"
 
 #include <fmt/format.h>
@@ -55,8 +54,8 @@ std::vector<double> numbers(const EchoGroupInput& group, const char* name, const
   std::vector<double> values = axis(group, name, dimension, ones, length, true);
   for (std::size_t k = 0; k < values.size(); ++k)
     if (!(values[k] >= 0) || values[k] != std::floor(values[k]) || (k > 0 && values[k] <= values[k - 1]))
-      group.fail(name, fmt::format("is {} at {} {}; expected whole numbers from 0 that increase", values[k],
-                                   dimension, k));
+      group.fail(name, fmt::format("is {} at {} {}; expected increasing whole numbers of at least 0",
+                                   values[k], dimension, k));
   return values;
 }
 
@@ -66,10 +65,10 @@ SensorEchoes read_sensor(const EchoGroupInput& group, const std::string& default
   if (echoes.name.empty()) echoes.name = default_name;
   const std::string source = group.text("source_energy"), expected_source = "1 J/sr at 1 m";
   if (!source.empty() && source != expected_source)
-    group.fail("energy",
-               fmt::format("is for a source of '{}' (attribute source_energy), expected '{}': scale "
-                           "the values",
-                           source, expected_source));
+    group.fail(
+        "energy",
+        fmt::format("assumes a source of '{}' (attribute source_energy), expected '{}': scale the values",
+                    source, expected_source));
 
   const Words dimensions{"ping", "beam", "sample"};
   std::vector<std::size_t> shape, bound_shape;
@@ -77,21 +76,21 @@ SensorEchoes read_sensor(const EchoGroupInput& group, const std::string& default
   echoes.pings = shape[0], echoes.beams = shape[1], echoes.samples = shape[2];
   group.require(
       "energy", dimensions, shape, echoes.energy, [](double e) { return std::isfinite(e) && e >= 0; },
-      "finite energies, 0 or more");
+      "finite energies of at least 0");
   if (group.has("energy_bound")) {
     echoes.energy_bound = group.values("energy_bound", dimensions, joules_per_m2, &bound_shape);
     if (bound_shape != shape)
-      group.fail("energy_bound", fmt::format("has {} values, expected {} as 'energy'",
+      group.fail("energy_bound", fmt::format("has {} values, expected {} as in 'energy'",
                                              fmt::join(bound_shape, " x "), fmt::join(shape, " x ")));
     group.require(
         "energy_bound", dimensions, shape, echoes.energy_bound, [](double b) { return b >= 0; },
-        "half-widths, 0 or more");
+        "half-widths of at least 0");
   }
 
   echoes.slant_range_m = axis(group, "slant_range", "sample", metres, echoes.samples);
   for (std::size_t k = 1; k < echoes.samples; ++k)
     if (!(echoes.slant_range_m[k] > echoes.slant_range_m[k - 1]))
-      group.fail("slant_range", fmt::format("goes from {} to {} at sample {}; expected ranges that increase",
+      group.fail("slant_range", fmt::format("goes from {} to {} at sample {}; expected increasing ranges",
                                             echoes.slant_range_m[k - 1], echoes.slant_range_m[k], k));
   echoes.beam_azimuth_deg = axis(group, "beam_azimuth", "beam", degrees_, echoes.beams);
   echoes.beam_elevation_deg = axis(group, "beam_elevation", "beam", degrees_, echoes.beams, true);
@@ -123,7 +122,7 @@ void require_memory_for(const NetcdfInput& file, const std::vector<EchoGroupInpu
     else
       for (const char* name : compared) bytes += group.bytes_of(name);
   }
-  require_memory(bytes, {file.path().string()}, "its values", "write fewer pings or sensors a file");
+  require_memory(bytes, {file.path().string()}, "its values", "write fewer pings or sensors per file");
 }
 
 std::vector<int> groups_of(const NetcdfInput& file) {
@@ -145,7 +144,7 @@ EchoGroups with_energies(const NetcdfInput& file, const EchoGroupInput& root) {
   EchoGroups found;
   for (const int id : groups_of(file)) {
     char name[NC_MAX_NAME + 1] = {};
-    file.check(nc_inq_grpname(id, name), "name a group");
+    file.check(nc_inq_grpname(id, name), "read a group's name");
     const EchoGroupInput group(file, id, std::string(name) + "/");
     if (!group.has("energy")) continue;  // other programs may store other groups
     found.groups.push_back(group);
@@ -170,11 +169,11 @@ EchoContents read_contents(const NetcdfInput& file, const EchoGroupInput& root, 
   }
   if (contents.sensors.empty() && root.has("pressure"))
     file.fail(
-        "holds signals of elements ('pressure', docs/files-signals.md), not energies: name the echoes.nc of "
+        "holds signals of elements ('pressure', docs/output-files.md), not energies: name the echoes.nc of "
         "the same run, or read signals in Python with tubefoot.signals()");
   if (contents.sensors.empty())
-    file.fail(fmt::format("has no variable 'energy', neither in its root nor in a group ({} has the layout)",
-                          file.page()));
+    file.fail(fmt::format(
+        "has no variable 'energy', neither in its root nor in a group (see {} for the layout)", file.page()));
   return contents;
 }
 

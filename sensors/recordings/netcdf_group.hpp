@@ -31,7 +31,7 @@ namespace tubefoot {
 /// The expected kind of file, and the page that describes its layout.
 struct ExpectedNetcdf {
   const char* what = "an echo file (echoes.nc)";
-  const char* page = "docs/echo-file.md";
+  const char* page = "docs/output-files.md";
 };
 inline constexpr std::size_t longest_text = 1 << 16;
 
@@ -60,14 +60,14 @@ class NetcdfInput {
     } else if (is_hdf5(format)) {
       refuse_hdf5_references(path);
     } else {
-      fail("cannot be read as netCDF: no netCDF file, or one that is cut off or damaged; write it again");
+      fail("cannot be read as netCDF: the file has another format, or is cut off or damaged; write it again");
     }
     keep_libraries_to_themselves();
     // This name lets netCDF treat any file name as a plain file.
     const std::string name = fmt::format("/proc/self/fd/{}", input.descriptor());
     const int status = nc_open(name.c_str(), NC_NOWRITE, &id_);
     if (status == NC_ENOTNC || status == NC_EHDFERR)
-      fail("cannot be read as netCDF: no netCDF file, or one that is cut off or damaged; write it again");
+      fail("cannot be read as netCDF: the file has another format, or is cut off or damaged; write it again");
     check(status, "open the file");
   }
   ~NetcdfInput() {
@@ -123,9 +123,9 @@ class EchoGroupInput {
     std::vector<std::string> names;
     for (const int id : ids) {
       char name[NC_MAX_NAME + 1] = {};
-      file_.check(nc_inq_varname(id_, id, name), "name a variable");
+      file_.check(nc_inq_varname(id_, id, name), "read a variable's name");
       nc_type type = 0;
-      file_.check(nc_inq_vartype(id_, id, &type), "find a variable's type");
+      file_.check(nc_inq_vartype(id_, id, &type), "read a variable's type");
       const bool number = type >= NC_BYTE && type <= NC_UINT64 && type != NC_CHAR;
       const std::vector<std::size_t> shape = shape_of(id);
       if (number && !shape.empty() && product(shape) != 0) names.emplace_back(name);
@@ -153,7 +153,7 @@ class EchoGroupInput {
       char name[NC_MAX_NAME + 1] = {};
       nc_type type = 0;
       std::size_t length = 0;
-      file_.check(nc_inq_attname(id_, NC_GLOBAL, k, name), "name an attribute");
+      file_.check(nc_inq_attname(id_, NC_GLOBAL, k, name), "read an attribute's name");
       file_.check(nc_inq_att(id_, NC_GLOBAL, name, &type, &length), "read an attribute");
       if (type == NC_CHAR && length > longest_text) continue;
       if (type == NC_CHAR || (type == NC_STRING && length == 1)) {
@@ -183,7 +183,8 @@ class EchoGroupInput {
                                          std::span<const std::string_view> units) const {
     const auto variable = find(name);
     if (!variable)
-      fail(name, fmt::format("is missing; expected ({}) in {}", fmt::join(dimensions, ", "), units.front()));
+      fail(name, fmt::format("is missing; expected dimensions ({}) and unit '{}'",
+                             fmt::join(dimensions, ", "), units.front()));
     check_dimensions(name, *variable, dimensions);
     check_type(name, *variable);
     check_unit(name, *variable, units);
@@ -214,7 +215,8 @@ class EchoGroupInput {
   }
 
   [[noreturn]] void fail(const char* name, const std::string& message) const {
-    file_.fail(fmt::format("variable '{}{}' {} ({} has the layout)", prefix_, name, message, file_.page()));
+    file_.fail(
+        fmt::format("variable '{}{}' {} (see {} for the layout)", prefix_, name, message, file_.page()));
   }
 
  private:
@@ -245,7 +247,7 @@ class EchoGroupInput {
       if (string) result = string;
       nc_free_string(1, &string);
     } else {
-      file_.fail(fmt::format("attribute '{}{}' is no text: write it as one string", prefix_, attribute));
+      file_.fail(fmt::format("attribute '{}{}' is not a text: write it as one string", prefix_, attribute));
     }
     return result;
   }
@@ -262,7 +264,7 @@ class EchoGroupInput {
     std::vector<std::size_t> lengths;
     for (const int dimension : dimension_ids(variable)) {
       lengths.emplace_back();
-      file_.check(nc_inq_dimlen(id_, dimension, &lengths.back()), "measure a dimension");
+      file_.check(nc_inq_dimlen(id_, dimension, &lengths.back()), "read a dimension's length");
     }
     return lengths;
   }
@@ -271,7 +273,7 @@ class EchoGroupInput {
     std::vector<std::string> found;
     for (const int dimension : dimension_ids(variable)) {
       char word[NC_MAX_NAME + 1] = {};
-      file_.check(nc_inq_dimname(id_, dimension, word), "name a dimension");
+      file_.check(nc_inq_dimname(id_, dimension, word), "read a dimension's name");
       found.emplace_back(word);
     }
     return found;
@@ -286,7 +288,7 @@ class EchoGroupInput {
 
   void check_type(const char* name, int variable) const {
     nc_type type = 0;
-    file_.check(nc_inq_vartype(id_, variable, &type), "find a variable's type");
+    file_.check(nc_inq_vartype(id_, variable, &type), "read a variable's type");
     if (type == NC_DOUBLE || type == NC_FLOAT) return;
     char word[NC_MAX_NAME + 1] = "unknown";
     nc_inq_type(id_, type, word, nullptr);
@@ -297,8 +299,10 @@ class EchoGroupInput {
   void check_unit(const char* name, int variable, std::span<const std::string_view> expected) const {
     const auto unit = text(variable, "units");
     if (!unit)
-      fail(name, fmt::format("has no unit, expected '{0}': write attribute units = '{0}' once it is true",
-                             expected.front()));
+      fail(name,
+           fmt::format(
+               "has no unit, expected '{0}': if the values have this unit, write the attribute units = '{0}'",
+               expected.front()));
     if (std::find(expected.begin(), expected.end(), *unit) == expected.end())
       fail(name, fmt::format("has unit '{}', expected '{}': convert the values", *unit, expected.front()));
   }
@@ -315,8 +319,8 @@ class EchoGroupInput {
   std::size_t bytes_of_type(int variable) const {
     nc_type type = 0;
     std::size_t bytes = 0;
-    file_.check(nc_inq_vartype(id_, variable, &type), "find a variable's type");
-    file_.check(nc_inq_type(id_, type, nullptr, &bytes), "find a type's size");
+    file_.check(nc_inq_vartype(id_, variable, &type), "read a variable's type");
+    file_.check(nc_inq_type(id_, type, nullptr, &bytes), "read a type's size");
     return bytes;
   }
 
@@ -326,8 +330,8 @@ class EchoGroupInput {
     // Highest compression ratio of deflate. Values that were never written are rejected in any case.
     constexpr std::uintmax_t densest = 1032;
     if (!count || *count / densest > file_.bytes() / bytes_of_type(variable))
-      fail(name, fmt::format("claims to have {} values, more than the file's {} bytes can hold: write all of "
-                             "it, with deflate or uncompressed",
+      fail(name, fmt::format("declares {} values, more than the file's {} bytes can hold: write all values, "
+                             "uncompressed or with deflate",
                              fmt::join(shape, " x "), file_.bytes()));
     return static_cast<std::size_t>(*count);
   }
@@ -354,7 +358,7 @@ class EchoGroupInput {
     int storage = NC_CONTIGUOUS, dimensions = 0;
     file_.check(nc_inq_varndims(id_, variable, &dimensions), "count dimensions");
     std::vector<std::size_t> chunk(static_cast<std::size_t>(std::max(dimensions, 1)), 0);
-    file_.check(nc_inq_var_chunking(id_, variable, &storage, chunk.data()), "look at a variable's chunks");
+    file_.check(nc_inq_var_chunking(id_, variable, &storage, chunk.data()), "read a variable's chunk sizes");
     if (storage != NC_CHUNKED) std::ranges::fill(chunk, 0);
     return chunk;
   }
@@ -365,9 +369,9 @@ class EchoGroupInput {
     const auto values = product(chunk);
     if (!values || *values > static_cast<std::uintmax_t>(limits::block_bytes) / bytes_of_type(variable))
       fail(name,
-           fmt::format("is stored in chunks of {} values, more than {} MB each: write it in smaller ones, "
-                       "one a ping",
-                       fmt::join(chunk, " x "), limits::block_bytes >> 20));
+           fmt::format(
+               "is stored in chunks of {} values, more than {} MB each: write smaller chunks, one per ping",
+               fmt::join(chunk, " x "), limits::block_bytes >> 20));
   }
 
   /// netCDF fills values that were never written with a special value.
@@ -384,7 +388,7 @@ class EchoGroupInput {
     if (fill == 0) return;  // then 0 is an ordinary value
     const auto unwritten = std::find(values.begin(), values.end(), fill);
     if (unwritten == values.end()) return;
-    fail(name, fmt::format("was not written at {}: write all of it, zeros included",
+    fail(name, fmt::format("has no value at {}: write all values, including zeros",
                            place(dimensions, shape, static_cast<std::size_t>(unwritten - values.begin()))));
   }
 

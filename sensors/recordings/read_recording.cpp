@@ -91,10 +91,9 @@ RangeSamples samples_of(const SensorEchoes& echoes, const std::string& file) {
     if (!(samples.step_m > 0) ||
         std::abs(centres[k] - samples.first_m - (static_cast<double>(k) + 0.5) * samples.step_m) >
             0.01 * samples.step_m)
-      throw InputError({file},
-                       fmt::format("the samples of sensor '{}' are not evenly spaced: sample {} is at "
-                                   "{} m; pictures are of even samples",
-                                   echoes.name, k, centres[k]));
+      throw InputError({file}, fmt::format("the samples of sensor '{}' are not evenly spaced: sample {} is "
+                                           "at {} m; pictures need evenly spaced samples",
+                                           echoes.name, k, centres[k]));
   return samples;
 }
 

@@ -56,7 +56,7 @@ void check(const Recording& recording) {
   if (pings == 0 || recording.ping_pose.size() != pings || recording.energy.size() != cells ||
       (!recording.energy_bound.empty() && recording.energy_bound.size() != cells))
     throw std::invalid_argument(fmt::format(
-        "recording of '{}' does not add up: {} ping times, {} poses, {} energies for {} beams of {} samples",
+        "inconsistent recording of '{}': {} ping times, {} poses, {} energies for {} beams of {} samples",
         sensor.description().name, pings, recording.ping_pose.size(), recording.energy.size(),
         sensor.beams().size(), sensor.samples().count));
 }

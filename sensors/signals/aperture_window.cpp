@@ -20,11 +20,12 @@ void check(const ApertureWindow& window) {
   if (window.law != Law::taylor && window.law != Law::chebyshev) return;
   if (!(window.side_lobe_db > 0 && window.side_lobe_db <= 300))
     throw std::invalid_argument(
-        fmt::format("the window's side lobes are {} dB below the main lobe, must be above 0 and at most 300",
+        fmt::format("the side lobes of the window are {} dB below the main lobe, but this level must be "
+                    "above 0 and at most 300 dB",
                     window.side_lobe_db));
   if (window.law == Law::taylor && !(window.nearly_equal >= 1 && window.nearly_equal <= 100))
     throw std::invalid_argument(fmt::format(
-        "Taylor's window has {} nearly equal side lobes, must be within 1 to 100", window.nearly_equal));
+        "the Taylor window has {} nearly equal side lobes, but must have 1 to 100", window.nearly_equal));
 }
 
 /// Coefficients F_1.. of 1 + 2 sum F_m cos(2 pi m x).
@@ -65,7 +66,7 @@ std::vector<double> coefficients_of(const ApertureWindow& window) {
       break;
   }
   throw std::invalid_argument(
-      "Chebyshev's window is of evenly spaced elements: ask for all their weights, or choose Taylor's");
+      "the Chebyshev window needs uniformly spaced elements: request all weights, or use the Taylor window");
 }
 
 double middle_of(Law law) { return law == Law::hann ? 0.5 : law == Law::hamming ? 0.54 : 1; }

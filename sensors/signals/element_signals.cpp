@@ -22,22 +22,22 @@ std::size_t pressures_of(const ElementSignals& signals) {
   constexpr double most = 0x1p31;  // 32 GB
   const double all = static_cast<double>(signals.pings()) * static_cast<double>(signals.receivers()) *
                      static_cast<double>(signals.samples());
-  require(all <= most,
-          fmt::format("{} pings x {} receivers x {} samples are {:.3g} pressures, must be 2^31 at "
-                      "most: take fewer pings at a time",
-                      signals.pings(), signals.receivers(), signals.samples(), all));
+  require(all <= most, fmt::format("{} pings x {} receivers x {} samples are {:.3g} pressures, but the limit "
+                                   "is 2^31: use fewer pings at a time",
+                                   signals.pings(), signals.receivers(), signals.samples(), all));
   return signals.pings() * signals.receivers() * signals.samples();
 }
 
 void check_all_but_pressure(const ElementSignals& signals) {
   check_sampled(signals.waveform, signals.sampling);
   require(signals.sound_speed_m_s > 0 && std::isfinite(signals.sound_speed_m_s),
-          fmt::format("the sound speed is {} m/s, must be above 0 and finite", signals.sound_speed_m_s));
-  require(signals.receivers() > 0, "the array has no receivers: give it at least one");
-  require(finite(signals.array.transmitter_m), "the transmitter's place is not finite");
+          fmt::format("the sound speed is {} m/s, but must be above 0 and finite", signals.sound_speed_m_s));
+  require(signals.receivers() > 0, "the array has no receivers: give at least one receiver");
+  require(finite(signals.array.transmitter_m), "the position of the transmitter is not finite");
   for (std::size_t k = 0; k < signals.receivers(); ++k)
-    require(finite(signals.array.receivers_m[k]), fmt::format("the place of receiver {} is not finite", k));
-  require(signals.pings() > 0, "there are no pings: give at least one ping's start");
+    require(finite(signals.array.receivers_m[k]),
+            fmt::format("the position of receiver {} is not finite", k));
+  require(signals.pings() > 0, "there are no pings: give the start of at least one ping");
   signals.motion.check_lasts(signals.sampling.end_s());
 }
 
@@ -70,12 +70,12 @@ void check(const ElementSignals& signals) {
   check_all_but_pressure(signals);
   const std::size_t expected = pressures_of(signals);
   require(signals.pressure.size() == expected,
-          fmt::format("there are {} pressures, must be {} pings x {} receivers x {} samples = {}",
+          fmt::format("there are {} pressures, but {} pings x {} receivers x {} samples = {}",
                       signals.pressure.size(), signals.pings(), signals.receivers(), signals.samples(),
                       expected));
   require(signals.bound.empty() || signals.bound.size() == expected,
-          fmt::format("there are {} bounds of {} pressures, must be as many or none", signals.bound.size(),
-                      expected));
+          fmt::format("there are {} bounds for {} pressures: give one bound per pressure, or no bounds",
+                      signals.bound.size(), expected));
 }
 
 }  // namespace tubefoot

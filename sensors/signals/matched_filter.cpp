@@ -44,7 +44,7 @@ std::vector<Complex> replica(const TransmitWaveform& waveform, const SignalSampl
 ElementSignals matched_filtered(const ElementSignals& signals, const ApertureWindow& window) {
   check(signals);
   if (signals.matched_filtered)
-    throw std::invalid_argument("the signals are matched filtered already: a second filter would widen them");
+    throw std::invalid_argument("the signals are already matched filtered: do not filter them again");
   const std::vector<Complex> sent = normalised_replica(signals.waveform, signals.sampling, window);
   const SignalTransform transform(signals.samples() + sent.size());  // long enough that no echo wraps around
                                                                      // from the end

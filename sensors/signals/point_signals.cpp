@@ -32,8 +32,8 @@ void add_echo(const PointScatterer& target, std::size_t number, const ElementSig
       receiver(signals.motion, ping, signals.array.receivers_m[element], last_s);
   const TwoWayPath first = path_emitted_at(0, transmitter, target.position_m, receiver, speed_m_s);
   if (!(first.tx_m > 0 && first.rx_m > 0))
-    throw std::invalid_argument(
-        fmt::format("scatterer {} lies at an element at ping {}: move it away", number, ping));
+    throw std::invalid_argument(fmt::format(
+        "scatterer {} is at the position of an element at ping {}: move the scatterer", number, ping));
   const TwoWayPath last =
       path_emitted_at(signals.waveform.duration_s, transmitter, target.position_m, receiver, speed_m_s);
   const auto sample_at = [&](double time_s) {

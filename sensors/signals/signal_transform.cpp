@@ -12,7 +12,7 @@ using Long = std::complex<long double>;
 
 std::size_t power_of_two(std::size_t length) {
   if (length > std::size_t{1} << 26)  // 2 GB
-    throw std::invalid_argument("a spectrum has at most 2^26 samples: take shorter records");
+    throw std::invalid_argument("a spectrum has at most 2^26 samples: use shorter records");
   return std::bit_ceil(length == 0 ? std::size_t{1} : length);
 }
 
@@ -29,7 +29,7 @@ std::vector<Complex> SignalTransform::spectrum(std::span<const Complex> signal) 
 }
 
 std::vector<Complex> SignalTransform::signal(std::span<const Complex> spectrum) const {
-  if (spectrum.size() != length_) throw std::invalid_argument("the spectrum is of another length");
+  if (spectrum.size() != length_) throw std::invalid_argument("the spectrum has another length");
   std::vector<Long> bins;
   bins.reserve(length_);
   for (const Complex& bin : spectrum) bins.emplace_back(std::conj(bin));

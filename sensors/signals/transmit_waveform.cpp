@@ -22,7 +22,7 @@ void require(bool holds, const std::string& what) {
 
 void require_positive(double value, const char* name, const char* unit) {
   require(value > 0 && std::isfinite(value),
-          fmt::format("the {} is {} {}, must be above 0 and finite", name, value, unit));
+          fmt::format("the {} is {} {}, but must be above 0 and finite", name, value, unit));
 }
 
 }  // namespace
@@ -60,27 +60,25 @@ FrequencyBand band_of(const TransmitWaveform& waveform) {
 }
 
 void check(const TransmitWaveform& waveform) {
-  require_positive(waveform.start_hz, "waveform's first frequency", "Hz");
-  require_positive(waveform.stop_hz, "waveform's last frequency", "Hz");
-  require_positive(waveform.duration_s, "waveform's duration", "s");
-  require(
-      waveform.taper >= 0 && waveform.taper <= 1,
-      fmt::format("the waveform's taper is {}, must be within 0 (rectangle) and 1 (Hann)", waveform.taper));
+  require_positive(waveform.start_hz, "first frequency of the waveform", "Hz");
+  require_positive(waveform.stop_hz, "last frequency of the waveform", "Hz");
+  require_positive(waveform.duration_s, "duration of the waveform", "s");
+  require(waveform.taper >= 0 && waveform.taper <= 1,
+          fmt::format("the taper of the waveform is {}, but must be within 0 (rectangle) and 1 (Hann)",
+                      waveform.taper));
   const FrequencyBand band = band_of(waveform);
-  require(
-      band.low_hz > 0,
-      fmt::format(
-          "the waveform of {:.6g} s is too short for {:.6g} Hz: its band reaches down to {:.6g} Hz; make it "
-          "longer or its frequency higher",
-          waveform.duration_s, std::min(waveform.start_hz, waveform.stop_hz), band.low_hz));
+  require(band.low_hz > 0,
+          fmt::format("the waveform of {:.6g} s is too short for {:.6g} Hz, because its band reaches down to "
+                      "{:.6g} Hz: increase its length or its frequency",
+                      waveform.duration_s, std::min(waveform.start_hz, waveform.stop_hz), band.low_hz));
 }
 
 void check(const SignalSampling& sampling) {
   require_positive(sampling.baseband_hz, "baseband frequency", "Hz");
   require_positive(sampling.rate_hz, "sampling rate", "Hz");
   require(std::isfinite(sampling.first_s),
-          fmt::format("the time of the first sample is {} s, must be finite", sampling.first_s));
-  require(sampling.samples > 0, "there are no samples: record at least one of a ping");
+          fmt::format("the time of the first sample is {} s, but must be finite", sampling.first_s));
+  require(sampling.samples > 0, "there are no samples: record at least one sample per ping");
 }
 
 void check_sampled(const TransmitWaveform& waveform, const SignalSampling& sampling) {
@@ -91,14 +89,14 @@ void check_sampled(const TransmitWaveform& waveform, const SignalSampling& sampl
   const double needed_hz =
       std::max(std::abs(band.low_hz - sampling.baseband_hz), std::abs(band.high_hz - sampling.baseband_hz));
   require(needed_hz <= half_hz,
-          fmt::format("the waveform's band of {:.6g} Hz to {:.6g} Hz reaches {:.6g} Hz from the baseband "
-                      "frequency {:.6g} Hz, above half the sampling rate, {:.6g} Hz: sample at {:.6g} Hz or "
-                      "more, or choose a baseband frequency in the band's middle",
+          fmt::format("the band of the waveform from {:.6g} Hz to {:.6g} Hz extends {:.6g} Hz from the "
+                      "baseband frequency {:.6g} Hz, more than half of the sampling rate, {:.6g} Hz: sample "
+                      "at {:.6g} Hz or more, or choose a baseband frequency in the middle of the band",
                       band.low_hz, band.high_hz, needed_hz, sampling.baseband_hz, half_hz, 2 * needed_hz));
   const double recorded_s = static_cast<double>(sampling.samples) / sampling.rate_hz;
   require(waveform.duration_s <= recorded_s,
-          fmt::format("the waveform of {:.6g} s is longer than the {:.6g} s that are recorded of a ping: "
-                      "record {} samples or more, or shorten it",
+          fmt::format("the waveform of {:.6g} s is longer than the record of {:.6g} s per ping: record {} "
+                      "samples or more, or shorten the waveform",
                       waveform.duration_s, recorded_s, std::ceil(waveform.duration_s * sampling.rate_hz)));
 }
 
@@ -107,8 +105,8 @@ void check_wavelength(const TransmitWaveform& waveform, double sound_speed_m_s, 
   require_positive(sound_speed_m_s, "sound speed", "m/s");
   const double high_hz = band_of(waveform).high_hz, shortest_m = sound_speed_m_s / high_hz;
   require(shortest_m >= 2 * grid_unit_m,
-          fmt::format("the shortest wavelength, {:.6g} m at {:.6g} Hz, is below twice the world grid's unit "
-                      "of {:.6g} m: lower the frequency to {:.6g} Hz, or make the scene smaller",
+          fmt::format("the shortest wavelength, {:.6g} m at {:.6g} Hz, is less than twice the unit of the "
+                      "world grid, {:.6g} m: reduce the frequency to {:.6g} Hz, or make the scene smaller",
                       shortest_m, high_hz, grid_unit_m, sound_speed_m_s / (2 * grid_unit_m)));
 }
 

@@ -38,8 +38,8 @@ double time_at(double from_s, double sign, const Place& place, glm::dvec3 point_
     change_s = moved_s;
   }
   throw std::invalid_argument(
-      fmt::format("a place on the vehicle moves as fast as sound, {} m/s: the way of sound has no end; slow "
-                  "the trajectory down",
+      fmt::format("a point of the vehicle moves at {} m/s, as fast as sound, so travel times are undefined: "
+                  "reduce the speed of the trajectory",
                   sound_speed_m_s));
 }
 
@@ -56,21 +56,20 @@ VehicleMotion::VehicleMotion(std::vector<Trajectory::Sample> track, std::vector<
     const Pose& pose = samples_[k].pose;
     const double length = glm::length(pose.attitude), way = glm::length(pose.position_m);
     if (!std::isfinite(way) || !(std::abs(length - 1) < off_one))
-      throw std::invalid_argument(fmt::format(
-          "pose {} of the track has a place {} m away and an attitude of length {}: places must be "
-          "finite and quaternions of length 1",
-          k, way, length));
+      throw std::invalid_argument(
+          fmt::format("pose {} of the track has a position at a distance of {} m and an attitude of length "
+                      "{}: positions must be finite and quaternions must have length 1",
+                      k, way, length));
   }
   for (std::size_t ping = 0; ping < ping_start_s_.size(); ++ping) {
     const double start_s = ping_start_s_[ping];
     if (!std::isfinite(start_s) || (ping > 0 && !(start_s > ping_start_s_[ping - 1])))
-      throw std::invalid_argument(
-          fmt::format("ping {} starts at {} s, must be finite and after the ping before it", ping, start_s));
+      throw std::invalid_argument(fmt::format(
+          "ping {} starts at {} s, but must start at a finite time after the previous ping", ping, start_s));
     if (!track_.holds(start_s))
       throw std::invalid_argument(
-          fmt::format("ping {} starts at {} s, when there is no pose: the track goes "
-                      "from {} s to {} s",
-                      ping, start_s, track_.begin_s(), track_.end_s()));
+          fmt::format("ping {} starts at {} s, but the track has poses from {} s to {} s only", ping, start_s,
+                      track_.begin_s(), track_.end_s()));
     ping_pose_.push_back(track_.at(start_s));
   }
 }
@@ -82,8 +81,8 @@ Pose VehicleMotion::at(std::size_t ping, double after_start_s) const {
 void VehicleMotion::check_lasts(double after_start_s) const {
   if (stop_and_hop_ || ping_start_s_.empty() || track_.holds(ping_start_s_.back() + after_start_s)) return;
   throw std::invalid_argument(
-      fmt::format("the last ping needs poses until {} s, the track ends at {} s: lengthen the trajectory, or "
-                  "let the vehicle stop and hop",
+      fmt::format("the last ping needs poses until {} s, but the track ends at {} s: lengthen the "
+                  "trajectory, or use the stop-and-hop approximation",
                   ping_start_s_.back() + after_start_s, track_.end_s()));
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Finds the engine and the settings that satisfy an error tolerance with the least work. It measures tubes
 // with each binning and rays with each sampling on probe pings, and predicts the error of all pings
-// (docs/advise.md).
+// (docs/accuracy-and-speed.md).
 #include "advice/advice.hpp"
 
 #include <fmt/format.h>
@@ -108,16 +108,16 @@ class RayLadder {
     while (!step(rays)) {
       const double needed = samples_for(ladder_, measure_, target_).value_or(0) / beams_;
       if (needed <= 0 && ladder_.size() >= patient_rungs)
-        return not_tried(rays, fmt::format("does not converge: {} at {:.0f} rays a beam",
+        return not_tried(rays, fmt::format("does not converge: {} at {:.0f} rays per beam",
                                            error_text(measure_, error()), rays));
       const double next = needed > 0 ? std::clamp(surplus * needed, shortest_step * rays, longest_step * rays)
                                      : longest_step * rays;
       if (const double seconds = seconds_for(ladder_, next * beams_); seconds > cap_ || next > most_rays) {
         if (needed > 0)
           return not_tried(std::max(needed, next),
-                           fmt::format("would need about {:.1e} rays a beam", std::max(needed, next)));
-        return not_tried(
-            rays, fmt::format("far from it at {:.0f} rays a beam: {}", rays, error_text(measure_, error())));
+                           fmt::format("would need about {:.1e} rays per beam", std::max(needed, next)));
+        return not_tried(rays, fmt::format("far above the tolerance at {:.0f} rays per beam: {}", rays,
+                                           error_text(measure_, error())));
       }
       rays = std::round(next);
     }
@@ -305,13 +305,13 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
 }
 
 std::string left_out_by(const RunRequest& run) {
-  if (run.engine == Engine::ray) return "everything between rays";
+  if (run.engine == Engine::ray) return "surfaces between rays";
   if (run.binning == Binning::spread)
-    return "range cuts inside footprints: each footprint's energy is the law's at its centroid, spread "
-           "evenly "
-           "over its slant ranges";
+    return "borders of range bins inside footprints (the scattering model at its centroid gives the energy "
+           "of a footprint, uniform over its slant ranges)";
   if (run.binning == Binning::centroid)
-    return "range cuts inside footprints: each footprint's energy sits in the sample of its centroid";
+    return "borders of range bins inside footprints (the energy of a footprint is in the range bin of its "
+           "centroid)";
   return "nothing";
 }
 

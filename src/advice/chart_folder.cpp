@@ -24,8 +24,9 @@ void write_pictures_of(const std::filesystem::path& folder, const std::string& s
 
 std::string chart_origin(const std::string& program, const std::string& pings, int repeats) {
   return fmt::format(
-      "Made by {}, version {}: pings {} of each scene's first sensor, one thread, median of {} runs. The "
-      "reference is certified (docs/reference.md); trees are built beforehand.",
+      "Made by {}, version {}: pings {} of the first sensor of each scene, one thread, median of {} runs. "
+      "The reference is certified (docs/reference-results.md). Times do not include the construction of "
+      "trees.",
       program, TUBEFOOT_VERSION, pings, repeats);
 }
 

@@ -70,9 +70,9 @@ EngineSetting tube_setting(Binning binning) {
 
 EngineSetting ray_setting(RaySampling sampling, std::int64_t rays_per_beam, std::size_t beams) {
   EngineSetting s;
-  s.engine = sampling == RaySampling::column ? "rays, one column a beam"
+  s.engine = sampling == RaySampling::column ? "rays, one column per beam"
                                              : fmt::format("rays, {}", name_of(sampling));
-  s.setting = fmt::format("{} a beam", rays_per_beam);
+  s.setting = fmt::format("{} per beam", rays_per_beam);
   s.run.engine = Engine::ray;
   s.run.rays.sampling = sampling;
   s.run.rays.rays = rays_per_beam;

@@ -21,16 +21,16 @@ void print_advice(const Advice& advice) {
   for (const LookedAt& s : advice.sensors) {
     tell("predicted on   {}\n", pings_text(s.sensor, s.probes, s.pings));
     if (s.others_are_probes)
-      tell("measured on    {}: there are no others, so only the rays' seed is new\n",
+      tell("measured on    {}; there are no other pings, so only the seed of the rays differs\n",
            pings_text(s.sensor, s.others, s.pings));
     else
       tell("measured on    {}\n", pings_text(s.sensor, s.others, s.pings));
   }
   for (const std::string& name : advice.silent)
-    tell("note           {} receives nothing on these pings: only exact binning was tried\n", name);
+    tell("note           {} receives nothing in these pings, so only exact binning was tested\n", name);
   tell("\n{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "predicted", "seconds", "measured", "seconds",
        "within");
-  tell("{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "error", "a ping", "error", "a ping",
+  tell("{:<44} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "error", "per ping", "error", "per ping",
        to_text(advice.tolerance));
   for (const Candidate& c : advice.candidates) {
     const std::string name = fmt::format("{}, {}", c.setting.engine, c.setting.setting);
@@ -46,12 +46,11 @@ void print_advice(const Advice& advice) {
       tell("{:>10} {:>10}  no: {}\n", "-", "-", c.note);
   }
   tell(
-      "\nPredicted: {:g} % confidence limit from the spread of the probe pings, at least {:g} times their "
-      "error. "
-      "Processor seconds of one thread, loading not counted.\n",
+      "\nThe predicted error is a {:g} % confidence limit from the spread of the trial pings, and at least "
+      "{:g} times their error. Seconds are processor time of one thread without loading.\n",
       100 * error_limit_confidence, least_margin);
   tell("cheapest       {}, {}\n", advice.best().setting.engine, advice.best().setting.setting);
-  tell("left out       {}\n", left_out_by(advice.best().setting.run));
+  tell("neglected      {}\n", left_out_by(advice.best().setting.run));
   tell("options        {}\n", command_options(advice.best().setting.run));
 }
 

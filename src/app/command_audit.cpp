@@ -60,7 +60,7 @@ int audit_command(const AuditOptions& options) {
   const auto fail = [&](const Transmission& transmission, const std::string& what, double defect,
                         const char* whole) {
     if (++failures <= 10)
-      say("sensor '{}', ping {}, transmission {}, {}: off by {:.3e} of {}\n",
+      say("sensor '{}', ping {}, transmission {}, {}: the areas differ by {:.3e} of {}\n",
           transmission.pings().sensor->description().name, transmission.ping(), transmission.number(), what,
           defect, whole);
     worst = std::max(worst, std::abs(defect));
@@ -83,7 +83,8 @@ int audit_command(const AuditOptions& options) {
       shared_facets += shared.pieces > 0;
       shared_pieces += shared.pieces;
       hash += shared.hash;
-      if (!shared.closes) fail(transmission, fmt::format("what {} see", who), shared.defect, "a facet");
+      if (!shared.closes)
+        fail(transmission, fmt::format("common visibility of {}", who), shared.defect, "a facet");
     }
   };
   const auto add_paths = [&](const Transmission& transmission, const PathAudit& paths) {
@@ -92,12 +93,12 @@ int audit_command(const AuditOptions& options) {
     pairs += paths.pairs;
     for (const ImageAudit& image : paths.images) {
       const std::string whose =
-          fmt::format("{}'s image in {} mirror{}", image.of_receiver ? "receiver" : "transmitter",
+          fmt::format("image of the {} in {} mirror{}", image.of_receiver ? "receiver" : "transmitter",
                       image.mirrors, image.mirrors == 1 ? "" : "s");
       add_tubes(transmission, (whose + ", ").c_str(), image.windows);
       if (!image.fills())
         fail(transmission, whose + ", windows", (image.windows_sr - image.mirror_sr) / image.mirror_sr,
-             "what is seen of the mirror");
+             "the visible part of the mirror");
     }
     add_shared(transmission, "two images", paths.shared);
   };
@@ -134,7 +135,7 @@ int audit_command(const AuditOptions& options) {
     tell("shared pieces  {}\n", shared_pieces);
   }
   tell("failures       {}\n", failures);
-  if (failures > 0) tell("worst defect   {:.3e} of its {}\n", worst, has_shared ? "tube or facet" : "tube");
+  if (failures > 0) tell("worst defect   {:.3e} of the {}\n", worst, has_shared ? "tube or facet" : "tube");
   tell("topology hash  {}\n", hash.hex());
   return failures == 0 ? 0 : 1;
 }

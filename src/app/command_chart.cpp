@@ -48,8 +48,9 @@ int chart_command(const ChartOptions& options) {
     TrialScene scene(description, count ? first_pings(*count) : chosen_pings(pings),
                      chart_reference_tolerance);
     if (!names.insert(scene.name()).second)
-      throw UsageError(
-          fmt::format("two scenes are called '{}': the chart could not tell them apart", scene.name()));
+      throw UsageError(fmt::format(
+          "two scenes have the name '{}', so the chart cannot distinguish them: rename a file or its folder",
+          scene.name()));
     const std::vector<Trial> own =
         all_trials(scene, builtin_settings(scene.beams()), options.repeats,
                    {.seconds = options.seconds_per_trial}, [&] { progress.step(); });
@@ -59,7 +60,8 @@ int chart_command(const ChartOptions& options) {
               chart_origin("<code>tubefoot chart</code>", count ? fmt::format("0:{}", *count - 1) : pings,
                            options.repeats));
   output.commit();
-  tell("{:<22} {:<14} {:>14} {:>14} {:>14}\n", "scene", "in", "rays/tubes", "rays/tubes", "rays cheaper");
+  tell("{:<22} {:<14} {:>14} {:>14} {:>14}\n", "scene", "measured in", "rays/tubes", "rays/tubes",
+       "rays cheaper");
   tell("{:<22} {:<14} {:>14} {:>14} {:>14}\n", "", "", "at 0.1 dB RMS", "at 1e-3 L1", "above L1 of");
   bool extrapolated = false;
   for (const std::string& scene : scenes_of(trials))
@@ -68,7 +70,7 @@ int chart_command(const ChartOptions& options) {
       print_verdict(v);
       extrapolated |= v.db_extrapolated || v.l1_extrapolated;
     }
-  if (extrapolated) tell("* beyond the finest ray setting tried, along its fitted order\n");
+  if (extrapolated) tell("* extrapolated beyond the finest tested number of rays, along the fitted order\n");
   tell("wrote {}\n", (options.output / "index.html").string());
   tell("wrote {}\n", (options.output / "chart.csv").string());
   return 0;

@@ -54,7 +54,7 @@ void print_components(const Scene& scene) {
 /// Prints the position of the frame on Earth.
 void print_frame(const Scene& scene) {
   if (!scene.frame.is_georeferenced()) {
-    tell("frame          local metres, with no place on Earth\n");
+    tell("frame          local, in metres, without a position on Earth\n");
     return;
   }
   glm::dvec3 origin(0);
@@ -65,7 +65,7 @@ void print_frame(const Scene& scene) {
 /// Prints the placement of each object relative to the seabed.
 void print_standings(const std::vector<SeabedPlacement>& placements) {
   constexpr std::size_t most_listed = 50;
-  if (!placements.empty()) tell("\n{:<24} how it stands to the bed\n", "object");
+  if (!placements.empty()) tell("\n{:<24} placement relative to the seabed\n", "object");
   for (std::size_t i = 0; i < std::min(placements.size(), most_listed); ++i)
     tell("{:<24} {}\n", shown_line(placements[i].object), placements[i].words);
   if (placements.size() > most_listed) tell("and {} more objects\n", placements.size() - most_listed);
@@ -79,7 +79,7 @@ void print_places(const Scene& scene, const SensorPings& pings, const Trajectory
     return fmt::format("east {:.2f}, north {:.2f}, up {:.2f} m{}", at_m.x, at_m.y, at_m.z,
                        scene.description.terrains.empty() ? std::string()
                        : std::isnan(altitude_m)           ? std::string(" (no terrain below)")
-                                                : fmt::format(" ({:.4g} m over the bed)", altitude_m));
+                                                : fmt::format(" ({:.4g} m above the seabed)", altitude_m));
   };
   const std::size_t last = pings.times_s.size() - 1;
   tell("               {}{}\n", place(0), last > 0 ? fmt::format(", to {}", place(last)) : std::string());
@@ -92,7 +92,7 @@ void print_places(const Scene& scene, const SensorPings& pings, const Trajectory
 void print_fineness(const Scene& scene) {
   for (const ComponentReport& c : scene.report.components)
     if (c.fineness.chord_error_m > 0)
-      tell("{}: facets have the curved surface's area and are within {} of it ({})\n", c.name,
+      tell("{}: the facets have the area of the curved surface and are within {} of it ({})\n", c.name,
            length_text(c.fineness.chord_error_m), c.fineness.from);
 }
 
@@ -152,7 +152,7 @@ void print_tiles(const Scene& scene) {
          tiles.rows(), TerrainTiles::cells_a_side, TerrainTiles::cells_a_side);
     comma = ",";
   }
-  tell(", read where pings look (area: not measured)\n");
+  tell(", loaded where pings need them (area not measured)\n");
 }
 
 /// Sums over the probed pings.
@@ -206,7 +206,7 @@ void print_cost(const Survey& survey, RunRequest request, int threads, bool quie
     std::string names;
     for (const std::size_t s : group.sensors)
       names += (names.empty() ? "" : ", ") + survey.sensors[s].sensor->description().name;
-    told += fmt::format("  {}: about {} candidates and {} footprints a ping, {:.3g} ms\n", names,
+    told += fmt::format("  {}: about {} candidate facets and {} footprints per ping, {:.3g} ms\n", names,
                         sum.candidates / sum.pings, sum.footprints / sum.pings, per_ping * 1e3);
     seconds += per_ping * static_cast<double>(pings);
     largest_travel_path_error_m = std::max(largest_travel_path_error_m, sum.largest_travel_path_error_m);
@@ -215,20 +215,19 @@ void print_cost(const Survey& survey, RunRequest request, int threads, bool quie
   tell("{}", told);
   if (scene.water->refracts()) {
     const std::optional<double> requested_m = scene.description.water.travel_path_error_m;
-    tell("refraction     in these pings facets are within {} of where they are seen{}\n",
+    tell("refraction     the largest travel-path error in these pings is {}{}\n",
          length_text(largest_travel_path_error_m),
-         requested_m ? fmt::format(", asked: {}", length_text(*requested_m)) : std::string());
+         requested_m ? fmt::format(", requested: {}", length_text(*requested_m)) : std::string());
   }
   tell(
-      "expected cost  {} for all pings with the tube engine, {} arithmetic, {} threads (measured on up "
-      "to 3 "
-      "pings a sensor), then about {} for writing files\n",
+      "expected cost  {} for all pings with the tube engine, {} arithmetic, {} threads (measured on up to 3 "
+      "pings per sensor), then about {} for writing files\n",
       duration_text(seconds), name_of(request.visibility.arithmetic), threads,
       duration_text(writing.seconds_on(threads)));
   double bytes = 0;
   for (const StoreLayout::Sensor& sensor : layout_of(survey, request).sensors)
     bytes += 8.0 * static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells);
-  tell("expected disk  {} for energies while it runs, and at most about {} for the result\n",
+  tell("expected disk  {} for energies during the run, and at most about {} for the result\n",
        size_text(bytes), size_text(writing.bytes));
 }
 
@@ -239,7 +238,8 @@ int check_command(const CheckOptions& options) {
   std::optional<OutputFile> picture;
   if (options.picture) {
     if (options.picture->extension() != ".png")
-      throw UsageError(fmt::format("'{}': a picture is written as .png", options.picture->string()));
+      throw UsageError(
+          fmt::format("'{}': the name of a picture must end in .png", options.picture->string()));
     picture.emplace(*options.picture, inputs_of(description));
   }
   const ThreadLimit limit(description.run.threads);
@@ -278,30 +278,29 @@ int check_command(const CheckOptions& options) {
   if (survey->loaded_scene->is_tiled())
     print_tiles(scene);
   else
-    tell(
-        "\nfacets         {} ({} degenerate, {} duplicate, {} that no half-edge mesh takes; all take part)\n",
-        scene.mesh.facets.size(), scene.report.mesh.degenerate_facets, scene.report.mesh.duplicate_facets,
-        refused);
+    tell("\nfacets         {} ({} degenerate, {} duplicate, {} non-manifold; the simulation uses all)\n",
+         scene.mesh.facets.size(), scene.report.mesh.degenerate_facets, scene.report.mesh.duplicate_facets,
+         refused);
   if (survey->loaded_scene->relief.cell_m > 0)
     tell("relief         {}, cells of {}: {}{} unrefined facets\n", description.refinement.mode,
          length_text(survey->loaded_scene->relief.cell_m),
          survey->loaded_scene->is_tiled()
-             ? "of tiles, some of "
-             : fmt::format("{} facets of ", survey->loaded_scene->relief.uniform_facets),
+             ? "the tiles in use, from "
+             : fmt::format("{} facets from ", survey->loaded_scene->relief.uniform_facets),
          survey->loaded_scene->relief.base_facets);
   if (!survey->loaded_scene->is_tiled()) tell("vertices       {}\n", scene.mesh.vertices.size());
   tell("grid unit      2^-{} m = {}\n", scene.grid.exponent(), length_text(scene.grid.unit_m()));
   if (!survey->loaded_scene->is_tiled())
     tell("largest snap   {}\n", length_text(scene.report.mesh.largest_snap_m));
   if (scene.water->refracts())
-    tell("water          refracts: profile \"{}\" of {} points\n", description.water.profile,
+    tell("water          stratified: profile \"{}\" with {} points\n", description.water.profile,
          scene.water->profile().points().size());
   else
     tell("water          {:.2f} m/s\n", scene.sound_speed_m_s);
   if (survey->loaded_scene->is_tiled())
-    tell("loading        {:.2f} s to look at all tiles once\n\n", survey->loaded_scene->load_seconds);
+    tell("loading        {:.2f} s to read all tiles once\n\n", survey->loaded_scene->load_seconds);
   else
-    tell("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes a facet\n\n",
+    tell("loading        {:.2f} s, tree {:.2f} s, {:.0f} bytes per facet\n\n",
          survey->loaded_scene->load_seconds, survey->loaded_scene->tree_seconds,
          (static_cast<double>(survey->loaded_scene->tree->bytes()) +
           static_cast<double>(scene.mesh.vertices.size() * sizeof(GridPoint)) +
@@ -313,16 +312,16 @@ int check_command(const CheckOptions& options) {
     const Sensor& sensor = *pings.sensor;
     const RangeSamples& samples = sensor.samples();
     tell(
-        "sensor         {}: {} pings{}, {} beams, {} samples from {:g} to {:g} m, {:g} kHz, absorption "
-        "{:.1f} "
-        "dB/km\n",
+        "sensor         {}: {} pings{}, {} beams, {} range bins from {:g} to {:g} m, {:g} kHz, absorption "
+        "{:.1f} dB/km\n",
         sensor.description().name, pings.times_s.size(),
         pings.line_starts.empty() ? "" : fmt::format(" on {} lines", pings.line_starts.size()),
         sensor.beams().size(), samples.count, samples.first_m,
         samples.first_m + samples.step_m * samples.count, sensor.frequency_khz(),
         1000 * absorption_db_per_m(scene, sensor));
     print_places(scene, pings, scene.trajectories[scene.sensor_trajectory[s]]);
-    if (pings.water) tell("               {:.2f} m/s where it is first\n", pings.sound_speed_m_s);
+    if (pings.water)
+      tell("               sound speed {:.2f} m/s at the first position\n", pings.sound_speed_m_s);
   }
   print_cost(*survey, request, limit.threads(), options.quiet);
   if (picture) tell("wrote {}\n", options.picture->string());

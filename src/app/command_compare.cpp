@@ -2,7 +2,7 @@
 // The command `compare`. It compares the echoes of two files bin by bin. Options fit gain and range
 // dependence, apply an output model, diagnose systematic errors and attribute errors to objects. One option
 // computes the sampling error of a perfect engine. The command prints the results and writes JSON, PNG or
-// HTML (docs/compare.md).
+// HTML (docs/compared-figures.md).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,45 +40,45 @@ std::string made_by(const Provenance& provenance) {
   std::string words;
   for (const std::string& word : {provenance.engine, provenance.arithmetic, provenance.version})
     if (!word.empty()) words += (words.empty() ? "" : " ") + word;
-  return words.empty() ? "does not say what computed it" : shown_line(words);
+  return words.empty() ? "unknown engine" : shown_line(words);
 }
 
 void print_first_return(const FirstReturnErrors& first) {
   if (first.in_both > 0) {
-    tell("  first return             {:+.3g} m on average, {:.3g} m ({:.3g} samples) without sign\n",
+    tell("  first return             mean {:+.3g} m, mean magnitude {:.3g} m ({:.3g} range bins)\n",
          first.mean_m, first.mean_absolute_m, first.mean_absolute_samples);
     if (first.largest_samples != 0)
-      tell("                           at worst {:+.3g} m ({:+} samples) at ping {}, beam {}\n",
+      tell("                           largest {:+.3g} m ({:+} range bins) at ping {}, beam {}\n",
            first.largest_m, first.largest_samples, first.largest_at.ping, first.largest_at.beam);
   }
   tell(
-      "  beams with a return      {} on both sides, {} only in the reference, {} only in the candidate, "
-      "{} on neither\n",
+      "  beams with a return      {} in both files, {} only in the reference, {} only in the candidate, {} "
+      "in neither\n",
       first.in_both, first.only_in_reference, first.only_in_candidate, first.in_neither);
 }
 
 void print_sensor(const SensorErrors& sensor, const SensorFit* fit) {
   const SensorEchoes& reference = *sensor.pair.reference;
   const EchoErrors& errors = sensor.errors;
-  tell("\n{}: {} pings x {} beams x {} samples\n", shown_line(reference.name), reference.pings,
+  tell("\n{}: {} pings x {} beams x {} range bins\n", shown_line(reference.name), reference.pings,
        reference.beams, reference.samples);
   if (fit) tell("{}", fit_text(*fit));
   tell("  relative L1 error        {:.3g}\n", errors.l1);
-  tell("  RMS error of lit bins    {:.3g} dB\n", errors.rms_db);
+  tell("  RMS error of echo bins   {:.3g} dB\n", errors.rms_db);
   tell("  total energy ratio       {:.6g} ({:+.3g} dB)\n", errors.energy_ratio,
        10 * std::log10(errors.energy_ratio));
-  tell("  empty where lit          {} of {} lit bins (above {:.3g} J/m2)\n", errors.empty_where_lit,
+  tell("  missing echoes           {} of {} echo bins (above {:.3g} J/m2)\n", errors.empty_where_lit,
        errors.lit_bins, errors.lit_threshold_j);
-  tell("  lit where shadow         {} of {} shadow bins\n", errors.lit_where_shadow, errors.shadow_bins);
+  tell("  echoes in shadows        {} of {} shadow bins\n", errors.lit_where_shadow, errors.shadow_bins);
   if (fit) tell("{}", unitless_text(unitless_errors(echo_pair(sensor.pair))));
   print_first_return(errors.first_return);
   if (const auto& bound = errors.within_bound)
     tell(
-        "  the reference's bound    {:.3g} of its energy; explains {:.3g} % of the difference; holds "
+        "  bound of the reference   {:.3g} of its energy; explains {:.3g} % of the difference; contains "
         "{:.3g} % of the bins\n",
         bound->bound_l1, 100 * bound->share_of_difference, 100 * bound->share_of_bins);
   else
-    tell("  the reference's bound    not known: the reference has no energy_bound\n");
+    tell("  bound of the reference   unknown, because the reference has no energy_bound\n");
   if (errors.worst.empty()) return;
   tell("  worst bins {:>6} {:>6} {:>7} {:>11} {:>13} {:>13} {:>11} {:>14}\n", "ping", "beam", "sample",
        "range (m)", "ref. (J/m2)", "cand. (J/m2)", "error (dB)", "of difference");
@@ -107,8 +107,8 @@ std::size_t worst_ping(const EchoPairs::Sensor& pair) {
 Canvas picture_of(const std::vector<SensorErrors>& sensors, const EchoContents& reference,
                   const EchoContents& candidate) {
   if (label_font().empty())
-    say("warning: the picture has no labels: no font was found (on Debian, install "
-        "fonts-dejavu-core)\n");
+    say("warning: the picture has no labels, because no font was found: on Debian, install "
+        "fonts-dejavu-core\n");
   std::vector<ComparedEchoes> drawn;
   drawn.reserve(sensors.size());
   for (const auto& [pair, errors] : sensors)
@@ -154,7 +154,8 @@ std::string page_of(const CompareOptions& options, const nlohmann::ordered_json&
       "weaker.";
   for (const Diagnosis& diagnosis : diagnoses)
     if (diagnosis.has("level") || diagnosis.has("range-law")) {
-      caption += " Gain and law of range are as they came: --fit gain,range shows what is left without them.";
+      caption +=
+          " Gain and range dependence are not corrected; --fit gain,range shows the remaining difference.";
       break;
     }
   return report_page({figures, picture.screen_png("tubefoot compare"), caption, files, command_of(options)});
@@ -172,12 +173,12 @@ struct Outputs {
     if (options.png) png.emplace(*options.png, inputs);
     if (options.html) html.emplace(*options.html, inputs);
     if (to_file && options.png && same_file(*options.json, *options.png))
-      throw UsageError("--json and --png name the same file");
+      throw UsageError("--json and --png name the same file: choose different names");
     if (options.html && ((to_file && same_file(*options.json, *options.html)) ||
                          (options.png && same_file(*options.png, *options.html))))
-      throw UsageError("--html and --json or --png name the same file");
+      throw UsageError("--html and --json or --png name the same file: choose different names");
     if (options.png && options.png->extension() != ".png")
-      throw UsageError(fmt::format("'{}': a picture is written as .png", options.png->string()));
+      throw UsageError(fmt::format("'{}': the name of a picture must end in .png", options.png->string()));
   }
 };
 
@@ -187,9 +188,7 @@ int compare_command(const CompareOptions& options) {
   const std::optional<BeamSampling> sampling = options.ideal ? beam_sampling(*options.ideal) : std::nullopt;
   if (sampling && !options.scene)
     throw UsageError(
-        fmt::format("--ideal {} asks for a perfect engine's picture of the scene: name it with "
-                    "--scene",
-                    *options.ideal));
+        fmt::format("--ideal {} needs the scene of the reference: add --scene FILE", *options.ideal));
   std::optional<SceneDescription> description;
   if (options.scene) description = described({*options.scene, {}, {}, options.confined, options.quiet});
   Outputs outputs(options, description ? inputs_of(*description) : Inputs{});
@@ -307,7 +306,7 @@ int compare_command(const CompareOptions& options) {
     if (!geometries.empty()) tell("{}", geometry_text(pairs.sensors[k], geometries[k]));
   }
   if (options.within_l1 || options.within_db)
-    tell("\n{}\n", held ? "within the allowed error" : "BEYOND the allowed error");
+    tell("\n{}\n", held ? "within the allowed error" : "ABOVE the allowed error");
   if (options.json) tell("wrote {}\n", *options.json);
   if (options.png) tell("wrote {}\n", options.png->string());
   if (options.html) tell("wrote {}\n", options.html->string());

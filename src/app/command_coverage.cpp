@@ -17,12 +17,12 @@ void print(const CoverageTotals& totals, std::size_t scene_facets, std::size_t p
     tell("{:<15}{:.6g} m2 ({:.2f} %)\n", what, m2, totals.area > 0 ? 100 * m2 / totals.area : 0.0);
   };
   tell("pings          {}\n", pings);
-  tell("facets         {} in a sector, of {}: {} seen whole, {} not at all\n", totals.facets, scene_facets,
-       totals.seen_whole, totals.never_seen);
-  tell("closes         {} facets of {}\n", totals.closed, totals.facets);
+  tell("facets         {} in a sector, of {} in the scene: {} fully visible, {} hidden\n", totals.facets,
+       scene_facets, totals.seen_whole, totals.never_seen);
+  tell("closure        {} of {} facets\n", totals.closed, totals.facets);
   tell("area           {:.6g} m2\n", totals.area);
-  line("seen", totals.seen);
-  line("never seen", totals.by_pings.count(0) ? totals.by_pings.at(0) : 0.0);
+  line("visible", totals.seen);
+  line("never visible", totals.by_pings.count(0) ? totals.by_pings.at(0) : 0.0);
   line("  in a shadow", totals.shadow);
   constexpr std::size_t most_lines = 12;
   std::size_t lines = 0;
@@ -30,11 +30,11 @@ void print(const CoverageTotals& totals, std::size_t scene_facets, std::size_t p
   for (const auto& [times, m2] : totals.by_pings) {
     if (times == 0) continue;
     if (++lines <= most_lines)
-      line(fmt::format("  by {}", times).c_str(), m2);
+      line(fmt::format("  in {} ping{}", times, times == 1 ? "" : "s").c_str(), m2);
     else
       more += m2;
   }
-  if (lines > most_lines) line("  by more", more);
+  if (lines > most_lines) line("  more pings", more);
 }
 
 }  // namespace

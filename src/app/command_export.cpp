@@ -25,7 +25,7 @@ int export_command(const ExportOptions& options) {
     for (const std::string& line : scene.left_out) say("left out: {}\n", line);
     for (const std::string& line : written.notes) say("different: {}\n", line);
   }
-  tell("wrote {} ({} triangles in {} pieces, {} sonars; README.txt has axes, poses and what is left out)\n",
+  tell("wrote {} ({} triangles in {} pieces, {} sonars; README.txt describes axes, poses and omissions)\n",
        (options.output / written.files.front()).string(), scene.triangles(), scene.pieces.size(),
        scene.sonars.size());
   return 0;

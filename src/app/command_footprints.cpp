@@ -30,9 +30,11 @@ struct Places {
   Places(const FootprintOptions& options, const Inputs& inputs) {
     const bool only_exact = options.output.extension() == ".txt";
     if (only_exact && options.rationals)
-      throw UsageError("-o with the ending .txt writes what --rationals does: leave one of them out");
+      throw UsageError(
+          "-o with the suffix .txt already writes the exact corners: leave out --rationals, or choose "
+          "another suffix");
     if (options.rationals && same_file(*options.rationals, options.output))
-      throw UsageError("-o and --rationals name the same file");
+      throw UsageError("-o and --rationals name the same file: choose different names");
     if (!only_exact) columns.emplace(options.output, inputs);
     if (only_exact || options.rationals)
       exact.emplace(only_exact ? options.output : *options.rationals, inputs);
@@ -100,13 +102,13 @@ int footprints_command(const FootprintOptions& options) {
   const PingRange range = resolved(options.pings, pings.times_s.size());
   const std::vector<std::uint32_t> beams = resolved_beams(options.beams, pings.sensor->beams().size());
   if (description.paths.scatterings > 1)
-    print_warnings({"footprints are those of what is scattered once: what second scatterings add is in the "
-                    "energies of 'run' only"},
-                   options.quiet);
+    print_warnings(
+        {"footprints contain single scattering only; 'run' adds the energies of second scattering"},
+        options.quiet);
   if (places.exact && description.paths.order > 1)
-    print_warnings({"exact corners are those of paths of order 1: footprints over mirrors are in the other "
-                    "formats"},
-                   options.quiet);
+    print_warnings(
+        {"exact corners cover paths of order 1 only; the other formats also contain footprints over mirrors"},
+        options.quiet);
 
   Files files(places, make, transmissions, index);
   std::size_t count = 0;
@@ -121,11 +123,10 @@ int footprints_command(const FootprintOptions& options) {
   }
   files.close();
   if (files.facets_of_several_rays() > 0)
-    print_warnings(
-        {fmt::format("several rays lead to {} facets: their footprints are of the first to arrive, and "
-                     "'energy_j' is less than the echo's, which has all",
-                     files.facets_of_several_rays())},
-        options.quiet);
+    print_warnings({fmt::format("several rays lead to {} facets; their footprints use the first arrival "
+                                "only, so 'energy_j' is less than the energy of the echo",
+                                files.facets_of_several_rays())},
+                   options.quiet);
   tell("wrote {} ({} {})\n", options.output.string(), count, files.counted());
   if (options.rationals) tell("wrote {} (exact corners)\n", options.rationals->string());
   return 0;

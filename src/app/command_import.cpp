@@ -29,14 +29,14 @@ constexpr std::size_t longest_list = 1 << 14;
 std::string list_of(const std::vector<Original>& originals) {
   std::string list;
   for (const auto& [name, hash] : originals) list += fmt::format("{}  {}\n", hash, name);
-  return list.size() <= longest_list ? list : fmt::format("{} files: list.txt has them\n", originals.size());
+  return list.size() <= longest_list ? list : fmt::format("{} files, listed in list.txt\n", originals.size());
 }
 
 }  // namespace
 
 int import_command(const ImportOptions& options) {
   if (options.output.extension() != ".nc")
-    throw UsageError(fmt::format("'{}': an echo file is written as .nc", options.output.string()));
+    throw UsageError(fmt::format("'{}': the name of an echo file must end in .nc", options.output.string()));
   const std::vector<std::filesystem::path> files = files_in_order(options.results);
   std::optional<std::filesystem::path> azimuths;
   if (options.azimuths.ends_with(".csv")) azimuths = options.azimuths;
@@ -46,7 +46,7 @@ int import_command(const ImportOptions& options) {
   if (options.scene) {
     scene = read_scene_file(*options.scene, options.confined);
     if (!options.sensor && scene->sensors.size() > 1)
-      throw UsageError(fmt::format("{} has {} sensors: say with --sensor of which the pictures are",
+      throw UsageError(fmt::format("{} has {} sensors: choose the sensor of the pictures with --sensor",
                                    options.scene->string(), scene->sensors.size()));
     const Inputs of_scene = inputs_of(*scene);
     inputs.insert(inputs.end(), of_scene.begin(), of_scene.end());
@@ -83,11 +83,11 @@ int import_command(const ImportOptions& options) {
   originals.commit();
   output.commit();
   for (const std::string& words : result.warnings) say("warning: {}\n", words);
-  if (options.output_model) tell("tested in the measure of {}\n", options.output_model->string());
+  if (options.output_model) tell("tested in the units of {}\n", options.output_model->string());
   for (const std::string& words : result.told) tell("read      {}\n", words);
   for (const std::string& words : result.found) tell("found     {}\n", words);
   const CandidateEchoes& candidate = result.candidate;
-  tell("wrote {}: {} pings x {} beams x {} samples; originals in {}\n", options.output.string(),
+  tell("wrote {}: {} pings x {} beams x {} range bins; originals in {}\n", options.output.string(),
        candidate.pings, candidate.axes.beams.count(), candidate.axes.samples.count(),
        originals.path().string());
   return 0;

@@ -17,7 +17,7 @@ int import_scene_command(const ImportSceneOptions& options) {
   output.commit();
   if (!options.quiet)
     for (const std::string& line : scene.noticed) say("{}\n", line);
-  tell("wrote {} ({} objects, {} sonars; {} things were noticed)\n", (options.output / "scene.toml").string(),
+  tell("wrote {} ({} objects, {} sonars; {} notes)\n", (options.output / "scene.toml").string(),
        scene.objects.size(), scene.sensors.size(), scene.noticed.size());
   return 0;
 }

@@ -65,7 +65,7 @@ CLI::Validator echoes_of_run() {
 }
 
 void add_common(CLI::App& command, CommonOptions& options, const std::string& group) {
-  command.add_option("SCENE", options.scene, "scene file (docs/scene-file.md)")->required();
+  command.add_option("SCENE", options.scene, "scene file (docs/scene-keys.md)")->required();
   command
       .add_option("--arithmetic", options.arithmetic,
                   "number type of exact visibility (default: 'arithmetic' of the scene)")
@@ -190,12 +190,12 @@ int obeyed(int argc, char** argv) {
   formatter->column_width(16);
   app.formatter(formatter);
   app.footer(
-      "Exit status:\n  0  done\n  1  the run failed\n  2  the input or the command line is wrong\n"
-      "  3  a comparison found more error than was allowed");
+      "Exit status:\n  0  done\n  1  the run failed\n  2  the input or the command line is wrong\n  3  a "
+      "comparison found a larger error than allowed");
   CommandOptions requested;
   for (const auto add : {add_run, add_join, add_check, add_audit, add_footprints, add_coverage, add_strength,
                          add_view, add_refine, add_export, add_import_scene, add_compare, add_import,
-                         add_chart, add_advise, add_presets, add_suite})
+                         add_chart, add_advise, add_presets, add_keys, add_suite})
     add(app, requested);
   std::vector<std::string> words = present_words(argc, argv);
   if (!has_command(app, words)) return wrong_input;

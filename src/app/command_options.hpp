@@ -28,6 +28,7 @@ struct CommandOptions {
   ChartOptions chart;
   AdviseOptions advise;
   PresetsOptions presets;
+  KeysOptions keys;
   SuiteOptions suite;
   std::function<int()> command;
 };
@@ -65,6 +66,7 @@ void add_view(CLI::App& app, CommandOptions& requested);
 void add_refine(CLI::App& app, CommandOptions& requested);
 void add_export(CLI::App& app, CommandOptions& requested);
 void add_presets(CLI::App& app, CommandOptions& requested);
+void add_keys(CLI::App& app, CommandOptions& requested);
 
 // Commands that compare results or import those of other programs (options_of_validation.cpp).
 void add_import_scene(CLI::App& app, CommandOptions& requested);

@@ -26,7 +26,7 @@ int refine_command(const RefineOptions& options) {
   const RefinedMesh seabed = refined_seabed(scene, *surface_mesh);
   write_refined_seabed(output.path(), seabed, scene, *surface_mesh);
   output.commit();
-  tell("wrote {} ({} facets of {})\n", options.output.string(), seabed.mesh.facets.size(),
+  tell("wrote {} ({} facets from {})\n", options.output.string(), seabed.mesh.facets.size(),
        scene.mesh.facets.size());
   return 0;
 }

@@ -40,10 +40,9 @@ nlohmann::ordered_json json_of(const Advice& advice, double seconds) {
       {"seconds_a_probe_ping", best.predicted_seconds},
       {"left_out", left_out_by(best.setting.run)},
       {"estimated_error", best.predicted_error},
-      {"estimate",
-       fmt::format("measured, not certified: {:g} % confidence limit from the spread of the probe "
-                   "pings, against exact cuts",
-                   100 * error_limit_confidence)},
+      {"estimate", fmt::format("measured, not certified: {:g} % confidence limit from the spread of the "
+                               "trial pings, relative to exact cuts",
+                               100 * error_limit_confidence)},
       {"error_text", error_text(advice.tolerance.measure, best.predicted_error)},
       {"seconds_of_advice", seconds}};
   for (const LookedAt& s : advice.sensors) json["probe_pings"][s.sensor] = s.probes;
@@ -74,7 +73,7 @@ std::vector<Recording> simulate_all(RunInProgress& run, const Survey& survey, Pa
   const bool quiet = run.options.quiet;
   const std::shared_ptr<PingStore> store = partial.open(layout_of(survey, run.request), run.identity);
   run.kept_pings = store->done_units();
-  if (run.kept_pings > 0 && !quiet) say("going on after {} finished pings\n", run.kept_pings);
+  if (run.kept_pings > 0 && !quiet) say("continuing after {} finished pings\n", run.kept_pings);
   partial.keep_through([&] {
     if (lead)
       lead->simulate(survey, run.request, *store, quiet, run.threads, run.expected_write_seconds);
@@ -93,16 +92,14 @@ int run_part(const RunOptions& options) {
   if (is_later_rank()) return 0;  // the first rank reports errors
   if (is_one_of_several_ranks())
     throw UsageError(
-        "--shard is for processes that know nothing of each other, and mpirun shares a run among its own: "
-        "leave "
-        "out --shard, or start each part by itself");
+        "--shard is for independent processes, but mpirun divides one run among its processes: leave out "
+        "--shard, or start each shard separately");
   SceneDescription description = described(options);
   const RunRequest request = requested(options, description);
   if (request.tolerance)
     throw UsageError(
-        "--tolerance measures which settings are the cheapest, and parts could find different ones: let "
-        "'tubefoot "
-        "advise' find them once, and give them to all parts");
+        "--tolerance could select different settings for each shard: find the settings once with 'tubefoot "
+        "advise', and use them for all shards");
   // Rejects before the computation what join would reject.
   std::optional<OutputFolder> output(std::in_place, options.output, inputs_of(description));
   RunPart part(options, request_json(description, request));

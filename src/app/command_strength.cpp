@@ -24,28 +24,30 @@ StrengthRequest request_of(const StrengthOptions& options) {
                           options.reference ? std::optional(options.tolerance) : std::nullopt};
   if (request.elevations_deg.front() < -90 || request.elevations_deg.back() > 90)
     throw UsageError(
-        fmt::format("--elevations '{}': elevations are from -90 to 90 degrees", options.elevations));
+        fmt::format("--elevations '{}': expected elevations from -90 to 90 degrees", options.elevations));
   if (request.azimuths_deg.front() < -360 || request.azimuths_deg.back() > 360)
-    throw UsageError(fmt::format("--azimuths '{}': azimuths are from -360 to 360 degrees", options.azimuths));
+    throw UsageError(
+        fmt::format("--azimuths '{}': expected azimuths from -360 to 360 degrees", options.azimuths));
   for (const double hertz : {request.frequencies_hz.front(), request.frequencies_hz.back()}) {
     constexpr double shortest_m = 1e-9, longest_m = 1e9;
     const double wavelength_m = request.sound_speed / hertz;
     if (!(wavelength_m >= shortest_m && wavelength_m <= longest_m))
       throw UsageError(fmt::format(
-          "--frequencies '{}': at {:g} m/s the wavelength of {:g} Hz is {:g} m, must be {:g} to {:g} m",
+          "--frequencies '{}': at {:g} m/s the wavelength of {:g} Hz is {:g} m, but must be {:g} to {:g} m",
           options.frequencies, request.sound_speed, hertz, wavelength_m, shortest_m, longest_m));
   }
   if (!(options.tolerance >= 1e-12 && options.tolerance <= 0.1))
-    throw UsageError(fmt::format("--tolerance of a --reference is a relative bound, 1e-12 to 0.1, not '{:g}'",
-                                 options.tolerance));
-  if (options.roughness_m > 0) request.surface_name += fmt::format(", {:g} m rough", options.roughness_m);
+    throw UsageError(
+        fmt::format("--tolerance of a --reference must be a relative bound from 1e-12 to 0.1, not '{:g}'",
+                    options.tolerance));
+  if (options.roughness_m > 0) request.surface_name += fmt::format(", roughness {:g} m", options.roughness_m);
   constexpr double most_cells = 5e7;
   const double cells = static_cast<double>(request.azimuths_deg.size()) *
                        static_cast<double>(request.elevations_deg.size()) *
                        static_cast<double>(request.frequencies_hz.size());
   if (cells > most_cells)
     throw UsageError(
-        fmt::format("{:g} target strengths are asked for, more than {:g}: widen the steps of "
+        fmt::format("the command line requests {:g} target strengths, more than {:g}: increase the steps of "
                     "--azimuths, --elevations or --frequencies",
                     cells, most_cells));
   return request;
@@ -68,15 +70,15 @@ int strength_command(const StrengthOptions& options) {
   require_memory(bytes_a_cell * static_cast<double>(request.azimuths_deg.size()) *
                      static_cast<double>(request.elevations_deg.size()) *
                      static_cast<double>(request.frequencies_hz.size()),
-                 {options.mesh.string()}, "so many target strengths", "widen the steps of the ranges");
+                 {options.mesh.string()}, "the table of target strengths",
+                 "increase the steps of the ranges");
   const StrengthTable table = strength_of(mesh, options.mesh.filename().string(), request, options.quiet);
   output.write(table);
   if (std::ranges::all_of(table.silhouette_m2, [](double area) { return area == 0; }))
-    print_warnings(
-        {fmt::format("{}: from none of these directions is anything of it seen: its facets have no area, "
-                     "or all stand on edge",
-                     options.mesh.string())},
-        options.quiet);
+    print_warnings({fmt::format("{}: no facet is visible from any of these directions: all facets have no "
+                                "area, or are seen edge-on",
+                                options.mesh.string())},
+                   options.quiet);
 
   const auto [weakest, strongest] = spread_db(table);
   tell("facets         {}\n", mesh.triangles.size());

@@ -32,13 +32,12 @@ int suite_command(const SuiteOptions& options) {
   SuiteRequest request{options.seed, aspects_named(options.scenes), !options.without_answers, options.quiet};
   if (options.seed && (options.seed->empty() || options.seed->size() > limits::name_bytes))
     throw UsageError(
-        fmt::format("--seed is a word of 1 to {} characters, not of {}: any that nobody knew before",
+        fmt::format("--seed must have 1 to {} characters, not {}: choose a text that nobody knows yet",
                     limits::name_bytes, options.seed->size()));
   std::error_code ignored;
   if (fs::exists(options.output, ignored) && !fs::is_empty(options.output, ignored))
     throw UsageError(
-        fmt::format("'{}' is there already: a pack is written into a folder of its own, name another with -o",
-                    options.output.string()));
+        fmt::format("'{}' already exists: name a new or empty folder with -o", options.output.string()));
   OutputFolder output(options.output, {});
   const ThreadLimit limit(options.threads.value_or(0));
   const std::vector<WrittenSuiteScene> scenes = write_suite(output.staging(), request, write_forms);
@@ -48,13 +47,13 @@ int suite_command(const SuiteOptions& options) {
     const std::string answer = options.without_answers
                                    ? std::string()
                                    : fmt::format(", {:.4g} J/m2 in {:.1f} s", scene.energy_j, scene.seconds);
-    const std::string wider = scene.bins_over > 0
-                                  ? fmt::format(", {} bins with wider bounds than asked", scene.bins_over)
-                                  : std::string();
+    const std::string wider =
+        scene.bins_over > 0 ? fmt::format(", {} range bins with wider bounds than requested", scene.bins_over)
+                            : std::string();
     tell("{:<17} {} facets{}{}\n", scene.aspect->name, scene.facets, answer, wider);
   }
   tell("wrote {}: {} of {} scenes\n", options.output.string(),
-       options.seed ? "a validation set" : "the debug set", scenes.size());
+       options.seed ? "a validation set" : "the published set", scenes.size());
   return 0;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The command `view`. It writes a page that shows footprints in three dimensions next to the sonar picture,
 // for a scene file or a result folder. It can compare the picture with that of another engine
-// (docs/viewer.md).
+// (docs/footprints.md).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,10 +40,10 @@ RunRecord read_record(const fs::path& folder) {
   const fs::path file = folder / "stats.json";
   if (!fs::exists(file))
     throw UsageError(fmt::format(
-        "'{}' has no stats.json: name a folder that 'tubefoot run' wrote, or a scene file", folder.string()));
+        "'{}' has no stats.json: name a result folder of 'tubefoot run', or a scene file", folder.string()));
   try {
     const auto json = nlohmann::json::parse(
-        read_whole(file, {file.string(), 0, 0}, most_bytes, "what 'tubefoot run' writes"));
+        read_whole(file, {file.string(), 0, 0}, most_bytes, "the stats.json of 'tubefoot run'"));
     RunRecord record{json.at("scene").get<std::string>(), json.at("scene_hash").get<std::string>(),
                      json.at("engine").get<std::string>(), json.value("arithmetic", ""),
                      json.value("binning", "")};
@@ -54,7 +54,8 @@ RunRecord read_record(const fs::path& folder) {
         *requested = part->at(key).get<std::string>();
     return record;
   } catch (const nlohmann::json::exception& error) {
-    throw UsageError(fmt::format("'{}' is not what 'tubefoot run' writes: {}", file.string(), error.what()));
+    throw UsageError(
+        fmt::format("'{}' is not a valid stats.json of 'tubefoot run': {}", file.string(), error.what()));
   }
 }
 
@@ -62,24 +63,25 @@ SceneDescription described_by(const RunRecord& record, const ViewOptions& option
   CommonOptions common = options;
   common.scene = options.moved_scene.value_or(record.scene);
   if (!fs::exists(common.scene))
-    throw UsageError(fmt::format("the scene of '{}' is not at '{}': name it with --scene",
-                                 options.scene.string(), common.scene.string()));
+    throw UsageError(
+        fmt::format("the scene file of '{}' is no longer at '{}': name its new location with --scene",
+                    options.scene.string(), common.scene.string()));
   // Another person may have made the result, and its record could name any file of this machine.
   const auto elsewhere = options.moved_scene ? std::nullopt : place_outside(".", common.scene);
   if (elsewhere && options.confined)
     throw UsageError(
-        fmt::format("the scene that '{}' names is '{}', outside of the folder that you are in, and "
-                    "--confined reads nothing outside: name it with --scene",
+        fmt::format("the result '{}' names the scene file '{}' outside of the current folder, which "
+                    "--confined forbids: name the scene with --scene",
                     options.scene.string(), elsewhere->string()));
   if (elsewhere)
-    print_warnings({fmt::format("the scene that '{}' names lies outside of the folder that you are in: '{}'",
+    print_warnings({fmt::format("the result '{}' names a scene file outside of the current folder: '{}'",
                                 options.scene.string(), elsewhere->string())},
                    options.quiet);
   SceneDescription description = described(common);
   if (description.sha256 != record.scene_hash)
     throw UsageError(
-        fmt::format("'{0}' has changed since the run in '{1}', whose picture would not fit: run it again, or "
-                    "view '{0}' itself",
+        fmt::format("'{0}' has changed since the run in '{1}', so the recorded picture does not match: run "
+                    "the scene again, or view '{0}' itself",
                     common.scene.string(), options.scene.string()));
   if (record.engine == "tube") {
     if (!options.arithmetic && !record.arithmetic.empty()) description.run.arithmetic = record.arithmetic;
@@ -107,22 +109,23 @@ std::vector<double> picture_in(const fs::path& file, const ViewData& view) {
   const EchoContents contents = read_echo_file(file);
   const std::string& hash = contents.provenance.scene_hash;
   if (!hash.empty() && hash != view.scene_hash)
-    throw InputError({file.string()},
-                     fmt::format("scene_hash is {}, but '{}' has {}: view the scene that the file is of",
-                                 hash, view.source, view.scene_hash));
+    throw InputError(
+        {file.string()},
+        fmt::format("scene_hash is {}, but '{}' has {}: view the scene from which the file was computed",
+                    hash, view.source, view.scene_hash));
   auto found = std::ranges::find(contents.sensors, view.sensor, &SensorEchoes::name);
   if (found == contents.sensors.end() && contents.sensors.size() == 1) found = contents.sensors.begin();
   if (found == contents.sensors.end())
     throw InputError(
         {file.string()},
-        fmt::format("has no sensor '{}', which is viewed: choose another by --sensor", view.sensor));
+        fmt::format("has no sensor '{}': choose a sensor of the file with --sensor", view.sensor));
   const std::vector<std::size_t> place = places_of(view, *found);
   if (!found->beam_number.empty() || found->beams != view.beams || found->samples != view.samples ||
       place.size() != view.pings.size())
     throw InputError(
         {file.string()},
-        fmt::format("has {} pings x {} beams x {} samples of sensor '{}', not pings {} to {} x {} "
-                    "x {}, which are viewed: choose pings by --pings",
+        fmt::format("has {} pings x {} beams x {} range bins of sensor '{}', but the page shows pings {} to "
+                    "{} x {} x {}: choose pings with --pings",
                     found->pings, found->beams, found->samples, found->name, view.pings.front().number,
                     view.pings.back().number, view.beams, view.samples));
   const std::size_t cells = std::size_t(view.beams) * view.samples;
@@ -139,8 +142,8 @@ void take_candidate(const ViewOptions& options, ViewData& view) {
   if (options.reference) {
     view.energy_j = picture_in(*options.reference, view);
     view.reference_name = options.reference->string();
-    view.notes.push_back("The reference's picture is " + view.reference_name +
-                         "; footprints are the scene's.");
+    view.notes.push_back("The picture of the reference comes from " + view.reference_name +
+                         "; the footprints come from the scene.");
   }
   view.candidate_name = options.candidate->string();
   view.candidate_j = picture_in(*options.candidate, view);
@@ -149,9 +152,10 @@ void take_candidate(const ViewOptions& options, ViewData& view) {
   const double ratio = theirs / ours;
   if (!(ratio > 0) || !std::isfinite(ratio) || (ratio <= 2 && ratio >= 0.5)) return;
   for (double& energy : view.candidate_j) energy /= ratio;
-  view.notes.push_back(fmt::format(
-      "The candidate's energies are {:+.3g} dB off in all: they are shown at the reference's total.",
-      10 * std::log10(ratio)));
+  view.notes.push_back(
+      fmt::format("The total energy of the candidate differs by {:+.3g} dB; its picture is scaled to the "
+                  "total of the reference.",
+                  10 * std::log10(ratio)));
 }
 
 /// Replaces the picture of a view by the recorded one. Adds a note if the footprints do not explain its
@@ -162,19 +166,21 @@ void take_recorded(const fs::path& folder, const RunRecord& record, ViewData& vi
   const auto found = std::find_if(contents.sensors.begin(), contents.sensors.end(),
                                   [&](const SensorEchoes& s) { return s.name == view.sensor; });
   if (record.beams)
-    throw UsageError(
-        fmt::format("'{}' has beams {} only, which are no picture: view a run of all beams, or '{}'",
-                    folder.string(), *record.beams, record.scene.string()));
+    throw UsageError(fmt::format(
+        "'{}' contains beams {} only, which do not form a picture: view a run of all beams, or '{}'",
+        folder.string(), *record.beams, record.scene.string()));
   std::vector<std::size_t> place;  // a run may contain only some pings
   if (found != contents.sensors.end()) place = places_of(view, *found);
   const bool has_all = place.size() == view.pings.size();
   if (found != contents.sensors.end() && record.pings && !has_all)
-    throw UsageError(fmt::format("'{}' has pings {} of each sensor only: ask for some of these with --pings",
-                                 folder.string(), *record.pings));
+    throw UsageError(
+        fmt::format("'{}' contains pings {} of each sensor only: choose some of these pings with --pings",
+                    folder.string(), *record.pings));
   if (found == contents.sensors.end() || found->beams != view.beams || found->samples != view.samples ||
       !has_all)
-    throw UsageError(fmt::format("'{}' does not hold the pings of sensor '{}' of its scene: run it again",
-                                 file.string(), view.sensor));
+    throw UsageError(
+        fmt::format("'{}' does not contain the pings of sensor '{}' of its scene: run the scene again",
+                    file.string(), view.sensor));
   const std::size_t cells = std::size_t(view.beams) * view.samples;
   double total = 0, apart = 0;
   for (std::size_t p = 0; p < view.pings.size(); ++p)
@@ -187,12 +193,14 @@ void take_recorded(const fs::path& folder, const RunRecord& record, ViewData& vi
     }
   if (record.engine != "tube")
     view.notes.push_back(
-        fmt::format("The picture is the {} engine's, the footprints are the tube engine's: their "
-                    "energies differ by {:.3g} of the picture's.",
+        fmt::format("The picture comes from the {} engine and the footprints from the tube engine; their "
+                    "energies differ by {:.3g} of the energy of the picture.",
                     record.engine, total > 0 ? apart / total : 0));
   else if (apart > 1e-6 * total)
-    view.notes.push_back(fmt::format("{:.3g} of the picture's energy is not the footprints' ordinary echo.",
-                                     total > 0 ? apart / total : 0));
+    view.notes.push_back(
+        fmt::format("A share of {:.3g} of the energy of the picture does not come from the direct echoes of "
+                    "the footprints.",
+                    total > 0 ? apart / total : 0));
 }
 
 bool has_other_paths(const Scene& scene) {
@@ -207,7 +215,7 @@ bool has_other_paths(const Scene& scene) {
 int view_command(const ViewOptions& options) {
   const bool of_run = fs::is_directory(options.scene);
   if (!of_run && options.moved_scene)
-    throw UsageError("--scene says where the scene of a result folder is now: leave it out for a scene file");
+    throw UsageError("--scene is for result folders only: leave it out for a scene file");
   std::optional<RunRecord> record;
   if (of_run) record = read_record(options.scene);
   const SceneDescription description = of_run ? described_by(*record, options) : described(options);
@@ -237,8 +245,7 @@ int view_command(const ViewOptions& options) {
   view.drawing = scene_drawing(*survey, {});
   if (has_other_paths(survey->scene))
     view.notes.push_back(
-        "Footprints are those of the ordinary echo; paths over mirrors, and what scatters "
-        "twice, have none.");
+        "Footprints belong to direct echoes; paths over mirrors and second scattering have no footprints.");
   if (record) take_recorded(options.scene, *record, view);
   if (options.candidate) take_candidate(options, view);
   const std::string page = view_page(view);
@@ -251,7 +258,7 @@ int view_command(const ViewOptions& options) {
   const auto pings = static_cast<double>(view.pings.size());
   tell("wrote {} (sensor '{}', {} {}, {} footprints, {:.1f} MB{})\n", options.output.string(), view.sensor,
        view.pings.size(), view.pings.size() == 1 ? "ping" : "pings", view.footprints.size(), megabytes,
-       view.pings.size() == 1 ? std::string() : fmt::format(", {:.2g} MB a ping", megabytes / pings));
+       view.pings.size() == 1 ? std::string() : fmt::format(", {:.2g} MB per ping", megabytes / pings));
   return 0;
 }
 

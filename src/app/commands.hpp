@@ -135,7 +135,12 @@ struct PresetsOptions {
   std::optional<std::string> name;
 };
 
-/// The benchmark suite (docs/benchmark-suite.md).
+struct KeysOptions {
+  std::optional<std::string> name;  ///< section, kind or key
+  bool json = false;
+};
+
+/// The benchmark suite (docs/reference-results.md).
 struct SuiteOptions {
   std::filesystem::path output;
   std::optional<std::string> seed;  ///< seed of a validation set; none: the debug set
@@ -160,6 +165,7 @@ int refine_command(const RefineOptions& options);
 int export_command(const ExportOptions& options);
 int import_scene_command(const ImportSceneOptions& options);
 int presets_command(const PresetsOptions& options);
+int keys_command(const KeysOptions& options);
 int chart_command(const ChartOptions& options);
 int advise_command(const AdviseOptions& options);
 int suite_command(const SuiteOptions& options);

@@ -49,9 +49,9 @@ void add_run(CLI::App& app, CommandOptions& requested) {
       ->option_text("A:B")
       ->group(what);
   command
-      ->add_option("--beams", run.selection.beams,
-                   "keep the echoes of beams A to B, both included. Separate several ranges by commas "
-                   "(default: all)")
+      ->add_option(
+          "--beams", run.selection.beams,
+          "write the echoes of beams A to B, both included. Separate several ranges by commas (default: all)")
       ->option_text("A:B")
       ->group(what);
   command
@@ -61,7 +61,7 @@ void add_run(CLI::App& app, CommandOptions& requested) {
   command
       ->add_flag("--labels", run.labels,
                  "also compute the shares of objects and materials in each range bin, its label, mean height "
-                 "and mean range (docs/labels.md)")
+                 "and mean range (docs/output-files.md)")
       ->group(what);
   command
       ->add_option("--label-level", run.label_level_db,
@@ -83,14 +83,14 @@ void add_run(CLI::App& app, CommandOptions& requested) {
   command
       ->add_option(
           "--binning", run.binning,
-          "tube engine: exact cuts footprints at the borders of range bins. spread and centroid use "
-          "the energy at the footprint's centroid; spread distributes it over the footprint's ranges")
+          "tube engine: exact divides footprints at the borders of range bins. spread and centroid use the "
+          "energy at the centroid of the footprint; spread distributes it over the ranges of the footprint")
       ->check(CLI::IsMember({"exact", "spread", "centroid"}))
       ->group(how);
   command
       ->add_option("--coarsen", run.coarsen,
-                   "merge facets where no point moves by more than this share of the sonars' resolution, 0 "
-                   "to 1 (default: 0, no merging; docs/coarse.md)")
+                   "merge facets where no point moves by more than this share of the resolution of the "
+                   "sonars, 0 to 1 (default: 0, no merging; docs/accuracy-and-speed.md)")
       ->option_text("SHARE")
       ->group(how);
   command->add_option("--sampling", run.sampling, "ray engine: distribution of rays")
@@ -138,7 +138,7 @@ void add_join(CLI::App& app, CommandOptions& requested) {
       ->required()
       ->option_text("FOLDER");
   add_pictures(*command, join);
-  command->add_flag("--keep-shards", join.keep_parts, "do not remove the files of the shards");
+  command->add_flag("--keep-shards", join.keep_parts, "keep the files of the shards");
   command
       ->add_option("--threads", join.threads, "number of threads (default: 'threads' of the scene, else all)")
       ->check(CLI::Range(1, 4096));

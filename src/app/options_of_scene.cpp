@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Options of the commands that describe a scene or its contents: check, audit, footprints, coverage,
-// strength, view, refine, export and presets.
+// strength, view, refine, export, presets and keys.
 #include "app/command_options.hpp"
 
 namespace tubefoot {
 
 void add_check(CLI::App& app, CommandOptions& requested) {
   CheckOptions& check = requested.check;
-  CLI::App* command =
-      app.add_subcommand("check", "Load a scene with all its files, and print what it contains");
+  CLI::App* command = app.add_subcommand("check", "Load a scene with all its files and print its contents");
   add_common(*command, check);
   command
       ->add_option(
@@ -97,8 +96,7 @@ void add_coverage(CLI::App& app, CommandOptions& requested) {
 void add_strength(CLI::App& app, CommandOptions& requested) {
   StrengthOptions& strength = requested.strength;
   CLI::App* command = app.add_subcommand(
-      "strength",
-      "Compute the target strength of a mesh over directions and frequencies (docs/smooth-surfaces.md)");
+      "strength", "Compute the target strength of a mesh over directions and frequencies (docs/signals.md)");
   command->add_option("MESH", strength.mesh, "mesh file in a format of scenes: .obj, .ply, .stl, .off, ...")
       ->required();
   command
@@ -127,9 +125,9 @@ void add_strength(CLI::App& app, CommandOptions& requested) {
       ->add_option("--roughness", strength.roughness_m,
                    "standard deviation of the surface height in m (default: 0)")
       ->check(finite_number(0, false));
-  CLI::Option* reference = command->add_flag(
-      "--reference", strength.reference,
-      "certify each value: the output then contains a bound for each (docs/smooth-surfaces.md)");
+  CLI::Option* reference =
+      command->add_flag("--reference", strength.reference,
+                        "certify each value: the output then contains a bound for each (docs/signals.md)");
   command
       ->add_option("--tolerance", strength.tolerance,
                    "with --reference: requested relative bound, 1e-12 to 0.1; wider bounds cause a warning "
@@ -138,7 +136,7 @@ void add_strength(CLI::App& app, CommandOptions& requested) {
       ->needs(reference);
   command
       ->add_option("--unit", strength.unit_m,
-                   "length of the mesh's unit in m (default: the unit that the file states, else 1)")
+                   "length of the mesh unit in m (default: the unit that the file states, else 1)")
       ->check(finite_number(0, true));
   command
       ->add_option("--up", strength.up,
@@ -161,7 +159,7 @@ void add_strength(CLI::App& app, CommandOptions& requested) {
 void add_view(CLI::App& app, CommandOptions& requested) {
   ViewOptions& view = requested.view;
   CLI::App* command = app.add_subcommand(
-      "view", "Write an HTML page that shows footprints in 3-D and the sonar picture (docs/viewer.md)");
+      "view", "Write an HTML page that shows footprints in 3-D and the sonar picture (docs/footprints.md)");
   command->add_option("RESULT", view.scene, "result folder of 'run', or a scene file")->required();
   command->add_option("-o,--output", view.output, "HTML file to write; the page needs no network")
       ->required()
@@ -206,7 +204,7 @@ void add_refine(CLI::App& app, CommandOptions& requested) {
   RefineOptions& refine = requested.refine;
   CLI::App* command = app.add_subcommand(
       "refine", "Write the seabed with its relief as a mesh, for mesh tools and for mode = \"offline\"");
-  command->add_option("SCENE", refine.scene, "scene file (docs/scene-file.md)")->required();
+  command->add_option("SCENE", refine.scene, "scene file (docs/scene-keys.md)")->required();
   command->add_option("-o,--output", refine.output, "PLY file to write")->required()->option_text("FILE");
   command->add_option("--threads", refine.threads, "number of threads (default: all cores)")
       ->check(CLI::Range(0, 1024));
@@ -219,8 +217,9 @@ void add_refine(CLI::App& app, CommandOptions& requested) {
 void add_export(CLI::App& app, CommandOptions& requested) {
   ExportOptions& exported = requested.exported;
   CLI::App* command = app.add_subcommand(
-      "export", "Write a scene for another engine, with the same mesh, poses and sonar (docs/exchange.md)");
-  command->add_option("SCENE", exported.scene, "scene file (docs/scene-file.md)")->required();
+      "export",
+      "Write a scene for another engine, with the same mesh, poses and sonar (docs/exchange-formats.md)");
+  command->add_option("SCENE", exported.scene, "scene file (docs/scene-keys.md)")->required();
   command->add_option("--threads", exported.threads, "number of threads (default: all cores)")
       ->check(CLI::Range(1, 4096));
   add_scene_flags(*command, exported);
@@ -251,6 +250,19 @@ void add_presets(CLI::App& app, CommandOptions& requested) {
   command->footer("Example:\n  tubefoot presets oculus\n  tubefoot presets klein-3000-445");
   command->callback(
       [&requested] { requested.command = [&requested] { return presets_command(requested.presets); }; });
+}
+
+void add_keys(CLI::App& app, CommandOptions& requested) {
+  KeysOptions& keys = requested.keys;
+  CLI::App* command =
+      app.add_subcommand("keys", "Print the keys of scene files with type, unit, default, range and meaning");
+  command->add_option("NAME", keys.name,
+                      "section, kind or key, as in 'water', 'multibeam' or 'frequency_khz'; a part of a name "
+                      "selects all keys that contain this part (default: list the sections)");
+  command->add_flag("--json", keys.json, "print JSON for other programs, without NAME for all keys");
+  command->footer("Example:\n  tubefoot keys water\n  tubefoot keys frequency_khz");
+  command->callback(
+      [&requested] { requested.command = [&requested] { return keys_command(requested.keys); }; });
 }
 
 }  // namespace tubefoot

@@ -10,9 +10,9 @@ namespace tubefoot {
 
 void add_import_scene(CLI::App& app, CommandOptions& requested) {
   ImportSceneOptions& world = requested.import_scene;
-  CLI::App* command = app.add_subcommand(
-      "import-scene",
-      "Convert the world of another engine to a scene file: geometry, poses and sonars (docs/exchange.md)");
+  CLI::App* command = app.add_subcommand("import-scene",
+                                         "Convert the world of another engine to a scene file: geometry, "
+                                         "poses and sonars (docs/exchange-formats.md)");
   command->add_option("WORLD", world.world, "SDF file (.sdf, .world) or Stonefish scenario (.scn)")
       ->required();
   command->add_option("-o,--output", world.output, "folder to write; a failed import leaves no folder")
@@ -37,7 +37,7 @@ void add_compare(CLI::App& app, CommandOptions& requested) {
       app.add_subcommand("compare", "Compare the echoes of two engines: errors, findings, pictures");
   command
       ->add_option("REFERENCE", compare.reference,
-                   "echo file of the reference, or the folder of its run (docs/echo-file.md)")
+                   "echo file of the reference, or the folder of its run (docs/output-files.md)")
       ->required()
       ->transform(echoes_of_run());
   command
@@ -54,7 +54,7 @@ void add_compare(CLI::App& app, CommandOptions& requested) {
   command
       ->add_option("--output-model", compare.output_model,
                    "convert the reference to the units of the candidate by the steps in this file "
-                   "(docs/output-models.md)")
+                   "(docs/engine-validation.md)")
       ->option_text("FILE");
   command->add_option("--json", compare.json, "write all figures into this file; -: print them instead")
       ->option_text("FILE");
@@ -65,7 +65,7 @@ void add_compare(CLI::App& app, CommandOptions& requested) {
       ->add_option("--worst", compare.worst,
                    "number of range bins with the largest errors to list (default: 5)")
       ->check(CLI::Range(0, 1000000));
-  command->add_flag("--any-scene", compare.any_scene, "compare also where the hashes of the scenes differ");
+  command->add_flag("--any-scene", compare.any_scene, "compare even if the hashes of the scenes differ");
   command
       ->add_option("--fit", compare.fit,
                    "fit some or all of a gain, a power of range and an offset first: gain,range,offset")
@@ -74,13 +74,12 @@ void add_compare(CLI::App& app, CommandOptions& requested) {
                     "compare first returns, shadows and visible areas, independent of energies");
   command
       ->add_option("--threshold", compare.threshold,
-                   "with --geometry: least energy of an echo of the candidate (default: its noise floor)")
+                   "with --geometry: smallest energy of an echo of the candidate (default: its noise floor)")
       ->check(finite_number(0, false))
       ->needs("--geometry");
-  command->add_flag(
-      "--diagnose", compare.diagnose,
-      "name the causes of errors with size and error bar: displacement, scale, mirrored axes, spacing of "
-      "beams, blur, range law, shadows, noise");
+  command->add_flag("--diagnose", compare.diagnose,
+                    "name the causes of errors with size and error bar: displacement, scale, mirrored axes, "
+                    "spacing of beams, blur, range dependence, shadows, noise");
   command
       ->add_option(
           "--ideal", compare.ideal,
@@ -116,7 +115,8 @@ void add_compare(CLI::App& app, CommandOptions& requested) {
 void add_import(CLI::App& app, CommandOptions& requested) {
   ImportOptions& import = requested.import;
   CLI::App* command = app.add_subcommand(
-      "import", "Convert pictures of another engine to an echo file for 'compare' (docs/import.md)");
+      "import",
+      "Convert pictures of another engine to an echo file for 'compare' (docs/engine-validation.md)");
   command
       ->add_option(
           "RESULT", import.results,
@@ -125,7 +125,7 @@ void add_import(CLI::App& app, CommandOptions& requested) {
       ->required();
   command
       ->add_option("-o,--output", import.output,
-                   "echo file to write (.nc); a folder beside it keeps the original pictures")
+                   "echo file to write (.nc); a folder next to it stores the original pictures")
       ->required()
       ->option_text("FILE");
   CLI::Option* like =
@@ -254,8 +254,8 @@ void add_chart(CLI::App& app, CommandOptions& requested) {
 void add_advise(CLI::App& app, CommandOptions& requested) {
   AdviseOptions& advise = requested.advise;
   CLI::App* command = app.add_subcommand(
-      "advise", "Name the fastest engine and settings that keep a tolerance, measured on a few pings");
-  command->add_option("SCENE", advise.scene, "scene file (docs/scene-file.md)")->required();
+      "advise", "Find the fastest engine and settings within a tolerance, measured on a few pings");
+  command->add_option("SCENE", advise.scene, "scene file (docs/scene-keys.md)")->required();
   command
       ->add_option("--tolerance", advise.tolerance,
                    "permitted error: 0.1dB (RMS over bins with an echo), 1e-3 or 0.1% (relative L1)")
@@ -268,7 +268,7 @@ void add_advise(CLI::App& app, CommandOptions& requested) {
       ->option_text("A:B");
   command
       ->add_option("--trial-pings", advise.trial_pings,
-                   "number of pings per sensor for the prediction, and of others for the measurement "
+                   "number of pings per sensor for the prediction, and of other pings for the measurement "
                    "(default: 8)")
       ->check(CLI::Range(2, 1000000));
   command
@@ -300,7 +300,7 @@ void add_suite(CLI::App& app, CommandOptions& requested) {
   command
       ->add_option(
           "--scenes", suite.scenes,
-          "write these scenes only; separate names by commas (default: all; docs/benchmark-suite.md)")
+          "write these scenes only; separate names by commas (default: all; docs/reference-results.md)")
       ->option_text("LIST");
   command->add_flag("--without-answers", suite.without_answers, "write scenes without references");
   command->add_option("--threads", suite.threads, "number of threads (default: all cores)")

@@ -30,24 +30,26 @@ using Clock = std::chrono::steady_clock;
 /// `refined`: relief was refined for each transmission, down to the tolerance of the relief.
 void print_reference(double tolerance, const ReferenceStats& reference, bool refined) {
   if (reference.bins_over == 0)
-    tell("reference: every energy within {:g} of its bin, certified{}\n", tolerance,
-         refined ? ", for the facets that relief was refined into" : "");
+    tell("reference: certified; the relative bound of each energy is at most {:g}{}\n", tolerance,
+         refined ? ", for the refined facets of the relief" : "");
   else if (reference.worst_ratio == 0)  // no bound is finite
-    tell("reference: {} bins have no bound, and every other energy is 0, certified\n", reference.bins_over);
+    tell("reference: certified; {} range bins have no bound, and all other energies are 0\n",
+         reference.bins_over);
   else if (reference.worst_ratio <= 1)  // the largest ratio of the finite bounds
-    tell("reference: {} bins have no bound; every other energy within {:g} of its bin, certified\n",
-         reference.bins_over, tolerance);
+    tell(
+        "reference: certified; {} range bins have no bound, and the relative bound of the others is at most "
+        "{:g}\n",
+        reference.bins_over, tolerance);
   else
     tell(
-        "reference: {} bins have wider bounds than {:g}; the widest is {:.3g} times what was asked, at "
-        "sensor "
-        "'{}', ping {}, beam {}, sample {}\n",
+        "reference: {} range bins have wider bounds than {:g}; the widest is {:.3g} times the requested "
+        "bound, at sensor '{}', ping {}, beam {}, range bin {}\n",
         reference.bins_over, tolerance, reference.worst_ratio, reference.worst_sensor, reference.worst_ping,
         reference.worst_beam, reference.worst_sample);
 }
 
 void print_tolerance(const nlohmann::ordered_json& advice) {
-  tell("tolerance {}: {}, {}; left out: {}; error about {} (measured on probe pings, not certified)\n",
+  tell("tolerance {}: {}, {}; neglected: {}; error about {} (measured on trial pings, not certified)\n",
        advice.at("asked").get<std::string>(), advice.at("engine").get<std::string>(),
        advice.at("setting").get<std::string>(), advice.at("left_out").get<std::string>(),
        advice.at("error_text").get<std::string>());
@@ -55,27 +57,26 @@ void print_tolerance(const nlohmann::ordered_json& advice) {
 
 void print_relief(const LoadedScene& loaded_scene, const SimulationStats& stats) {
   if (loaded_scene.refines_tiles())
-    tell("relief: tiles refined once for each region of pings, in cells of {:g} m\n",
+    tell("relief: tiles are refined once per region of pings, with cells of {:g} m\n",
          loaded_scene.relief.cell_m);
   else if (loaded_scene.is_tiled())
-    tell("relief: {} facets made for {} pings\n", stats.refined_facets, stats.pings);
+    tell("relief: {} facets for {} pings\n", stats.refined_facets, stats.pings);
   else if (loaded_scene.surface_mesh)
-    tell("relief: {} facets made for {} pings; {} in cells of {:g} m over all of it\n", stats.refined_facets,
-         stats.pings, loaded_scene.relief.uniform_facets, loaded_scene.relief.cell_m);
+    tell("relief: {} facets for {} pings; a uniform refinement would have {} facets with cells of {:g} m\n",
+         stats.refined_facets, stats.pings, loaded_scene.relief.uniform_facets, loaded_scene.relief.cell_m);
   else
-    tell("relief: {} facets, made once, in cells of {:g} m\n", loaded_scene.scene.mesh.facets.size(),
+    tell("relief: {} facets, refined once, with cells of {:g} m\n", loaded_scene.scene.mesh.facets.size(),
          loaded_scene.relief.cell_m);
   tell(
-      "finer relief would change a facet's energy by {:.2g} times itself (RMS), by {:.2g} times at most "
+      "finer relief would change the energy of a facet by {:.2g} of its value (RMS) and by {:.2g} at most "
       "(first-order estimates for the worst ping, not certified)\n",
       stats.finer_relief_rms, stats.finer_relief_largest);
 }
 
 void print_coarsening(const SceneCoarsening& coarse) {
   tell(
-      "coarsened: {} facets for {}; no point moved by more than {:.3g} mm, {:.3g} of what the sonars tell "
-      "apart "
-      "there, nor turned by more than {:.3g} degrees (bounds)\n",
+      "coarsened: {} facets instead of {}; points move by at most {:.3g} mm ({:.3g} of the local resolution "
+      "of the sonars), and normals turn by at most {:.3g} degrees (bounds)\n",
       coarse.facets, coarse.facets_before, 1000 * coarse.largest_move_m, coarse.largest_share,
       glm::degrees(coarse.largest_turn_rad));
 }
@@ -104,7 +105,7 @@ nlohmann::ordered_json whole_statistics(const RunInProgress& run, const Survey& 
 /// Formats the number of pings per second if this run computed all pings.
 std::string pace(const RunInProgress& run) {
   return run.kept_pings == 0 && run.simulation_seconds > 0
-             ? fmt::format(" ({:.3g} pings a second)",
+             ? fmt::format(" ({:.3g} pings per second)",
                            static_cast<double>(run.stats.pings) / run.simulation_seconds)
              : std::string();
 }
@@ -118,7 +119,8 @@ double seconds_since(Clock::time_point start) {
 void foresee_writing(RunInProgress& run, const Survey& survey) {
   const PictureSettings& pictures = run.options.pictures;
   if (pictures.animated && pictures.which == PictureSettings::Which::none)
-    throw UsageError("--animate asks for pictures, and --pictures none for none: leave out one of them");
+    throw UsageError(
+        "--animate needs pictures, but --pictures none draws no pictures: leave out one of them");
   const WritingCost cost = expected_writing(survey, run.request, pictures);
   double kept = 0;
   for (const StoreLayout::Sensor& sensor : layout_of(survey, run.request).sensors)
@@ -127,15 +129,15 @@ void foresee_writing(RunInProgress& run, const Survey& survey) {
   constexpr double long_s = 10, large_bytes = 1e9;
   const double seconds = run.expected_write_seconds = cost.seconds_on(run.threads);
   if (!run.options.quiet && (seconds > long_s || kept + cost.bytes > large_bytes))
-    say("writing will take about {}, and the disk {} for energies while it runs and at most about {} for the "
-        "result\n",
+    say("writing will take about {}; the disk needs {} for energies during the run, and at most about {} for "
+        "the result\n",
         duration_text(seconds), size_text(kept), size_text(cost.bytes));
   std::error_code unknown;
   const std::filesystem::space_info disk = std::filesystem::space(
       std::filesystem::absolute(run.options.output, unknown).lexically_normal().parent_path(), unknown);
   if (unknown || static_cast<double>(disk.available) >= cost.bytes + kept) return;
   run.warnings.add(
-      {fmt::format("the disk of '{}' has {}, and the run may need {}: ask for fewer pings "
+      {fmt::format("the disk of '{}' has {} of free space, but the run can need {}: use fewer pings "
                    "(--pings, --sensor), or --pictures none",
                    run.options.output.string(), size_text(static_cast<double>(disk.available)),
                    size_text(cost.bytes + kept))});

@@ -29,7 +29,7 @@ Json json_of(const Overlap& overlap) {
 
 std::string overlap_line(const char* name, const Overlap& overlap) {
   return fmt::format(
-      "  {:<24} {} samples in the reference, {} in the candidate ({:+.3g} %), overlap (IoU) {:.4f}\n", name,
+      "  {:<24} {} bins in the reference, {} in the candidate ({:+.3g} %), overlap (IoU) {:.4f}\n", name,
       overlap.reference, overlap.candidate,
       overlap.reference > 0
           ? 100 * (static_cast<double>(overlap.candidate) / static_cast<double>(overlap.reference) - 1)
@@ -51,11 +51,10 @@ EchoPair echo_pair(const EchoPairs::Sensor& pair) {
 void average_frames(EchoContents& contents, std::size_t frames) {
   for (SensorEchoes& sensor : contents.sensors) {
     if (frames == 0 || sensor.pings % frames != 0)
-      throw InputError(
-          {contents.file.string()},
-          fmt::format("sensor '{}' has {} pings, which are not frames of {} each: give --frames a "
-                      "number that divides them",
-                      sensor.name, sensor.pings, frames));
+      throw InputError({contents.file.string()},
+                       fmt::format("sensor '{}' has {} pings, which is not a multiple of --frames {}: use a "
+                                   "number that divides the number of pings",
+                                   sensor.name, sensor.pings, frames));
     sensor.energy = mean_of_frames({sensor.pings, sensor.beams, sensor.samples}, sensor.energy, frames);
     sensor.energy_bound.clear();
     sensor.pings /= frames;
@@ -71,8 +70,8 @@ std::vector<SensorFit> fit_candidate(EchoContents& candidate, const EchoPairs& p
     const std::optional<EnergyFit> fit = fit_energies(arrays, terms);
     if (!fit)
       throw InputError({candidate.file.string()},
-                       fmt::format("sensor '{}' has too little echo where the reference has some for --fit: "
-                                   "compare without it, or look at both with --png",
+                       fmt::format("sensor '{}' has too few echoes where the reference has echoes, so --fit "
+                                   "is not possible: leave out --fit, or draw both pictures with --png",
                                    pair.candidate->name));
     fits.push_back({pair.reference->name, *fit, echo_errors(arrays)});
     std::vector<double> fitted = fit->fitted(arrays);
@@ -104,10 +103,10 @@ std::string fit_text(const SensorFit& sensor) {
                         fit.gain_db.error,
                         fit.terms.range ? fmt::format(" at {:.4g} m", fit.middle_range_m) : "");
   if (fit.terms.range)
-    text += fmt::format("  fitted law of range      r^{:.4f} +- {:.4f} more than the reference's\n",
+    text += fmt::format("  fitted range power       r^{:.4f} +- {:.4f} relative to the reference\n",
                         fit.exponent.value, fit.exponent.error);
   if (fit.terms.offset)
-    text += fmt::format("  fitted offset            {:.4g} +- {:.2g} on every bin\n", fit.offset_j.value,
+    text += fmt::format("  fitted offset            {:.4g} +- {:.2g} in each bin\n", fit.offset_j.value,
                         fit.offset_j.error);
   text += fmt::format("  before the fit           L1 {:.3g}, RMS {:.3g} dB, energy ratio {:+.3g} dB\n",
                       before.l1, before.rms_db, 10 * std::log10(before.energy_ratio));
@@ -116,31 +115,30 @@ std::string fit_text(const SensorFit& sensor) {
 
 std::string unitless_text(const UnitlessErrors& errors) {
   return fmt::format(
-      "  L1 of rows of sum 1      {:.3g} over {} rows ({} have echo on one side only)\n"
-      "  correlation of ranks     {:.4f}\n",
+      "  L1 of normalised rows    {:.3g} over {} rows ({} have an echo in one file only)\n  rank correlation "
+      "        {:.4f}\n",
       errors.row_l1, errors.rows, errors.rows_of_one_side, errors.rank_correlation);
 }
 
 std::string geometry_text(const EchoPairs::Sensor& pair, const GeometryErrors& errors) {
-  std::string text = fmt::format("\n{}: geometry alone\n", pair.reference->name);
-  text += fmt::format("  lit above                {:.3g} in the reference, {:.3g} in the candidate\n",
+  std::string text = fmt::format("\n{}: geometry only\n", pair.reference->name);
+  text += fmt::format("  echo threshold           {:.3g} in the reference, {:.3g} in the candidate\n",
                       errors.reference_threshold_j, errors.candidate_threshold_j);
   text += fmt::format(
-      "  noise floor              {:.3g} +- {:.2g}, deviation {:.3g}, {:.3g} % above 0, in {} bins of deep "
-      "shadow\n",
+      "  noise floor              {:.3g} +- {:.2g}, standard deviation {:.3g}, {:.3g} % above 0, in {} bins "
+      "inside shadows\n",
       errors.floor.mean_j, errors.floor.mean_error_j, errors.floor.deviation_j,
       100 * errors.floor.share_positive, errors.floor.bins);
   const FirstReturnErrors& first = errors.first_return;
   if (first.in_both > 0)
     text += fmt::format(
-        "  first return             {:+.3g} m on average, {:.3g} m ({:.3g} samples) without sign, at worst "
-        "{:+} samples at ping {}, beam {}\n",
+        "  first return             mean {:+.3g} m, mean magnitude {:.3g} m ({:.3g} range bins), largest "
+        "{:+} range bins at ping {}, beam {}\n",
         first.mean_m, first.mean_absolute_m, first.mean_absolute_samples, first.largest_samples,
         first.largest_at.ping, first.largest_at.beam);
   text += fmt::format(
-      "  beams with a return      {} on both sides, {} only in the reference, {} only in the candidate, {} "
-      "on "
-      "neither\n",
+      "  beams with a return      {} in both files, {} only in the reference, {} only in the candidate, {} "
+      "in neither\n",
       first.in_both, first.only_in_reference, first.only_in_candidate, first.in_neither);
   return text + overlap_line("shadow", errors.shadow) + overlap_line("visible area", errors.visible);
 }
@@ -192,8 +190,8 @@ std::string wild_ratio_hint(const EchoErrors& errors) {
   const double ratio = errors.energy_ratio, db = 10 * std::log10(ratio);
   if (!std::isfinite(db) || (ratio <= 2 && ratio >= 0.5)) return {};
   return fmt::format(
-      "the energies differ by {:+.3g} dB in all: if the candidate's numbers are no joules, '--fit "
-      "gain' or '--fit gain,range,offset' compares what is left after a fit",
+      "the total energies differ by {:+.3g} dB: if the candidate has other units, use '--fit gain' or '--fit "
+      "gain,range,offset'",
       db);
 }
 

@@ -231,12 +231,12 @@ class Section {
       differences.push_back(shows_difference(k) ? decibel_error(reference_[k], candidate_[k]) : 0);
     range_db_ = difference_range_db(std::move(differences));
     const SensorEchoes& echoes = *sensor.reference;
-    title_ = drawing_.waterfall()
-                 ? fmt::format("{}   {} pings, 40 log R gain", name_, echoes.pings)
-                 : fmt::format("{}   ping {}{}", name_, sensor.ping,
-                               echoes.pings > 1 ? fmt::format(" (of {}), the one with the largest difference",
-                                                              echoes.pings)
-                                                : "");
+    title_ =
+        drawing_.waterfall()
+            ? fmt::format("{}   {} pings, 40 log R gain", name_, echoes.pings)
+            : fmt::format(
+                  "{}   ping {}{}", name_, sensor.ping,
+                  echoes.pings > 1 ? fmt::format(" (of {}), with the largest difference", echoes.pings) : "");
     title_ += scale_.reference_j() > 0 ? fmt::format("   (0 dB: {} dB re 1 J/m2{})",
                                                      tick_label(10 * std::log10(scale_.reference_j()), 0.1),
                                                      drawing_.waterfall() ? " at 1 m" : "")

@@ -41,15 +41,13 @@ class Match {
   void check() const {
     if (reference_.pings != candidate_.pings || reference_.beams != candidate_.beams ||
         reference_.samples != candidate_.samples)
-      fail("energy",
-           fmt::format(
-               "has {} pings x {} beams x {} samples, but {} has {} x {} x {}: compute the same pings, "
-               "beams and samples as the reference",
-               candidate_.pings, candidate_.beams, candidate_.samples, reference_file_, reference_.pings,
-               reference_.beams, reference_.samples));
+      fail("energy", fmt::format("has {} pings x {} beams x {} range bins, but {} has {} x {} x {}: compute "
+                                 "the same pings, beams and range bins as the reference",
+                                 candidate_.pings, candidate_.beams, candidate_.samples, reference_file_,
+                                 reference_.pings, reference_.beams, reference_.samples));
     const double step_m = sample_step_m();
-    const char *samples = "use the reference's range samples",
-               *beams = "use the reference's beams in its order";
+    const char *samples = "use the range bins of the reference",
+               *beams = "use the beams of the reference in the same order";
     check_axis({"slant_range", "sample", "m", sample_share * step_m, samples}, &SensorEchoes::slant_range_m);
     check_axis({"slant_range_bounds", "edge", "m", sample_share * step_m, samples},
                &SensorEchoes::slant_range_bounds_m);
@@ -96,8 +94,7 @@ class Match {
       if (axis.period > 0) difference = std::remainder(difference, axis.period);
       if (std::abs(difference) <= axis.tolerance) continue;
       fail(axis.variable,
-           fmt::format("is {} {} at {} {}, but {} has {} (at most {:.2g} {} apart are taken for "
-                       "equal): {}",
+           fmt::format("is {} {} at {} {}, but {} has {} (the permitted difference is {:.2g} {}): {}",
                        candidate[k], axis.unit, axis.index, k, reference_file_, reference[k], axis.tolerance,
                        axis.unit, axis.advice));
     }
@@ -111,17 +108,17 @@ void check_scenes(const EchoContents& reference, const EchoContents& candidate, 
                   std::vector<std::string>& notes) {
   const std::string &expected = reference.provenance.scene_hash, &found = candidate.provenance.scene_hash;
   if (expected.empty())
-    notes.push_back("the reference has no scene_hash: whether the scenes are equal is not known");
+    notes.push_back("the reference has no scene_hash, so it is unknown whether the scenes are equal");
   else if (found.empty())
-    notes.push_back("the candidate has no scene_hash: whether it shows the reference's scene is not known");
+    notes.push_back(
+        "the candidate has no scene_hash, so it is unknown whether it shows the scene of the reference");
   else if (found != expected && any_scene)
     notes.push_back(fmt::format("the scenes differ: scene_hash {} and {}", expected, found));
   else if (found != expected)
-    throw InputError(
-        {candidate.file.string()},
-        fmt::format("scene_hash is {}, but {} has {}: compute both from the same scene files, or "
-                    "compare all the same with --any-scene",
-                    found, reference.file.string(), expected));
+    throw InputError({candidate.file.string()},
+                     fmt::format("scene_hash is {}, but {} has {}: compute both from the same scene files, "
+                                 "or compare different scenes with --any-scene",
+                                 found, reference.file.string(), expected));
 }
 
 }  // namespace
@@ -138,25 +135,27 @@ EchoPairs pair_echoes(const EchoContents& reference, const EchoContents& candida
     if (sensor && expected.name != *sensor) continue;
     const SensorEchoes* found = one_with_one ? &candidate.sensors.front() : find(candidate, expected.name);
     if (!found)
-      throw InputError({candidate.file.string()},
-                       fmt::format("has no sensor '{}' as {} has; it has {}: name a group so, or compare one "
-                                   "sensor with --sensor",
-                                   expected.name, reference.file.string(), names(candidate)));
+      throw InputError(
+          {candidate.file.string()},
+          fmt::format(
+              "has no sensor '{}' of {}; it has {}: rename a group, or compare one sensor with --sensor",
+              expected.name, reference.file.string(), names(candidate)));
     if (found->name != expected.name)
       pairs.notes.push_back(
-          fmt::format("the candidate calls its sensor '{}', not '{}'", found->name, expected.name));
+          fmt::format("the sensor of the candidate has the name '{}', not '{}'", found->name, expected.name));
     const EchoPairs::Sensor pair{&expected, found};
     const Match match(reference, candidate, pair);
     match.check();
     if (match.ping_times_differ())
-      pairs.notes.push_back(
-          fmt::format("the ping times of '{}' differ: pings are compared by their number", expected.name));
+      pairs.notes.push_back(fmt::format(
+          "the ping times of '{}' differ; the comparison matches pings by their number", expected.name));
     pairs.sensors.push_back(pair);
   }
   if (!sensor)
     for (const SensorEchoes& other : candidate.sensors)
       if (!one_with_one && !find(reference, other.name))
-        pairs.notes.push_back(fmt::format("the candidate's sensor '{}' is not in the reference", other.name));
+        pairs.notes.push_back(
+            fmt::format("the sensor '{}' of the candidate is not in the reference", other.name));
   return pairs;
 }
 

@@ -64,18 +64,18 @@ std::string findings_of(const Json& sensor) {
         "<tr><td class=\"fault\">{}</td><td>{}</td><td class=\"number\">{} &plusmn; {} {}</td></tr>\n",
         number(finding["fault"]), number(finding["words"]), number(finding["size"]), number(finding["error"]),
         number(finding["unit"]));
-  return "<div class=\"wide\"><table><tr><th>finding</th><th>what</th><th>size</th></tr>\n" + rows +
+  return "<div class=\"wide\"><table><tr><th>finding</th><th>description</th><th>size</th></tr>\n" + rows +
          "</table></div>\n";
 }
 
 std::string shares_of(const Json& sensor) {
   const Json& l1 = sensor["diagnosis"]["l1"];
   static constexpr std::array<std::pair<const char*, const char*>, 5> names{
-      {{"as_it_is", "as it is"},
-       {"after_gain", "after gain and law of range"},
-       {"after_warp", "after displacement and blur, too"},
-       {"left", "without noise floor and what is wrongly lit: what is left"},
-       {"ideal", "a perfect engine of the same sampling"}}};
+      {{"as_it_is", "without corrections"},
+       {"after_gain", "after correction of gain and range dependence"},
+       {"after_warp", "also after correction of displacement and blur"},
+       {"left", "also without noise floor and false echoes (remaining error)"},
+       {"ideal", "a perfect engine with the same sampling"}}};
   double most = 0;
   for (const auto& [key, name] : names)
     if (l1[key].is_number()) most = std::max(most, std::min(l1[key].get<double>(), 2.0));
@@ -87,7 +87,7 @@ std::string shares_of(const Json& sensor) {
         "style=\"width:{:.1f}%\"></div></td></tr>\n",
         name, number(l1[key]), most > 0 ? 100 * std::min(l1[key].get<double>() / most, 1.0) : 0.0);
   }
-  return "<h3>Relative L1 error, and what of it is what</h3>\n<table>" + rows + "</table>\n";
+  return "<h3>Contributions to the relative L1 error</h3>\n<table>" + rows + "</table>\n";
 }
 
 std::string ideal_of(const Json& sensor) {
@@ -96,12 +96,13 @@ std::string ideal_of(const Json& sensor) {
   const Json& forecast = ideal["forecast"];
   const double explained = ideal["explains"].get<double>();
   return fmt::format(
-      "<p><b>A perfect engine of {}</b> would have L1 {}; this one has {}: sampling explains {}.</p>\n",
+      "<p><b>A perfect engine with {}</b> would have L1 {}; the candidate has {}: sampling explains "
+      "{}.</p>\n",
       number(ideal["sampling"]),
       forecast.is_null() ? number(ideal["l1_error"])
                          : number(forecast["l1_error"]) + " &plusmn; " + number(forecast["l1_deviation"]),
       number(sensor["l1_error"]),
-      explained < 1 ? fmt::format("{:.0f} %, the rest is a mistake", 100 * explained) : "all of it");
+      explained < 1 ? fmt::format("{:.0f} % of the error", 100 * explained) : "the whole error");
 }
 
 std::string percent(const Json& share) { return fmt::format("{:.1f} %", 100 * share.get<double>()); }
@@ -138,9 +139,8 @@ std::string attribution_of(const Json& sensor) {
           parts_of(all["beams"], "beams", rows);
   if (!all["worst_bins"].empty()) {
     text +=
-        "<h3>Worst bins, and the facets behind them</h3><table><tr><th>ping, beam, sample</th><th>range, "
-        "m</th>"
-        "<th>of the error</th><th>kind</th><th>facets</th></tr>\n";
+        "<h3>Worst bins and their facets</h3><table><tr><th>ping, beam, bin</th><th>range, m</th><th>of the "
+        "error</th><th>kind</th><th>facets</th></tr>\n";
     for (const Json& bin : all["worst_bins"]) {
       std::string facets;
       for (const Json& facet : bin["facets"])
@@ -174,11 +174,11 @@ void add_rows(const Json& value, const std::string& path, std::string& rows) {
 std::string figures_of(const Json& sensor) {
   static constexpr std::array<std::pair<const char*, const char*>, 6> main{
       {{"l1_error", "relative L1 error"},
-       {"rms_db_error", "RMS error of lit bins, dB"},
+       {"rms_db_error", "RMS error of echo bins, dB"},
        {"energy_ratio_db", "total energy ratio, dB"},
-       {"empty_where_lit", "empty where lit, bins"},
-       {"lit_where_shadow", "lit where shadow, bins"},
-       {"lit_bins", "lit bins"}}};
+       {"empty_where_lit", "missing echoes, bins"},
+       {"lit_where_shadow", "echoes in shadows, bins"},
+       {"lit_bins", "echo bins"}}};
   std::string rows, all;
   for (const auto& [key, name] : main)
     rows += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td></tr>\n", name, number(sensor[key]));
@@ -206,7 +206,7 @@ std::string report_page(const ReportContents& contents) {
   const Json& figures = contents.figures;
   std::string body;
   for (const Json& sensor : figures["sensors"])
-    body += fmt::format("<section><h3>{}: {} pings x {} beams x {} samples</h3>\n{}{}</section>\n",
+    body += fmt::format("<section><h3>{}: {} pings x {} beams x {} range bins</h3>\n{}{}</section>\n",
                         number(sensor["name"]), number(sensor["pings"]), number(sensor["beams"]),
                         number(sensor["samples"]), findings_of(sensor), ideal_of(sensor) + shares_of(sensor));
   std::string notes;
@@ -216,17 +216,19 @@ std::string report_page(const ReportContents& contents) {
     tables += "<section><h3>" + number(sensor["name"]) + "</h3>\n" + figures_of(sensor) + "</section>\n";
   std::string whose;
   for (const Json& sensor : figures["sensors"]) whose += attribution_of(sensor);
-  if (!whose.empty()) whose = "<h2>Whose the error is</h2>\n" + whose;
+  if (!whose.empty()) whose = "<h2>Attribution of the error</h2>\n" + whose;
   std::string files;
   for (const std::string& line : contents.files) files += shown_markup(line) + "\n";
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width\">\n<title>tubefoot compare</title><style>{}</style></head><body>\n"
-      "<h1>What is wrong with {}</h1>\n<p class=\"faint\">held against {}</p>\n{}<h2>Findings</h2>\n{}"
-      "<h2>Pictures</h2>\n<section><img alt=\"reference, candidate and their ratio\" "
-      "src=\"data:image/png;base64,{}\"><p class=\"faint\">{}</p></section>\n{}<h2>Figures</h2>\n{}"
-      "<h2>How to repeat it</h2>\n<section><pre>{}</pre><pre class=\"faint\">{}</pre><p class=\"faint\">"
-      "docs/compare.md defines every finding and figure.</p></section>\n</body></html>\n",
+      "content=\"width=device-width\">\n<title>tubefoot "
+      "compare</title><style>{}</style></head><body>\n<h1>Comparison of {}</h1>\n<p class=\"faint\">with the "
+      "reference {}</p>\n{}<h2>Findings</h2>\n{}<h2>Pictures</h2>\n<section><img alt=\"reference, candidate "
+      "and their ratio\" src=\"data:image/png;base64,{}\"><p "
+      "class=\"faint\">{}</p></section>\n{}<h2>Figures</h2>\n{}<h2>Command of this "
+      "comparison</h2>\n<section><pre>{}</pre><pre class=\"faint\">{}</pre><p "
+      "class=\"faint\">docs/engine-validation.md defines every finding and "
+      "figure.</p></section>\n</body></html>\n",
       style, number(figures["candidate"]["file"]), number(figures["reference"]["file"]), notes, body,
       base64(contents.png), shown_markup(contents.caption), whose, tables, shown_markup(contents.command),
       files);

@@ -88,15 +88,16 @@ void note_materials(const Survey& survey, std::vector<std::string>& out) {
   for (const MaterialDescription& material : survey.scene.description.materials) {
     std::string words;
     const auto add = [&](const std::string& what) { words += (words.empty() ? "" : ", ") + what; };
-    if (material.model != "lambert") add(fmt::format("its scattering law '{}'", material.model));
-    if (!material.reflectivity.empty()) add("its texture of reflectivity");
+    if (material.model != "lambert") add(fmt::format("its scattering model '{}'", material.model));
+    if (!material.reflectivity.empty()) add("its reflectivity texture");
     if (!material.relief.empty() && survey.loaded_scene->relief.parent.empty())
-      add("its relief, which is no facets ('tubefoot refine' and mode = \"offline\" make facets of it)");
-    if (material.specular_loss_db) add("that it mirrors");
-    if (material.smooth) add("that it is smooth");
+      add("its relief, which does not consist of facets ('tubefoot refine' and mode = \"offline\" convert it "
+          "to facets)");
+    if (material.specular_loss_db) add("its specular reflection");
+    if (material.smooth) add("its smoothness");
     if (!words.empty())
-      out.push_back(fmt::format("material '{}': {}; what goes out is a Lambert law of {} dB", material.name,
-                                words, material.lambert_db));
+      out.push_back(fmt::format("material '{}': {}; the exported material follows Lambert's law with {} dB",
+                                material.name, words, material.lambert_db));
   }
 }
 
@@ -106,21 +107,20 @@ void note_sensors(const Survey& survey, const std::vector<std::size_t>& chosen,
     const Sensor& sensor = *survey.sensors[k].sensor;
     const std::string& name = sensor.description().name;
     if (sensor.has_patterns())
-      out.push_back(
-          fmt::format("sensor '{}': its beam patterns: beams go out as sectors without side lobes", name));
+      out.push_back(fmt::format(
+          "sensor '{}': its beam patterns; the exported beams are sectors without side lobes", name));
     if (sensor.has_receiver_pair())
-      out.push_back(fmt::format("sensor '{}': its second receiver, and so its phases", name));
+      out.push_back(fmt::format("sensor '{}': its second receiver and the phase differences", name));
     if (sensor.has_separate_receiver())
       out.push_back(fmt::format(
-          "sensor '{}': its separate receiver: the exported sonar receives where it transmits", name));
+          "sensor '{}': its separate receiver; the exported sonar receives where it transmits", name));
     if (sensor.transmissions() > 1)
-      out.push_back(
-          fmt::format("sensor '{}': a ping has {} transmissions, one after the other: all are where the "
-                      "first is",
-                      name, sensor.transmissions()));
+      out.push_back(fmt::format(
+          "sensor '{}': the positions of its {} transmissions per ping; all are at the position of the first",
+          name, sensor.transmissions()));
     if (!survey.sensors[k].poses.empty() && survey.sensors[k].times_s.size() > 1)
-      out.push_back(fmt::format("sensor '{}': its other pings ({} in all): --pings K takes another", name,
-                                survey.sensors[k].times_s.size()));
+      out.push_back(fmt::format("sensor '{}': its other pings ({} in all); choose another one with --pings K",
+                                name, survey.sensors[k].times_s.size()));
   }
 }
 
@@ -129,11 +129,11 @@ std::vector<std::string> left_out(const Survey& survey, const std::vector<std::s
   const SceneDescription& description = survey.scene.description;
   note_materials(survey, out);
   if (survey.scene.water->refracts())
-    out.push_back("the water's layers: rays go straight, at the speed of sound where the sonar is");
+    out.push_back("the sound speed profile; rays are straight, with the sound speed at the sonar");
   if (description.sea_surface) out.push_back("the sea surface and its reflections");
   if (description.paths.order > 1 || description.paths.scatterings > 1)
     out.push_back("paths of more than one interaction");
-  if (description.georeference) out.push_back("where the scene lies on Earth: places are local metres");
+  if (description.georeference) out.push_back("the georeference; positions are in local metres");
   note_sensors(survey, chosen, out);
   return out;
 }
@@ -185,13 +185,13 @@ ExchangedScene exchanged_scene(const Survey& survey, const std::optional<std::st
         return sonar.absorption_db_per_km != scene.sonars.front().absorption_db_per_km;
       }))
     scene.left_out.push_back(
-        "absorption: each sonar has its own (README.txt), a scene that comes in again has its default; "
-        "--sensor takes "
-        "one sonar, with its own");
+        "the absorption of each sonar, which only README.txt lists; if you import the scene again, it has "
+        "the default absorption, unless you export one sonar with --sensor");
   for (const ExchangedSonar& sonar : scene.sonars)
     if (sonar.narrowly_lit)
       scene.left_out.push_back(fmt::format(
-          "sensor '{}': its transmit sector: the exported sonar has its receive sector", sonar.name));
+          "sensor '{}': its transmit sector; the exported sonar transmits into its receive sector",
+          sonar.name));
   return scene;
 }
 

@@ -32,11 +32,9 @@ ExchangedSonar sonar_words(const Sensor& sensor) {
   const SensorKind& kind = kind_of(description);
   std::optional<SonarOutline> outline = kind.outline(description);
   if (!outline)
-    throw InputError(
-        description.place,
-        fmt::format("sensor '{}': a sonar of the kind '{}' has no words in other engines: choose "
-                    "another with --sensor",
-                    description.name, kind.name()));
+    throw InputError(description.place, fmt::format("sensor '{}': a sonar of kind '{}' cannot be exported to "
+                                                    "other engines: choose another sensor with --sensor",
+                                                    description.name, kind.name()));
   ExchangedSonar sonar;
   static_cast<SonarOutline&>(sonar) = std::move(*outline);
   sonar.name = description.name;

@@ -28,12 +28,12 @@ namespace {
 
 UsageError is_an_input(const fs::path& target) {
   return UsageError(
-      fmt::format("'{}' is an input, or holds one: choose another place to write to", target.string()));
+      fmt::format("'{}' is an input or contains one: choose another place for the output", target.string()));
 }
 
 UsageError dangling(const fs::path& target) {
-  return UsageError(
-      fmt::format("'{}' is a link to nothing: choose another -o, or remove it", target.string()));
+  return UsageError(fmt::format("'{}' is a link to a missing file: choose another -o, or remove the link",
+                                target.string()));
 }
 
 /// Returns whether a name refers to an open file of a process, as /dev/stdout does.
@@ -69,7 +69,7 @@ void rehearse(const fs::path& target, const Staging& staging) {
                             : std::rename(staging.path().c_str(), target.c_str());
   if (status == 0) {
     if (folder) std::rename(staging.path().c_str(), target.c_str());
-    throw refused("its file system does not keep files from being overwritten");
+    throw refused("the file system does not protect files from being overwritten");
   }
   static const std::set<int> expected{ENOTEMPTY, EEXIST, ENOTDIR, EISDIR};
   if (!expected.contains(errno)) throw refused(std::strerror(errno));
@@ -92,9 +92,9 @@ void refuse_strangers(const fs::path& target) {
     const std::string name = entry.path().filename().string();
     // An output with subfolders (a pack) never replaces an earlier one.
     if (!known.contains(name) || fs::is_directory(entry.symlink_status()))
-      throw UsageError(
-          fmt::format("'{}' holds '{}', which tubefoot did not write: choose another -o, or move it away",
-                      target.string(), name));
+      throw UsageError(fmt::format(
+          "'{}' holds '{}', which tubefoot did not write: choose another -o, or move that entry away",
+          target.string(), name));
   }
 }
 
@@ -108,11 +108,12 @@ bool same_file(const fs::path& a, const fs::path& b) {
 
 OutputFile::OutputFile(const fs::path& target, const Inputs& inputs) {
   if (!target.has_filename())
-    throw UsageError(fmt::format("'{}' is no file to write: name one", target.string()));
+    throw UsageError(
+        fmt::format("'{}' does not name a file: give the name of a file to write", target.string()));
   std::error_code error;
   const fs::file_status status = fs::status(target, error);
   if (fs::is_directory(status))
-    throw UsageError(fmt::format("'{}' is a folder, which is no file to write: name one", target.string()));
+    throw UsageError(fmt::format("'{}' is a folder: give the name of a file to write", target.string()));
   if (!fs::exists(status) && fs::is_symlink(fs::symlink_status(target, error))) throw dangling(target);
   for (const fs::path& input : inputs)
     if (same_file(target, input)) throw is_an_input(target);
@@ -121,8 +122,8 @@ OutputFile::OutputFile(const fs::path& target, const Inputs& inputs) {
   if (direct_) return;
   if (error) throw UsageError(fmt::format("cannot write '{}': {}", target.string(), error.message()));
   if (target_.filename() == list_name)
-    throw UsageError(
-        fmt::format("'{}' is where tubefoot lists what it wrote: name another file", target.string()));
+    throw UsageError(fmt::format(
+        "tubefoot needs the name '{}' for its list of written files: give another name", target.string()));
   // The trial is removed at once and the staging folder is made again in path(), so that an interrupted
   // program leaves nothing behind.
   const Staging trial(target_, 0700);

@@ -43,11 +43,11 @@ class Table {
  public:
   Table(hid_t file, const char* name, const SourcePlace& place)
       : place_(place), name_(name), set_(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose) {
-    if (set_ < 0) fail("is not there");
+    if (set_ < 0) fail("is missing");
     const Hdf5Handle space(H5Dget_space(set_), H5Sclose), type(H5Dget_type(set_), H5Tclose),
         plan(H5Dget_create_plist(set_), H5Pclose);
     if (H5Sget_simple_extent_ndims(space) != 2 || H5Tget_class(type) != H5T_COMPOUND)
-      fail("is no table of two dimensions");
+      fail("is not a two-dimensional table");
     H5Sget_simple_extent_dims(space, extent_.data(), nullptr);
     if (static_cast<double>(extent_[0]) * static_cast<double>(extent_[1]) > limits::cells)
       fail(fmt::format("has {} x {} entries, more than {:.3g}: write one coarser resolution with {}",
@@ -199,7 +199,7 @@ BagRefinements read_bag_refinements(const std::filesystem::path& path) {
   for (const Entry& e : read_entries(cells)) {
     const std::size_t cell = read.supergrids.size();
     const auto fail = [&](const std::string& what) {
-      cells.fail(fmt::format("{} at row {}, column {} (from the south-west, from 0)", what,
+      cells.fail(fmt::format("{} at row {}, column {} (counted from 0, from the south-west)", what,
                              cell / read.columns, cell % read.columns));
     };
     if (e.columns == 0 || e.rows == 0) {
@@ -208,17 +208,19 @@ BagRefinements read_bag_refinements(const std::filesystem::path& path) {
     }
     const double count = static_cast<double>(e.columns) * e.rows;
     if ((nodes_met += count) > limits::cells)
-      fail(fmt::format(
-          "says more than {:.3g} nodes: write one coarser resolution with {}; too many at the node",
-          limits::cells, advised_command(coarser, path)));
+      fail(
+          fmt::format("declares more than {:.3g} nodes: write one coarser resolution with {}; the number "
+                      "exceeds the limit",
+                      limits::cells, advised_command(coarser, path)));
     if (e.index + count > static_cast<double>(read.heights.size()))
-      fail(fmt::format("says {} x {} nodes from number {} of {}", e.columns, e.rows, e.index,
+      fail(fmt::format("declares {} x {} nodes from number {} of only {} nodes", e.columns, e.rows, e.index,
                        read.heights.size()));
     if (!(e.step_x > 0) || !(e.step_y > 0) || !(e.first_x >= 0) || !(e.first_y >= 0) ||
         !std::isfinite(e.step_x) || !std::isfinite(e.step_y) || !std::isfinite(e.first_x) ||
         !std::isfinite(e.first_y))
-      fail(fmt::format("says nodes {:g} x {:g} apart from ({:g}, {:g}) on", e.step_x, e.step_y, e.first_x,
-                       e.first_y));
+      fail(
+          fmt::format("declares an invalid node spacing of {:g} x {:g} or an invalid first node ({:g}, {:g})",
+                      e.step_x, e.step_y, e.first_x, e.first_y));
     read.supergrids.push_back({e.columns, e.rows, e.step_x, e.step_y, e.first_x, e.first_y, e.index});
   }
   return read;

@@ -104,19 +104,20 @@ class Companions {
     add(fs::path(file) += ".aux.xml", 64 * most_words);
     const fs::path mask = fs::path(file) += ".msk";
     if (add(mask) && format_of(mask) != FileFormat::geotiff)
-      throw InputError({mask.string(), 0, 0}, "is no GeoTIFF, as a mask beside a raster is: move it away");
+      throw InputError({mask.string(), 0, 0},
+                       "is not a GeoTIFF, but its name is that of a raster's mask: move it away");
     return 1;
   }
 
   std::size_t add_sources(const fs::path& vrt, int depth) {
     const auto fail = [&](const std::string& what) { throw InputError({vrt.string(), 0, 0}, what); };
     if (depth == deepest_vrt)
-      fail(fmt::format("is a virtual raster within {} others: name its own sources", deepest_vrt));
+      fail(fmt::format("is a virtual raster nested in {} others: name its sources directly", deepest_vrt));
     std::size_t rasters = 0;
     for (const fs::path& source : vrt_sources(vrt)) {
       std::error_code ignored;
       if (!fs::is_regular_file(source, ignored))
-        fail(fmt::format("is a virtual raster of '{}', which is no file", source.string()));
+        fail(fmt::format("is a virtual raster of '{}', which is not a file", source.string()));
       add(source);
       switch (format_of(source)) {
         case FileFormat::other:
@@ -129,15 +130,14 @@ class Companions {
         case FileFormat::studio_3ds:
         case FileFormat::fbx:
           fail(fmt::format(
-              "is a virtual raster of '{}', which is no GeoTIFF, BAG, ESRI ASCII grid, netCDF, PNG "
-              "or VRT",
+              "is a virtual raster of '{}', which is not a GeoTIFF, BAG, ESRI ASCII grid, netCDF, PNG or VRT",
               source.string()));
         default:
           break;
       }
       rasters += add_of(source, depth + 1);
       if (rasters > most_sources)
-        fail(fmt::format("is a virtual raster of more than {} rasters: make it of fewer", most_sources));
+        fail(fmt::format("is a virtual raster of more than {} rasters: use fewer", most_sources));
     }
     return std::max<std::size_t>(rasters, 1);
   }
@@ -171,13 +171,13 @@ class Companions {
     if (!fs::exists(status) || status.type() == fs::file_type::directory) return false;
     if (status.type() != fs::file_type::regular)
       throw InputError({path.string(), 0, 0},
-                       fmt::format("is a special file, and would be read along with '{}': move it away",
+                       fmt::format("is a special file that belongs to '{}' by its name: move it away",
                                    file_.filename().string()));
     if (path == file_ || !known_.insert(path).second) return true;
     if (admit_) admit_(path);
     if (fs::file_size(path, ignored) > most_bytes)
       throw InputError({path.string(), 0, 0},
-                       fmt::format("has more than {} bytes, and would be read along with '{}': move it away",
+                       fmt::format("has more than {} bytes and belongs to '{}' by its name: move it away",
                                    most_bytes, file_.filename().string()));
     found_.push_back(path);
     return true;

@@ -51,8 +51,8 @@ double number(const Field& field, std::string_view name, const SourcePlace& plac
     const bool date = field.text.find(':') != field.text.npos;
     throw InputError(place, fmt::format("{} is '{}', expected a finite number{}", name, field.text,
                                         field.text.empty() ? ": the cell is empty"
-                                        : date             ? ": seconds in one count, and no date or clock"
-                                                           : ""));
+                                        : date ? ": write seconds as one number, not a date or a time of day"
+                                               : ""));
   }
   return value;
 }
@@ -75,27 +75,29 @@ std::string_view in_other_units(const std::vector<Field>& fields, std::span<cons
 std::string header_hint(std::string_view text, const std::vector<Field>& fields,
                         std::span<const std::string_view> columns, std::string_view wanted) {
   if (text.starts_with("PK") || text.starts_with("\xD0\xCF"))
-    return ": this is a workbook of a spreadsheet: save it as CSV";
+    return ": this is a spreadsheet workbook: save it as CSV";
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text.find('\0') != text.npos)
-    return ": this is UTF-16, or no text: save it as CSV in UTF-8";
+    return ": this is UTF-16 or not a text: save it as CSV in UTF-8";
   for (const auto& [separator, name] :
        {std::pair(';', "semicolons"), std::pair('\t', "tabs"), std::pair(' ', "blanks")})
     if (fields.size() == 1 && text.find(separator) != text.npos)
-      return fmt::format(": columns are separated by {} here, expected commas, and points in decimals", name);
+      return fmt::format(
+          ": the columns are separated by {}, expected commas between columns and decimal points", name);
   double value = 0;
   const std::string_view first = fields.front().text;
   if (std::from_chars(first.data(), first.data() + first.size(), value).ec == std::errc())
     return ": the first line holds numbers: put the header above it";
   if (const std::string_view other = in_other_units(fields, columns, wanted); !other.empty())
-    return fmt::format(": '{}' is in other units, and its name says so: convert it, and call it {}", other,
-                       wanted);
+    return fmt::format(
+        ": the name of the column '{}' has another unit: convert the column, and rename it to {}", other,
+        wanted);
   for (const Field& field : fields)
     if (std::ranges::find(columns, field.text) == columns.end() &&
         !meant_column(field.text, {&wanted, 1}).empty())
-      return fmt::format(": did you mean it by '{}'? Rename that to {}", field.text, wanted);
+      return fmt::format(": if the column '{}' holds it, rename that column to {}", field.text, wanted);
   std::vector<std::string_view> names;
   for (const Field& field : fields) names.push_back(field.text);
-  return fmt::format(", and not {}", fmt::join(names, ","));
+  return fmt::format(", not {}", fmt::join(names, ","));
 }
 
 class CsvReader {
@@ -117,11 +119,12 @@ class CsvReader {
         read_header(text, fields);
       } else {
         if (++contents_.rows > limits::table_rows)
-          throw InputError(place_, fmt::format("more than {} rows: thin out the table", limits::table_rows));
+          throw InputError(place_,
+                           fmt::format("the table has more than {} rows: thin it out", limits::table_rows));
         read_row(fields, take);
       }
     }
-    if (in.bad()) throw InputError(place_, "cannot be read to its end");
+    if (in.bad()) throw InputError(place_, "cannot be read to the end");
     if (header_size_ == 0) {
       throw InputError({place_.file, 0, 0}, fmt::format("is empty, expected the header line {}", wanted()));
     }
@@ -153,16 +156,17 @@ class CsvReader {
       }
       lacking.push_back(column);
       if (const std::string_view other = in_other_units(fields, optional_columns_, column); !other.empty()) {
-        throw InputError(place_,
-                         fmt::format("the column '{}' is in other units, and its name says so: convert it, "
-                                     "and call it {}",
-                                     other, column));
+        throw InputError(
+            place_,
+            fmt::format(
+                "the name of the column '{}' has another unit: convert the column, and rename it to {}",
+                other, column));
       }
     }
     read_further(fields, lacking);
     if (columns_.empty() && !has_optional)
       throw InputError(place_,
-                       fmt::format("none of the columns is there, expected some of {}{}", wanted(),
+                       fmt::format("none of the expected columns is present, expected some of {}{}", wanted(),
                                    header_hint(text, fields, optional_columns_, optional_columns_.front())));
   }
 
@@ -173,21 +177,20 @@ class CsvReader {
       if (field.text.find('\0') != field.text.npos)
         throw InputError(
             {place_.file, place_.line, field.column},
-            fmt::format("column names are no text{}", header_hint(field.text, fields, columns_, "")));
+            fmt::format("the column names are not text{}", header_hint(field.text, fields, columns_, "")));
     for (std::size_t k = 0; k < fields.size(); ++k) {
       if (std::ranges::find(field_of_column_, k) != field_of_column_.end()) continue;
       const Field& field = fields[k];
       const SourcePlace place{place_.file, place_.line, field.column};
       for (const std::span<const std::string_view> some : {columns_, optional_columns_})
         if (std::ranges::find(some, field.text) != some.end())
-          throw InputError(place,
-                           fmt::format("the column {} stands twice, expected it once: remove one of the "
-                                       "two",
-                                       field.text));
+          throw InputError(
+              place,
+              fmt::format("the column {} occurs twice, expected it once: remove one of the two", field.text));
       if (const std::string_view meant = meant_column(field.text, lacking); !meant.empty())
-        throw InputError(place, fmt::format("unknown column '{}': did you mean '{}'? Rename it to that if it "
-                                            "holds that, else remove it",
-                                            field.text, meant));
+        throw InputError(
+            place, fmt::format("unknown column '{}': did you mean '{}'? Rename the column, or remove it",
+                               field.text, meant));
       if (!field.text.empty()) contents_.ignored.emplace_back(field.text);
     }
   }
@@ -271,7 +274,7 @@ std::vector<std::string> ignored_columns_warning(const std::filesystem::path& fi
   const std::vector<std::string>& names = contents.ignored;
   if (names.empty()) return {};
   const std::span<const std::string> listed = std::span(names).first(std::min(most, names.size()));
-  return {fmt::format("{}: ignores the column{} '{}'{}", file.string(), names.size() == 1 ? "" : "s",
+  return {fmt::format("{}: tubefoot ignores the column{} '{}'{}", file.string(), names.size() == 1 ? "" : "s",
                       fmt::join(listed, "', '"),
                       names.size() > most ? fmt::format(" and {} others", names.size() - most) : "")};
 }

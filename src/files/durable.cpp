@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& place, int cause) {
-  throw write_error(place, std::string("cannot be brought to the disk: ") + std::strerror(cause));
+  throw write_error(place, std::string("cannot be written to the disk: ") + std::strerror(cause));
 }
 
 bool synced(const Descriptor& file) {
@@ -33,7 +33,7 @@ bool synced(const Descriptor& file) {
 }
 
 [[noreturn]] void cannot_move(const fs::path& target, int cause) {
-  throw write_error(target, std::string("cannot be given its name: ") + std::strerror(cause));
+  throw write_error(target, std::string("cannot be moved to this name: ") + std::strerror(cause));
 }
 
 bool renamed(const fs::path& from, const fs::path& to) { return std::rename(from.c_str(), to.c_str()) == 0; }

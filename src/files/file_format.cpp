@@ -78,7 +78,7 @@ FileFormat format_of(const std::filesystem::path& file) {
   if (words.find("<vrtdataset") == words.npos) return format;
   if (format != FileFormat::other)
     throw InputError({file.string(), 0, 0},
-                     "begins as two formats at once, of which one is a virtual raster (VRT): write it anew");
+                     "begins like two formats at once, one of them a virtual raster (VRT): write it again");
   return FileFormat::vrt;
 }
 

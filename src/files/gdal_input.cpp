@@ -71,9 +71,8 @@ std::optional<std::string> too_large_block(GDALRasterBand& band, const std::stri
   const std::int64_t bytes = std::int64_t{columns} * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
   if (rows <= 0 || bytes <= limits::block_bytes / rows) return std::nullopt;
   return fmt::format(
-      "is stored in blocks of {} x {} cells, which are more than {} MB each: write a copy in smaller ones "
-      "with "
-      "{}",
+      "is stored in blocks of {} x {} cells, which are more than {} MB each: write a copy in smaller blocks "
+      "with {}",
       columns, rows, limits::block_bytes >> 20, command);
 }
 
@@ -83,15 +82,17 @@ std::string overview(const fs::path& file, GDALDataset& dataset) {
   std::array<double, 6> transform{};
   dataset.GetGeoTransform(transform.data());
   return fmt::format(
-      "has variable resolution, and its raster is but a coarse overview: write one resolution with {} (a "
-      "[[terrain]] reads all of it)",
+      "has variable resolution, and its raster is only a coarse overview: write one resolution with {} (only "
+      "a [[terrain]] reads variable resolution)",
       advised_resampling(file, std::abs(transform[1]), std::abs(transform[5])));
 }
 
 /// Returns the message for such a raster. A copy without metadata has no overviews in another file.
 std::string elsewhere(const fs::path& file) {
-  return fmt::format("names another file for its overviews, which is not read: write a copy without with {}",
-                     advised_command(fmt::format("gdalwarp -ovr NONE -nomd {}", warp_classes), file));
+  return fmt::format(
+      "refers to another file for its overviews, which tubefoot does not read: write a copy without "
+      "overviews with {}",
+      advised_command(fmt::format("gdalwarp -ovr NONE -nomd {}", warp_classes), file));
 }
 
 bool is_netcdf(FileFormat format) {
@@ -112,9 +113,8 @@ void refuse_turned_over(const fs::path& part, GDALDataset& source,
     fail(fmt::format("is a virtual raster of '{}', which {}", part.string(), grid.problem));
   if (grid.first_row_is_north && grid.geotransform && !has_geotransform(source))
     fail(fmt::format(
-        "is a virtual raster of '{}', whose rows GDAL takes in the wrong order: write that file anew with "
-        "{}, and "
-        "make the virtual raster of the new one",
+        "is a virtual raster of '{}', whose rows GDAL reads in the wrong order: write that file again with "
+        "{}, and build the virtual raster from the new file",
         part.string(),
         advised_command("gdal_translate " + grid.placing(source.GetRasterXSize(), source.GetRasterYSize()),
                         part)));
@@ -253,16 +253,14 @@ std::optional<std::array<double, 6>> GdalInput::geotransform() const {
 std::string GdalInput::no_geotransform(std::string_view otherwise) const {
   if (netcdf_ && !netcdf_->problem.empty()) return netcdf_->problem;
   constexpr std::string_view edges = "-a_ullr WEST NORTH EAST SOUTH";
-  const std::string file = place_.file,
-                    what = fmt::format(
-                        "has no geotransform, so its cells have no size and place: {}write a copy "
-                        "with the coordinates of its edges by ",
-                        otherwise.empty() ? "" : fmt::format("{}, or ", otherwise));
+  const std::string file = place_.file, what = fmt::format(
+                                            "has no geotransform, so its cells have no size and position: "
+                                            "{}write a copy with the coordinates of its edges by ",
+                                            otherwise.empty() ? "" : fmt::format("{}, or ", otherwise));
   if (dataset_->GetMetadata("GEOLOCATION") != nullptr)
     return fmt::format(
-        "has no geotransform, but two-dimensional coordinates, which are not read: write a copy on a regular "
-        "grid "
-        "with {}",
+        "has no geotransform, but two-dimensional coordinates, which tubefoot does not read: write a copy on "
+        "a regular grid with {}",
         advised_command(fmt::format("gdalwarp -geoloc -t_srs EPSG:... {}", warp_heights), file));
   if (!netcdf_) return what + advised_command(fmt::format("gdal_translate {}", edges), file);
   return fmt::format(
@@ -276,8 +274,8 @@ std::string GdalInput::no_single_raster() const {
   for (CSLConstList item = dataset_->GetMetadata("SUBDATASETS"); item != nullptr && *item != nullptr; ++item)
     if (const std::string text = *item; text.find("_NAME=") != text.npos && names.size() < 20)
       names.push_back(text.substr(text.rfind(':') + 1));
-  return fmt::format("holds no single raster{}: take one of its variables out with {}",
-                     names.empty() ? "" : fmt::format(", but {}", fmt::join(names, ", ")),
+  return fmt::format("does not hold a single raster{}: extract one of its variables with {}",
+                     names.empty() ? "" : fmt::format(", but the variables {}", fmt::join(names, ", ")),
                      advised_command("gdalmdimtranslate -array VARIABLE", place_.file, ".nc"));
 }
 
@@ -288,8 +286,8 @@ std::optional<std::string> GdalInput::unknown_row_order() const {
                            place_.file);
   };
   return fmt::format(
-      "has no coordinates that say which of its rows is the northernmost: write a copy with {} if the first "
-      "one is, or with {} if the last one is",
+      "has no coordinates that show which row is the northernmost: write a copy with {} if the first row is, "
+      "or with {} if the last row is",
       copy(true), copy(false));
 }
 
@@ -303,9 +301,10 @@ std::string GdalInput::advised(std::string_view command) const {
 }
 
 std::string GdalInput::name_the_degrees() const {
-  return fmt::format("name it with {} (WGS 84), or bring it to metres with {}",
-                     advised("gdal_translate -a_srs EPSG:4326"),
-                     advised(fmt::format("gdalwarp -s_srs EPSG:4326 -t_srs EPSG:... {}", warp_heights)));
+  return fmt::format(
+      "add a coordinate reference system with {} (WGS 84), or convert the coordinates to metres with {}",
+      advised("gdal_translate -a_srs EPSG:4326"),
+      advised(fmt::format("gdalwarp -s_srs EPSG:4326 -t_srs EPSG:... {}", warp_heights)));
 }
 
 std::string GdalInput::crs() const {
@@ -314,23 +313,24 @@ std::string GdalInput::crs() const {
   if (known != nullptr && known->IsLocal()) return {};
   const auto fail_as_degrees = [this](std::string_view text) {
     fail(fmt::format(
-        "its coordinates are in degrees ({}), but it names no coordinate reference system: {}; if "
-        "they are metres after all, as GDAL writes small local grids, say so with {}",
+        "its coordinates are in degrees ({}), but it has no coordinate reference system: {}; if the "
+        "coordinates are metres, as in small local grids that GDAL writes, declare this with {}",
         text, name_the_degrees(), advised("gdal_translate -a_srs 'LOCAL_CS[\"local\",UNIT[\"metre\",1]]'")));
   };
   // Metadata in the form of GDAL's netCDF driver: "lon#units=degrees_east".
   for (CSLConstList item = dataset_->GetMetadata(); item != nullptr && *item != nullptr; ++item)
     if (const std::string_view text = *item; text.find("#units=degree") != text.npos) fail_as_degrees(text);
-  if (in_degrees_) fail_as_degrees("by their names");
+  if (in_degrees_) fail_as_degrees("according to their names");
   return {};
 }
 
 void GdalInput::refuse_colours(const char* what, bool palettes_too) const {
   const GDALColorInterp means = dataset_->GetRasterBand(1)->GetColorInterpretation();
   if (means >= GCI_RedBand || (palettes_too && means == GCI_PaletteIndex))
-    fail(fmt::format(
-        "is a picture in colours, which are no {}: if one of its bands has them, take that out with {}", what,
-        advised("gdal_translate -b BAND -colorinterp_1 gray")));
+    fail(
+        fmt::format("is a colour picture, and colours are not {}: if one of its bands holds the data, "
+                    "extract that band with {}",
+                    what, advised("gdal_translate -b BAND -colorinterp_1 gray")));
 }
 
 void GdalInput::read_row(GDALRasterBand& band, int row, int column, int columns, GDALDataType type,

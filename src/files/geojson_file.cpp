@@ -96,12 +96,13 @@ class MemberNames {
     if (numbers_.size() > limits::map_attributes)
       fail(fmt::format("has more than {} attributes", limits::map_attributes));
     if (pairs_.size() > limits::map_attribute_pairs)
-      fail(fmt::format("names its attributes in many orders: more than {} pairs of names follow each other",
-                       limits::map_attribute_pairs));
+      fail(fmt::format(
+          "lists its attributes in too many orders: more than {} different pairs of names follow each other",
+          limits::map_attribute_pairs));
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(place_, what + ": keep the one that names the material: " +
+    throw InputError(place_, what + ": keep only the attribute that names the material, with " +
                                  advised_ogr2ogr("-select NAME", place_.file));
   }
 

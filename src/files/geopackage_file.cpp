@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 SqliteWords words_for(const fs::path& file) {
   return {"GeoPackage", "save its layers as plain tables with " + advised_ogr2ogr("", file),
-          "open it in that program once more and close it, or copy it with " + advised_ogr2ogr("", file)};
+          "open and close the file again in that program, or copy it with " + advised_ogr2ogr("", file)};
 }
 
 /// Returns the first text or number of an answer; empty if there is none, or if the file cannot answer the
@@ -48,7 +48,7 @@ void reject_grid_words(const SqliteFile& database) {
         answer(database, fmt::format("SELECT max(length({})) FROM gpkg_spatial_ref_sys", column).c_str());
     if (longest.empty()) continue;
     if (longest.size() > 5)
-      fail(fmt::format("has a coordinate reference system of more than {} letters", most_letters));
+      fail(fmt::format("has a coordinate reference system of more than {} characters", most_letters));
     database.ask(fmt::format("SELECT {} FROM gpkg_spatial_ref_sys", column).c_str(), {},
                  [&](const SqliteFile::Row& row) {
                    stop_if_wanted();
@@ -69,7 +69,7 @@ void refuse_geopackage_surprises(const fs::path& file) {
       18;  // offset of the format versions for writing and for reading; version 2 means a write-ahead log
   const std::string head = InputFile(file).head(100);
   if (head.size() < 100 || head[format_version] != 1 || head[format_version + 1] != 1)
-    refuse_as_unfinished(file, words, "its changes would go to a log beside it");
+    refuse_as_unfinished(file, words, "it keeps its changes in a separate log");
   const SqliteFile database(file, words);
   // A page that occurs in several tables would give an endless number of rows. Check constraints of a table
   // are programs as well, and are ignored.
@@ -79,7 +79,7 @@ void refuse_geopackage_surprises(const fs::path& file) {
   if (checked != "ok")
     fail(fmt::format("cannot be read as GeoPackage: it is damaged ({})", checked.substr(0, 200)));
   if (answer(database, "PRAGMA encoding") != "UTF-8")
-    fail("is not written in UTF-8: copy it with " + advised_ogr2ogr("", file));
+    fail("is not encoded in UTF-8: copy it with " + advised_ogr2ogr("", file));
   reject_grid_words(database);
 }
 

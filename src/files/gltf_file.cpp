@@ -43,9 +43,9 @@ class GltfReader {
 
   std::vector<GltfBuffer> read() {
     const json root = parsed(words());
-    if (!root.is_object()) fail("is no glTF: its JSON is no object");
+    if (!root.is_object()) fail("is not a glTF: its JSON is not an object");
     const std::string version = text_of(root, "asset", "version");
-    if (!version.starts_with("2.")) fail(fmt::format("is glTF of version '{}', expected 2.0", version));
+    if (!version.starts_with("2.")) fail(fmt::format("has the glTF version '{}', expected 2.0", version));
     refuse_extensions(root);
     std::vector<GltfBuffer> buffers;
     std::set<std::string> known;
@@ -75,7 +75,7 @@ class GltfReader {
     if (head.size() == header) std::memcpy(&length, head.data() + 12, sizeof length);
     if (head.size() < header || head.substr(16, 4) != "JSON" || length > most_words ||
         length > input.size() - header)
-      fail("is no binary glTF 2.0, or cut off: it does not begin with its words (JSON)");
+      fail("is not a binary glTF 2.0, or is cut off: it does not begin with a JSON chunk");
     return input.head(header + length).substr(header);
   }
 
@@ -88,7 +88,7 @@ class GltfReader {
     try {
       return text.size() < long_text ? parse() : long_call(parse);
     } catch (const json::exception& error) {
-      fail(fmt::format("is no glTF that can be read: {}", error.what()));
+      fail(fmt::format("cannot be read as glTF: {}", error.what()));
     }
   }
 
@@ -106,7 +106,7 @@ class GltfReader {
       } else if (c == '"') {
         in_string = true;
       } else if (c == '{' || c == '[') {
-        if (++depth > most_nesting) fail(fmt::format("nests values deeper than {}", most_nesting));
+        if (++depth > most_nesting) fail(fmt::format("nests values more than {} levels deep", most_nesting));
       } else if (c == '}' || c == ']') {
         --depth;
       }
@@ -119,7 +119,7 @@ class GltfReader {
     if (!value.is_object()) return none;
     const auto found = value.find(key);
     if (found == value.end()) return none;
-    if (!found->is_array()) fail(fmt::format("has '{}' that are no list", key));
+    if (!found->is_array()) fail(fmt::format("has '{}' that is not a list", key));
     return *found;
   }
 
@@ -157,11 +157,10 @@ class GltfReader {
         if (attributes.is_object()) add(placed_by.back(), count_of(attributes.value("POSITION", json())));
       }
       if (read > most)
-        fail(
-            fmt::format("meshes[{}]: its primitives and morph targets, and those before it, read more than "
-                        "{} values, which the file's {} bytes do not explain: export each with vertices of "
-                        "its own, and without morph targets",
-                        placed_by.size() - 1, most, bytes));
+        fail(fmt::format(
+            "meshes[{}]: the primitives and morph targets up to here read more than {} values, too many for "
+            "the {} bytes of the file: export each mesh with its own vertices, without morph targets",
+            placed_by.size() - 1, most, bytes));
     }
     refuse_nodes(root, placed_by, most);
   }
@@ -173,8 +172,8 @@ class GltfReader {
                                                                                : size;
     };
     if (nodes.size() > limits::gltf_nodes)
-      fail(fmt::format("nodes[{}]: has more than {} nodes: merge the meshes that they place",
-                       limits::gltf_nodes, limits::gltf_nodes));
+      fail(fmt::format("nodes[{}]: there are more than {} nodes: merge their meshes", limits::gltf_nodes,
+                       limits::gltf_nodes));
     std::vector<std::size_t> parent(nodes.size(), nodes.size());
     std::uint64_t placed = 0;
     for (std::size_t k = 0; k < nodes.size(); ++k) {
@@ -184,18 +183,18 @@ class GltfReader {
         const std::size_t number = index_in(child, nodes.size());
         if (number == nodes.size()) continue;
         if (parent[number] != nodes.size())
-          fail(fmt::format("nodes[{}] is a child of nodes[{}] and of nodes[{}]: nodes of a glTF form trees",
-                           number, parent[number], k));
+          fail(fmt::format(
+              "nodes[{}] is a child of nodes[{}] and of nodes[{}]: the nodes of a glTF must form trees",
+              number, parent[number], k));
         parent[number] = k;
       }
       const std::size_t mesh = index_in(nodes[k].value("mesh", json()), placed_by.size());
       if (mesh < placed_by.size()) placed += std::min(placed_by[mesh], most + 1);
       if (placed > most)
-        fail(
-            fmt::format("nodes[{}]: the instances of meshes up to here have more than {} vertices and "
-                        "corners, which the file's bytes do not explain: export fewer instances, or each "
-                        "with facets of its own",
-                        k, most));
+        fail(fmt::format(
+            "nodes[{}]: the instances of meshes up to here have more than {} vertices and corners, too many "
+            "for the size of the file: export fewer instances, or give each its own facets",
+            k, most));
     }
     for (const json& scene : list_of(root, "scenes")) {
       std::set<std::size_t> roots;
@@ -203,7 +202,8 @@ class GltfReader {
         const std::size_t number = index_in(node, nodes.size());
         if (number < nodes.size() && (parent[number] != nodes.size() || !roots.insert(number).second))
           fail(fmt::format(
-              "nodes[{}] is a root of a scene twice, or also a child: nodes of a glTF form trees", number));
+              "nodes[{}] is a root of a scene twice, or is also a child: the nodes of a glTF must form trees",
+              number));
       }
     }
     refuse_depth(parent);
@@ -224,8 +224,8 @@ class GltfReader {
       std::size_t above = at == none ? 0 : depth[at];
       if (way.size() + above > limits::model_depth)
         fail(
-            fmt::format("nodes[{}] lies in more than {} others, or in itself: flatten the nodes when you "
-                        "export it",
+            fmt::format("nodes[{}] is nested in more than {} other nodes, or in itself: flatten the nodes "
+                        "when you export the file",
                         k, limits::model_depth));
       for (std::size_t w = way.size(); w-- > 0;) depth[way[w]] = ++above;
     }
@@ -249,8 +249,10 @@ class GltfReader {
       const std::string name = extension.is_string() ? extension.get<std::string>() : std::string();
       const auto begins = [&](std::string_view with) { return name.starts_with(with); };
       if (std::ranges::none_of(harmless_extensions, begins))
-        fail(fmt::format("needs the extension '{}', which is not read: export it without (plain buffers)",
-                         name));
+        fail(
+            fmt::format("needs the extension '{}', which tubefoot does not read: export the file without it "
+                        "(with plain buffers)",
+                        name));
     }
   }
 
@@ -277,16 +279,19 @@ class GltfReader {
     if (name.is_absolute() || climbs || uri.find(':') != uri.npos ||
         name.string().find('\0') != std::string::npos)
       fail(
-          fmt::format("names the buffer '{}', which is no file in its folder or below: copy it there, and "
-                      "name it relative to the glTF",
+          fmt::format("refers to the buffer '{}', which is not in the folder of the glTF or below: copy the "
+                      "buffer there, and use a relative name",
                       uri));
     const fs::path file = absolute_path(gltf_).parent_path() / name;
     std::error_code ignored;
     if (!fs::is_regular_file(file, ignored))
-      fail(fmt::format("names the buffer '{}', which is not there: it comes with the glTF", uri));
+      fail(fmt::format(
+          "refers to the buffer '{}', which is missing: copy the buffer file together with the glTF", uri));
     if (const auto outside = place_outside(gltf_.parent_path(), file))
-      fail(fmt::format("names the buffer '{}', which is a link out of its folder, to '{}': copy it there",
-                       uri, outside->string()));
+      fail(
+          fmt::format("refers to the buffer '{}', which is a link out of the folder to '{}': copy the buffer "
+                      "into the folder",
+                      uri, outside->string()));
     return file;
   }
 

@@ -44,10 +44,9 @@ void GridWords::feed(std::string_view piece) {
 
 std::string names_grids(std::string_view named) {
   return fmt::format(
-      "has a coordinate reference system that names files of corrections ('{}'), which are not read: write a "
-      "copy with another by `gdal_translate -a_srs EPSG:... IN OUT` for rasters, `ogr2ogr -a_srs EPSG:... "
-      "OUT "
-      "IN` for vectors",
+      "has a coordinate reference system that refers to correction files ('{}'), which tubefoot does not "
+      "read: write a copy with another coordinate reference system by `gdal_translate -a_srs EPSG:... IN "
+      "OUT` for rasters or `ogr2ogr -a_srs EPSG:... OUT IN` for vectors",
       named);
 }
 

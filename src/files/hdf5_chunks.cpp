@@ -145,14 +145,14 @@ std::vector<unsigned char> empty_hdf5_file(const std::filesystem::path& path) {
     const Hdf5Handle file(H5Fcreate(in_memory(path).c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose);
     if (file >= 0 && H5Fflush(file, H5F_SCOPE_LOCAL) >= 0) return image_of(file, path);
   }
-  throw write_error(path, "HDF5 cannot create it in memory, which may be short");
+  throw write_error(path, "HDF5 cannot create the file in memory: free some memory");
 }
 
 Hdf5Chunks::Hdf5Chunks(std::filesystem::path file) : path_(std::move(file)) {
   const Hdf5Silence silence;
   keep_libraries_to_themselves();
   file_ = std::make_unique<Hdf5Handle>(H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
-  if (*file_ < 0) throw write_error(path_, "HDF5 cannot open it again to add values");
+  if (*file_ < 0) throw write_error(path_, "HDF5 cannot reopen the file to add values");
 }
 
 Hdf5Chunks::Hdf5Chunks(std::filesystem::path file, std::span<const unsigned char> image)
@@ -164,7 +164,7 @@ Hdf5Chunks::Hdf5Chunks(std::filesystem::path file, std::span<const unsigned char
                                                    image.size()) >= 0)  // HDF5 copies the bytes
     file_ = std::make_unique<Hdf5Handle>(H5Fopen(in_memory(path_).c_str(), H5F_ACC_RDWR, access), H5Fclose);
   if (!file_ || *file_ < 0)
-    throw write_error(path_, "HDF5 cannot add values to it in memory, which may be short");
+    throw write_error(path_, "HDF5 cannot add values to the file in memory: free some memory");
 }
 
 Hdf5Chunks::~Hdf5Chunks() {

@@ -41,11 +41,11 @@ herr_t look_at_link(hid_t, const char* name, const H5L_info_t* link, void* data)
   if (++finding.links > most_links)
     finding.what = fmt::format("has more than {} groups and variables", most_links);
   else if (std::count(name, name + std::strlen(name), '/') >= deepest)
-    finding.what = fmt::format("has groups within groups, more than {} deep", deepest);
+    finding.what = fmt::format("nests groups more than {} levels deep", deepest);
   else if (link->type == H5L_TYPE_EXTERNAL)
     finding.what = fmt::format("has '{}', a link into another file", name);
   else if (link->type != H5L_TYPE_HARD && link->type != H5L_TYPE_SOFT)
-    finding.what = fmt::format("has '{}', a link of a kind that is not known", name);
+    finding.what = fmt::format("has '{}', a link of an unknown kind", name);
   return finding.what.empty() ? 0 : 1;
 }
 
@@ -103,7 +103,7 @@ herr_t look_at_object(hid_t file, const char* name, const H5O_info_t* object, vo
       if (!text.empty() && H5Dread(opened, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) >= 0)
         words.feed(text);
       if (!words.met().empty())
-        finding.what = fmt::format("names files of corrections in '{}' ('{}')", name, words.met());
+        finding.what = fmt::format("refers to correction files in '{}' ('{}')", name, words.met());
     }
   }
   return finding.what.empty() ? 0 : 1;
@@ -121,8 +121,7 @@ std::string references_of(const fs::path& path) {
       (finding.what.empty() &&
        H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at_object, &finding, H5O_INFO_BASIC) < 0))
     return "is damaged: its list of contents cannot be read";
-  if (!finding.what.empty())
-    finding.what += ": write the heights or energies into a plain file where all of it is";
+  if (!finding.what.empty()) finding.what += ": write the heights or energies into one plain file";
   return finding.what;
 }
 

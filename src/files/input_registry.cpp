@@ -33,13 +33,12 @@ InputFile::InputFile(fs::path file, const SourcePlace& place, std::string_view e
   // A non-blocking open does not wait for the writer of a pipe. A file that is not regular is never read.
   const int descriptor = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (descriptor < 0)
-    throw InputError(place_,
-                     errno == EACCES
-                         ? fmt::format("{}may not be read ({}): change its permissions, or those of the "
-                                       "folders that it is in",
-                                       name, std::strerror(errno))
-                         : fmt::format("{}cannot be opened ({}): check the path and the permissions", name,
-                                       std::strerror(errno)));
+    throw InputError(
+        place_, errno == EACCES
+                    ? fmt::format("{}is not readable ({}): change its permissions, or those of its folders",
+                                  name, std::strerror(errno))
+                    : fmt::format("{}cannot be opened ({}): check the path and the permissions", name,
+                                  std::strerror(errno)));
   struct stat status {};
   if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     close(descriptor);
@@ -75,14 +74,14 @@ void InputFile::for_each_piece(const std::function<void(std::string_view)>& use)
     const auto count = static_cast<std::size_t>(stream_->gcount());
     // Files of the system (/proc) report the size 0 and may be endless.
     if (count > left)
-      throw InputError(place_,
-                       fmt::format("'{}' has more than the {} bytes that it had when it was opened: it is no "
-                                   "file to read, or is being written to",
-                                   path_.string(), size_));
+      throw InputError(place_, fmt::format("'{}' has more than the {} bytes that it had when it was opened: "
+                                           "it is not a regular file, or a program is writing it",
+                                           path_.string(), size_));
     left -= count;
     use(std::string_view(piece).substr(0, count));
   }
-  if (!stream_->eof()) throw InputError(place_, fmt::format("reading '{}' failed midway", path_.string()));
+  if (!stream_->eof())
+    throw InputError(place_, fmt::format("reading '{}' failed before its end", path_.string()));
 }
 
 std::optional<FileState> state_of(const fs::path& file) {
@@ -99,7 +98,7 @@ std::string read_whole(const fs::path& file, const SourcePlace& place, std::uint
   input.for_each_piece([&](std::string_view piece) {
     text += piece;
     if (text.size() > most)
-      throw InputError(place, fmt::format("larger than {} bytes, expected {}", most, expected));
+      throw InputError(place, fmt::format("is larger than {} bytes, expected {}", most, expected));
   });
   return text;
 }

@@ -54,8 +54,9 @@ void require_memory(double bytes, const SourcePlace& place, const std::string& w
                     const std::string& remedy) {
   const double at_hand = memory_at_hand();
   if (bytes <= at_hand) return;
-  throw InputError(place, fmt::format("{} need {:.3g} GB of memory, {:.3g} GB are at hand: {}", what,
-                                      bytes / 1e9, at_hand / 1e9, remedy));
+  throw InputError(
+      place, fmt::format("{} would need {:.3g} GB of memory, but only {:.3g} GB are available: {}", what,
+                         bytes / 1e9, at_hand / 1e9, remedy));
 }
 
 }  // namespace tubefoot

@@ -110,7 +110,7 @@ NetcdfGrid netcdf_grid(const fs::path& file, GDALDataset& raster) {
     grid.problem =
         count == 2
             ? fmt::format(
-                  "stores '{0}' by ({1}, {2}), so that its rows run along {2}: turn it over with {3}", name,
+                  "stores '{0}' by ({1}, {2}), so that its rows run along {2}: transpose it with {3}", name,
                   y.name, x.name,
                   advised_command(fmt::format("gdalmdimtranslate -array 'name={},transpose=[1,0]'", name),
                                   file, ".nc"))
@@ -131,7 +131,8 @@ NetcdfGrid netcdf_grid(const fs::path& file, GDALDataset& raster) {
       grid.geotransform = {west - dx / 2, dx, 0, north + dy / 2, 0, -dy};
     else
       grid.problem = fmt::format(
-          "its coordinates '{}' {}: expected evenly spaced ones, those of columns increasing: resample it",
+          "its coordinates '{}' {}: expected evenly spaced coordinates that increase from column to column: "
+          "resample the raster",
           x.even && !y.even ? y.name : x.name, x.even && y.even ? "decrease" : "are not evenly spaced");
   } else {
     grid.problem = fmt::format("its coordinates are in '{}', expected m: write them in metres",

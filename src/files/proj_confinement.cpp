@@ -157,8 +157,8 @@ void make_proj_ask() {
   use_context();
   if (!asks)
     throw std::runtime_error(
-        "GDAL uses a PROJ library other than the one that tubefoot is linked with, whose files cannot be "
-        "confined: link both with the same");
+        "GDAL uses a different PROJ library than tubefoot, so tubefoot cannot restrict the files that it "
+        "reads: link both with the same PROJ library");
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ Statement prepared(sqlite3* database, const char* question) {
 void refuse_as_unfinished(const fs::path& file, const SqliteWords& words, const std::string& what) {
   throw InputError(
       {file.string(), 0, 0},
-      fmt::format("is being written to, or was when a program ended: {}; {}", what, words.finish));
+      fmt::format("is being written, or a program ended while it was written: {}; {}", what, words.finish));
 }
 
 void refuse_unfinished_sqlite(const fs::path& file, const SqliteWords& words) {
@@ -178,7 +178,7 @@ void SqliteFile::check_length(std::span<const std::uint8_t> header) const {
   const std::uint64_t page = number(page_size, 2) == 1 ? 65536 : number(page_size, 2);
   // Programs before 2010 do not update the number of pages.
   if (number(changes, 4) == number(pages_valid_for, 4) && number(pages, 4) * page > bytes_)
-    fail(fmt::format("it is cut off: {} bytes of {}", bytes_, number(pages, 4) * page));
+    fail(fmt::format("it is cut off: it has {} bytes of {}", bytes_, number(pages, 4) * page));
 }
 
 void SqliteFile::check_schema(const SqliteWords& words) const {
@@ -194,10 +194,10 @@ void SqliteFile::check_schema(const SqliteWords& words) const {
   std::size_t entries = 0;
   ask("SELECT name, sql FROM sqlite_master", {}, [&](const Row& row) {
     constexpr std::size_t most_entries = 100'000;
-    if (++entries > most_entries) fail("its schema has no end");
+    if (++entries > most_entries) fail("its schema has too many entries");
     if (const std::string surprise = surprise_in(plain(row.text(1))); !surprise.empty())
-      throw InputError({path_.string(), 0, 0}, fmt::format("has {}, '{}', which is not read: {}", surprise,
-                                                           row.text(0), words.plain_tables));
+      throw InputError({path_.string(), 0, 0}, fmt::format("has {}, '{}', which tubefoot does not read: {}",
+                                                           surprise, row.text(0), words.plain_tables));
   });
 }
 

@@ -125,7 +125,7 @@ Staging::Staging(const fs::path& target, mode_t mode) : target_(target) {
       throw refused(fmt::format("files in '{}' cannot be locked: {}", folder, error.code().message()));
     }
   }
-  if (!made) throw refused(fmt::format("cannot write into '{}': no name is free", folder));
+  if (!made) throw refused(fmt::format("cannot write into '{}': no temporary name is free", folder));
   clear_leftovers(target);
 }
 

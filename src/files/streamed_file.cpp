@@ -29,8 +29,8 @@ void StreamedFile::append(std::string_view text) {
 
 void StreamedFile::overwrite(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
   if (offset + bytes.size() > size_)
-    throw std::logic_error(fmt::format("{}: there are no bytes {} to {} to write over", path_.string(),
-                                       offset, offset + bytes.size()));
+    throw std::logic_error(fmt::format("{}: cannot overwrite bytes {} to {}, which are beyond the end",
+                                       path_.string(), offset, offset + bytes.size()));
   if (std::fseek(open_stream(), static_cast<long>(offset), SEEK_SET) != 0) fail(errno);
   if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) fail(errno);
   if (std::fseek(stream_, 0, SEEK_END) != 0) fail(errno);

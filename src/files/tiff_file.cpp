@@ -58,7 +58,7 @@ void refuse_long_tiff(const std::filesystem::path& file) {
   InputFile input(file);
   if (Chain(input).count(most) > most)
     throw InputError({file.string(), 0, 0},
-                     fmt::format("has a chain of more than {} pictures: take out the first with {}", most,
+                     fmt::format("has a chain of more than {} pictures: extract the first with {}", most,
                                  advised_command("gdal_translate", file)));
 }
 

@@ -100,8 +100,7 @@ class VrtReader {
     const std::unique_ptr<CPLXMLNode, void (*)(CPLXMLNode*)> root(
         text_.find('\0') == text_.npos ? CPLParseXMLString(text_.c_str()) : nullptr, CPLDestroyXMLNode);
     if (root == nullptr)
-      throw InputError({vrt_.string(), 0, 0},
-                       "is no virtual raster that can be read" + messages.in_brackets());
+      throw InputError({vrt_.string(), 0, 0}, "cannot be read as a virtual raster" + messages.in_brackets());
     // Visits elements depth first, in the order of the file. It does not recurse, because an untrusted file
     // determines the depth.
     std::vector<const CPLXMLNode*> left{root.get()};
@@ -128,51 +127,50 @@ class VrtReader {
   void check(const CPLXMLNode* node, const std::string& name) const {
     const auto known = allowed_attributes().find(name);
     if (known == allowed_attributes().end())
-      fail(name, fmt::format("has an element <{}>, which is not read", node->pszValue));
+      fail(name, fmt::format("has an element <{}>, which tubefoot does not read", node->pszValue));
     for (const CPLXMLNode* child = node->psChild; child != nullptr; child = child->psNext) {
       if (child->eType != CXT_Attribute) continue;
       const std::string attribute = lower(child->pszValue);
       if (known->second.find(fmt::format(" {} ", attribute)) == std::string_view::npos)
-        fail(name, fmt::format("has <{} {}=\"{}\">, which is not read", node->pszValue, child->pszValue,
-                               child->psChild == nullptr ? "" : child->psChild->pszValue));
+        fail(name, fmt::format("has <{} {}=\"{}\">, which tubefoot does not read", node->pszValue,
+                               child->pszValue, child->psChild == nullptr ? "" : child->psChild->pszValue));
     }
   }
 
   void refuse_declaration(const CPLXMLNode* node) const {
     throw InputError({vrt_.string(), 0, 0},
-                     fmt::format("has a declaration <{}>, which is not read: remove it",
+                     fmt::format("has a declaration <{}>, which tubefoot does not read: remove it",
                                  std::string_view(node->pszValue).substr(0, 80)));
   }
 
   void take_source(const CPLXMLNode* node, const std::string& name) {
     const std::string text = CPLGetXMLValue(node, nullptr, "");
-    if (text.empty()) fail(name, "names a source without a name");
+    if (text.empty()) fail(name, "has a source without a name");
     // GDAL reads the attribute as true if it is a number other than 0.
     const bool relative = std::atoi(CPLGetXMLValue(node, "relativeToVRT", "0")) != 0;
     if (text.find("/vsi") != text.npos)
       fail(name, fmt::format("reads '{}' through a virtual file system: fetch or unpack it first", text));
     if (text.find("://") != text.npos || text.find('"') != text.npos ||
         (!relative && !fs::path(text).is_absolute()))
-      fail(name, fmt::format(
-                     "names the source '{}', which is neither an absolute name of a file nor one relative to "
-                     "the VRT (relativeToVRT=\"1\")",
-                     text));
+      fail(name, fmt::format("names the source '{}', which is neither an absolute file name nor a name "
+                             "relative to the VRT (relativeToVRT=\"1\")",
+                             text));
     const fs::path source = absolute_path(relative ? vrt_.parent_path() / text : fs::path(text));
     const fs::path plain = plain_name(source);
     // If ".." follows a link, the lexical name and the name on disk refer to two files.
     if (plain_name(source.lexically_normal()) != plain)
       fail(name,
-           fmt::format("names the source '{}', which leads through a link and back: name it directly", text));
+           fmt::format("names the source '{}', which leads through a link and back: give its direct path",
+                       text));
     sources_.push_back(plain);
   }
 
   /// Throws InputError at the line of the last visited element with this name.
   [[noreturn]] void fail(const std::string& name, const std::string& what) const {
-    throw InputError(
-        {vrt_.string(), line_of(name, met_.at(name)), 0},
-        fmt::format("{}: make it of plain rasters with `gdalbuildvrt OUT IN...`, or make a plain "
-                    "raster of it with {}",
-                    what, advised_command("gdal_translate", vrt_)));
+    throw InputError({vrt_.string(), line_of(name, met_.at(name)), 0},
+                     fmt::format("{}: build it from plain rasters with `gdalbuildvrt OUT IN...`, or convert "
+                                 "it to a plain raster with {}",
+                                 what, advised_command("gdal_translate", vrt_)));
   }
 
   int line_of(const std::string& name, int which) const {

@@ -17,10 +17,10 @@ CoverageOutput::CoverageOutput(const fs::path& place, const std::optional<fs::pa
   table_ = ending == ".csv";
   const bool folder = !package_ && !table_;
   if (folder && !ending.empty() && !fs::is_directory(place))
-    throw UsageError(fmt::format("'{}': the ending chooses the format: .gpkg, .csv, or none for a folder",
+    throw UsageError(fmt::format("'{}': unknown suffix: expected .gpkg or .csv, or no suffix for a folder",
                                  place.string()));
   if (picture && picture->extension() != ".png")
-    throw UsageError(fmt::format("'{}': the picture is a .png", picture->string()));
+    throw UsageError(fmt::format("'{}': the name of a picture must end in .png", picture->string()));
   if (picture) picture_file_.emplace(*picture, inputs);
   if (folder)
     folder_.emplace(place, inputs);

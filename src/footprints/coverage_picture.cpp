@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Draws the plan view of a coverage (docs/coverage.md). A depth buffer keeps the highest surface at each
+// Draws the plan view of a coverage (docs/footprints.md). A depth buffer keeps the highest surface at each
 // pixel centre. Colours show the number of pings on a logarithmic scale.
 
 #include "footprints/coverage_picture.hpp"
@@ -106,7 +106,8 @@ void CoveragePicture::add(const CoveredFacet& facet) {
 }
 
 Canvas CoveragePicture::draw(const std::string& title) const {
-  if (polygons_.empty()) throw std::runtime_error("no facet lies in the sector of a ping: nothing to draw");
+  if (polygons_.empty())
+    throw std::runtime_error("no facet lies in the sector of a ping, so there is nothing to draw");
   const glm::dvec2 size_m = glm::max(hi_ - lo_, glm::dvec2(1e-3));
   Plan plan;
   plan.pixel_m = std::max(size_m.x, size_m.y) * 1.04 / largest_side;
@@ -160,7 +161,7 @@ Canvas CoveragePicture::draw(const std::string& title) const {
     canvas.text(x + 28, y, text, label_size, palette.ink);
     y += 26;
   };
-  canvas.text(x, y, "seen by", label_size, palette.ink);
+  canvas.text(x, y, "visible in", label_size, palette.ink);
   y += 26;
   constexpr int few = 8;
   std::vector<int> steps;
@@ -174,7 +175,7 @@ Canvas CoveragePicture::draw(const std::string& title) const {
   }
   for (const int pings : steps)
     entry(colour_of(pings, most_), fmt::format("{} ping{}", pings, pings > 1 ? "s" : ""));
-  entry(shadow_colour, "none: hidden");
+  entry(shadow_colour, "hidden");
   entry(ground_colour, "out of sector");
   return canvas;
 }

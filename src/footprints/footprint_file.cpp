@@ -26,7 +26,7 @@ FootprintFileMaker footprint_file_maker(const fs::path& file) {
   for (const auto& [ending, make] : formats)
     if (file.extension() == ending) return make;
   throw UsageError(fmt::format(
-      "'{}': the ending chooses the format: .gpkg, .geojson, .csv, .vtp, .obj, .ply, .nc or .txt (exact)",
+      "'{}': unknown suffix: expected .gpkg, .geojson, .csv, .vtp, .obj, .ply, .nc or .txt (exact corners)",
       file.string()));
 }
 

@@ -15,13 +15,14 @@
 namespace tubefoot {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "PLY is written as the machine has its numbers");
+static_assert(std::endian::native == std::endian::little, "PLY is written in the byte order of the machine");
 
 class Obj : public FootprintFile {
  public:
   Obj(const std::filesystem::path& file, const FootprintSource& source) : file_(file), source_(source) {
     std::string head = fmt::format(
-        "# tubefoot footprints of sensor {}: metres east, north and up of the scene's own origin\n# columns:",
+        "# tubefoot footprints of sensor {}: metres east, north and up of the origin of the scene\n# "
+        "columns:",
         as_word(source.sensor));
     for (const FootprintColumn& column : footprint_columns()) head += fmt::format(" {}", column.name);
     file_.append(head + "\n");
@@ -62,8 +63,8 @@ class Ply : public FootprintFile {
 
   void add(const FootprintTable& table) override {
     if (count_.vertices + table.corners_m.size() > most_vertices)
-      throw write_error(file_.path(), fmt::format("it would have more than {} corners, which PLY cannot "
-                                                  "number: write fewer pings, or another format",
+      throw write_error(file_.path(), fmt::format("the file would have more than {} corners, the limit of "
+                                                  "PLY: write fewer pings, or use another format",
                                                   most_vertices));
     for (const glm::dvec3& corner : table.corners_m) vertices_.put(corner);
     for (std::size_t row = 0; row < table.rows(); ++row) {
@@ -88,7 +89,7 @@ class Ply : public FootprintFile {
   void close() override {
     std::string head = fmt::format(
         "ply\nformat binary_little_endian 1.0\ncomment tubefoot footprints of sensor {}: metres east, north "
-        "and up of the scene's own origin\n",
+        "and up of the origin of the scene\n",
         as_word(source_.sensor));
     const auto names = [&](const char* what, const auto& list) {
       for (std::size_t k = 0; k < list.size(); ++k)

@@ -33,11 +33,12 @@ class Netcdf : public FootprintFile {
         group_.define({"part_node_count", NC_INT, {piece}, "1", "corners of a convex piece"}, chunk);
     piece_count_ = group_.define({"piece_count", NC_INT, {footprint}, "1", "pieces of a footprint"}, chunk);
     occluder_count_ = group_.define(
-        {"occluder_count", NC_INT, {footprint}, "1", "facets that took something of the footprint"}, chunk);
+        {"occluder_count", NC_INT, {footprint}, "1", "facets that hide parts of the facet in the tube"},
+        chunk);
     group_.attribute(piece_count_, "sample_dimension", "piece");
     group_.attribute(occluder_count_, "sample_dimension", "occluder_entry");
     occluders_ = group_.define(
-        {"occluder", NC_INT, {occluder}, "1", "facet that took something of the footprint"}, chunk);
+        {"occluder", NC_INT, {occluder}, "1", "facet that hides a part of the facet in the tube"}, chunk);
     const char* const axis[3] = {"X", "Y", "Z"};
     const char* const name[3] = {"node_east", "node_north", "node_up"};
     for (int k = 0; k < 3; ++k) {
@@ -109,7 +110,7 @@ class Netcdf : public FootprintFile {
   /// States the frame of the corners. They stay in the local frame, because a distant origin would cost
   /// digits of a double.
   void describe_frame(const Scene& scene) const {
-    group_.attribute("coordinates_are", "metres east, north and up of the scene's own origin");
+    group_.attribute("coordinates_are", "metres east, north and up of the origin of the scene");
     if (!scene.frame.is_georeferenced()) return;
     const LocalFrame::Map map = scene.frame.map();
     group_.attribute("map_crs_wkt", map.crs_wkt);

@@ -53,12 +53,12 @@ class GeoPackage : public FootprintFile {
     field(layer_, "pieces", OFTInteger64);
     field(layer_, "occluders", OFTString);
     const std::string upright_title =
-        "DESCRIPTION=The lines round footprints without plan area, which are no polygons. " + place_.said();
+        "DESCRIPTION=Outlines of footprints without plan area. " + place_.said();
     options[0] = upright_title.c_str();
     upright_ =
         dataset_->CreateLayer("upright", &crs, wkbMultiLineString25D, const_cast<char**>(options.data()));
     require(upright_ != nullptr, "create");
-    for (const char* name : {"footprint", "ping", "shot", "beam", "facet"})
+    for (const char* name : {"footprint", "ping", "transmission", "beam", "facet"})
       field(upright_, name, OFTInteger64);
     field(upright_, "component", OFTString);
     begin();

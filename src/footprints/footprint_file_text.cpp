@@ -86,7 +86,7 @@ class GeoJson : public FootprintFile {
     if (!on_earth_) head += "\"crs\": null,\n";  // without it readers would take metres for degrees
     head += fmt::format("\"coordinates_are\": \"{}\",\n\"sensor\": {},\n\"features\": [",
                         on_earth_ ? "longitude and latitude in degrees on WGS 84, height in metres"
-                                  : "metres east, north and up of the scene's own origin",
+                                  : "metres east, north and up of the origin of the scene",
                         text(source.sensor));
     file_.append(head);
   }

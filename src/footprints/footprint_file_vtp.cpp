@@ -106,9 +106,8 @@ class Vtp : public FootprintFile {
     };
     std::string head = fmt::format(
         "<?xml version=\"1.0\"?>\n<!-- tubefoot footprints of sensor {}: metres east, north and up of the "
-        "scene's own origin -->\n"
-        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-        "<PolyData>\n<FieldData>\n",
+        "origin of the scene -->\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+        "header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n",
         as_word(source_.sensor));
     head += names("component_names", source_.scene.report.components);
     head += names("material_names", source_.scene.description.materials);

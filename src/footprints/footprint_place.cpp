@@ -22,11 +22,11 @@ glm::dvec3 FootprintPlace::operator()(glm::dvec3 local_m) const {
 }
 
 std::string FootprintPlace::said() const {
-  if (!is_map_) return "Coordinates are metres east, north and up of the scene's own origin.";
+  if (!is_map_) return "Coordinates are metres east, north and up of the origin of the scene.";
   if (is_tangent_)
-    return "Coordinates are on the plane that touches the Earth at the scene's origin, metres east and north "
-           "of it, and metres above that plane, plus the origin's height.";
-  return "Coordinates are those of the scene's CRS; heights are metres.";
+    return "Coordinates are metres east and north on the plane that touches the Earth at the origin of the "
+           "scene. Heights are metres above this plane plus the height of the origin.";
+  return "Coordinates are in the CRS of the scene; heights are in metres.";
 }
 
 std::string component_name(const Scene& scene, const FootprintTable& table, std::size_t row) {

@@ -101,14 +101,14 @@ RationalsFile::RationalsFile(const std::filesystem::path& file, const Transmissi
                              std::size_t sensor) {
   require_able(transmissions.survey(), transmissions.request(), Feature::exact_corners, sensor);
   if (const Scene& scene = transmissions.survey().scene; !is_order_wanted(scene, 1))
-    throw InputError(
-        scene.description.paths.place,
-        "'only_order' leaves out paths of order 1, and exact corners are those of no other: ask for "
-        "the other formats, or leave out 'only_order'");
+    throw InputError(scene.description.paths.place,
+                     "'only_order' excludes paths of order 1, the only paths with exact corners: use another "
+                     "format, or leave out 'only_order'");
   state_.reset(new State{StreamedFile(file), sensor, {}});
   state_->write(fmt::format(
-      "# tubefoot exact footprints, version 1\n"
-      "# shot PING TRANSMISSION APEX; tube NUMBER BEAM AXIS RAY RAY RAY RAY; piece FACET N POINT...; open "
+      "# tubefoot exact footprints, version 2\n"
+      "# transmission PING TRANSMISSION APEX; tube NUMBER BEAM AXIS RAY RAY RAY RAY; piece FACET N POINT...; "
+      "open "
       "N DIRECTION...\n"
       "# through refracting water, after each piece: seen N DIRECTION...\n"
       "# with a separate receiver: receiver APEX, its tubes, and shared FACET TUBE RECEIVE_TUBE N POINT...\n"
@@ -123,7 +123,7 @@ std::size_t RationalsFile::add(const Transmission& transmission, std::span<const
   const std::vector<std::uint32_t> chosen = tubes_of_beams(transmission, state_->sensor, beams);
   if (chosen.empty()) return 0;
   const TransmissionEnds ends(transmission, state_->sensor);
-  state_->write(fmt::format("shot {} {}{}\n", transmission.ping(), transmission.number(),
+  state_->write(fmt::format("transmission {} {}{}\n", transmission.ping(), transmission.number(),
                             EndLines(transmission.scene().grid, ends.tx()).apex()));
   // Beams are those of the receiver, which may record sound from any tube of a separate transmitter.
   TransmissionEnd rx = ends.rx();

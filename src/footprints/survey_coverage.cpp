@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Computes the coverage of a survey (docs/coverage.md). It overlays the visible polygons of all
+// Computes the coverage of a survey (docs/notes/coverage.md). It overlays the visible polygons of all
 // transmissions on each facet of the scene, block by block, and measures the cells of the overlay.
 
 #include "footprints/survey_coverage.hpp"
@@ -102,8 +102,8 @@ void cover_block(const Transmissions& transmissions, const FacetBlock& block,
       FacetCoverage covered = coverage.facet(first + k);
       if (!covered.closes)
         throw std::logic_error(
-            fmt::format("internal error: what is seen of facet {} and what is not do not add "
-                        "up to it. Please report the scene",
+            fmt::format("internal error: the visible and hidden parts of facet {} do not add up to the "
+                        "facet. Please report the scene",
                         number));
       if (covered.met()) facets[k] = measured(survey, coverage, looks, std::move(covered));
     });

@@ -22,7 +22,8 @@ Run run_of(const std::vector<double>& values, const char* what, const SourcePlac
              down = std::ranges::adjacent_find(values, std::less_equal()) == values.end();
   const bool finite = std::ranges::all_of(values, [](double v) { return std::isfinite(v); });
   if (!finite || (!up && !down))
-    throw InputError(place, fmt::format("its {} neither increase nor decrease: they are no axis", what));
+    throw InputError(place,
+                     fmt::format("its {} neither increase nor decrease, so they do not form an axis", what));
   return up ? Run::up : Run::down;
 }
 
@@ -44,7 +45,7 @@ void turn_samples(PolarPicture& picture) {
 void take_axes(PolarPicture& picture, const ForeignFrame& frame, const SourcePlace& place) {
   if (!frame.range_m.empty()) {
     if (frame.range_m.size() != picture.samples)
-      throw InputError(place, fmt::format("has {} ranges for {} range samples: another --order?",
+      throw InputError(place, fmt::format("has {} ranges for {} range bins: try another --order",
                                           frame.range_m.size(), picture.samples));
     picture.axes.range_m = frame.range_m;
     if (run_of(frame.range_m, "ranges", place) == Run::down) {
@@ -54,7 +55,7 @@ void take_axes(PolarPicture& picture, const ForeignFrame& frame, const SourcePla
   }
   if (frame.azimuth_rad.empty()) return;
   if (frame.azimuth_rad.size() != picture.beams)
-    throw InputError(place, fmt::format("has {} azimuths for {} beams: another --order?",
+    throw InputError(place, fmt::format("has {} azimuths for {} beams: try another --order",
                                         frame.azimuth_rad.size(), picture.beams));
   for (const double azimuth : frame.azimuth_rad)
     picture.axes.azimuth_deg.push_back(azimuth * 180 / std::numbers::pi);
@@ -77,13 +78,13 @@ ValueScale::ValueScale(const std::string& words) {
     const char *first = words.data() + 3, *last = words.data() + words.size();
     const auto [end, error] = std::from_chars(first, last, reference_);
     if (error != std::errc{} || end != last || !std::isfinite(reference_) || !(reference_ > 0))
-      throw UsageError(
-          fmt::format("--scale '{}': expected db:REFERENCE, the energy of 0 dB, above 0", words));
+      throw UsageError(fmt::format(
+          "--scale '{}': expected db:REFERENCE, where REFERENCE is the energy of 0 dB and above 0", words));
   } else {
     throw UsageError(
-        fmt::format("--scale{} says what the picture's numbers are: energy, amplitude, db, "
+        fmt::format("--scale{} must name the kind of the picture's numbers: energy, amplitude, db, "
                     "db:REFERENCE (the energy of 0 dB) or 8bit",
-                    words.empty() ? "" : " '" + words + "': it"));
+                    words.empty() ? "" : " '" + words + "'"));
   }
 }
 
@@ -120,9 +121,8 @@ std::string order_of(const ForeignFrame& frame, const std::string& declared, con
              beams_first = frame.rows == beams && frame.columns == samples;
   if (ranges_first != beams_first) return ranges_first ? "range-first" : "beam-first";
   throw UsageError(
-      fmt::format("a picture of {} rows and {} columns does not tell which are its ranges (the "
-                  "reference has {} beams of {} samples): say --order range-first (a row is a range) "
-                  "or beam-first",
+      fmt::format("a picture of {} rows and {} columns does not show which axis is the range (the reference "
+                  "has {} beams of {} samples): set --order range-first (one row per range) or beam-first",
                   frame.rows, frame.columns, beams, samples));
 }
 
@@ -142,7 +142,9 @@ std::vector<PolarPicture> arranged(const ForeignFrame& frame, const std::string&
     const std::size_t samples = frame.columns / 2;
     if (frame.columns % 2 != 0 || samples == 0)
       throw InputError(
-          place, fmt::format("has {} columns, which are not two sides of as many samples", frame.columns));
+          place,
+          fmt::format("has {} columns, which do not divide into two sides with the same number of samples",
+                      frame.columns));
     for (std::size_t row = 0; row < frame.rows; ++row) {
       const auto first = energies.begin() + static_cast<std::ptrdiff_t>(row * frame.columns);
       PolarPicture picture{2, samples, {first, first + static_cast<std::ptrdiff_t>(frame.columns)}, {}};

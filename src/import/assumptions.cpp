@@ -51,11 +51,11 @@ void add_displacements(const Diagnosis& diagnosis, const BinAxes& declared, Verd
   for (const Finding& finding : diagnosis.findings) {
     std::string remedy;
     if (finding.fault == "half-sample" || finding.fault == "sample-shift")
-      remedy = fmt::format("; --ranges {:.8g}:{:.8g} (edges) puts it there",
+      remedy = fmt::format("; --ranges {:.8g}:{:.8g} (edges) corrects this",
                            samples.edges.front() - finding.size * step_m,
                            samples.edges.back() - finding.size * step_m);
     else if (finding.fault == "tangent-spacing")
-      remedy = finding.size > 0 ? "; --azimuths tangent says so" : "; --azimuths even says so";
+      remedy = finding.size > 0 ? "; --azimuths tangent corrects this" : "; --azimuths even corrects this";
     else if (finding.fault != "beam-shift" && finding.fault != "azimuth-scale" &&
              finding.fault != "range-scale" && finding.fault != "swapped-ports")
       continue;
@@ -80,7 +80,7 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
                const std::vector<Hypothesis>& hypotheses, const BinAxes& declared) {
   Verdict verdict;
   if (silent(truth_j)) {
-    verdict.found.emplace_back("nothing was tested: the truth is silent on these pings");
+    verdict.found.emplace_back("nothing was tested: the reference has no echoes in these pings");
     return verdict;
   }
   struct Tried {
@@ -97,15 +97,16 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
     tried.push_back({&hypothesis, std::move(energies), alike});
   }
   if (tried.empty() || silent(tried.front().energies)) {
-    verdict.refuted.emplace_back("the pictures are silent where the truth has echoes");
+    verdict.refuted.emplace_back("the pictures have no echoes where the reference has some");
     return verdict;
   }
   const Tried &assumed = tried.front(), &best = *std::ranges::max_element(tried, {}, &Tried::correlation);
   const bool refuted = better(best.correlation, assumed.correlation);
   const Tried& taken = refuted ? best : assumed;
   if (refuted)
-    verdict.refuted.push_back(fmt::format("{}: corr {:.2f} against {:.2f} as assumed; use {}", best.of->name,
-                                          best.correlation, assumed.correlation, best.of->remedy));
+    verdict.refuted.push_back(fmt::format("{}: corr {:.2f} instead of {:.2f} as assumed; use {}",
+                                          best.of->name, best.correlation, assumed.correlation,
+                                          best.of->remedy));
   else
     verdict.found.push_back(fmt::format("{}{}: corr {:.2f}", assumed.of->name,
                                         assumed.correlation > hardly_alike ? " holds" : "",
@@ -114,7 +115,8 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
   for (const Tried& other : tried)
     if (&other != &best && &other != &assumed && others.size() < most_others)
       others.push_back(fmt::format("{} {:.2f}", other.of->name, other.correlation));
-  if (!others.empty()) verdict.found.push_back(fmt::format("corr otherwise: {}", fmt::join(others, ", ")));
+  if (!others.empty())
+    verdict.found.push_back(fmt::format("corr of other readings: {}", fmt::join(others, ", ")));
   std::vector<double> otherwise;
   bool scale_ambiguous = false;
   if (!taken.of->other_scale.empty()) otherwise = taken.of->energies_of_other_scale();
@@ -122,18 +124,18 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
     const double alike = correlation(shape, axes, truth_j, otherwise);
     scale_ambiguous = better(alike, taken.correlation);
     if (scale_ambiguous)
-      verdict.ambiguous.push_back(fmt::format(
-          "as --scale {} has it, it looks more like the truth: corr {:.2f} against {:.2f}. So do means per "
-          "bin beside sums: if the numbers are means, leave the scale and compare with "
-          "--output-model",
-          taken.of->other_scale, alike, taken.correlation));
+      verdict.ambiguous.push_back(
+          fmt::format("with --scale {} the pictures agree better with the reference: corr {:.2f} instead of "
+                      "{:.2f}. Means per bin have the same effect: if the numbers are means, keep the scale "
+                      "and compare with --output-model",
+                      taken.of->other_scale, alike, taken.correlation));
     else
-      verdict.found.push_back(fmt::format("corr as --scale {}: {:.2f}", taken.of->other_scale, alike));
+      verdict.found.push_back(fmt::format("corr with --scale {}: {:.2f}", taken.of->other_scale, alike));
   }
   if (best.correlation < hardly_alike) {
     verdict.refuted.push_back(
-        fmt::format("no way of reading the pictures looks like the truth (corr {:.2f} at best): "
-                    "is it the same scene, sensor, pose and ping?",
+        fmt::format("no reading of the pictures resembles the reference (corr {:.2f} at best): is it the "
+                    "same scene, sensor, pose and ping?",
                     best.correlation));
     return verdict;
   }

@@ -31,8 +31,7 @@ Bins even_bins(double first, double last, std::size_t count) {
 Bins tangent_bins(const Bins& reference, std::size_t count) {
   const double middle = (reference.edges.front() + reference.edges.back()) / 2,
                half = (reference.edges.back() - reference.edges.front()) / 2;
-  if (!(half < 90))
-    throw UsageError("--azimuths tangent: the fan is 180 degrees wide or more, which has no tangent");
+  if (!(half < 90)) throw UsageError("--azimuths tangent needs a fan of less than 180 degrees");
   Bins bins;
   const auto at = [&](double place) {
     return middle +
@@ -72,13 +71,13 @@ Bins beam_bins(std::size_t count, const AxesOfFile& file, const Bins& reference,
   std::string from;
   if (word == "even") {
     bins = even_bins(reference.edges.front(), reference.edges.back(), count);
-    from = "even over the reference's opening";
+    from = "equiangular over the sector of the reference";
   } else if (word == "tangent") {
     bins = tangent_bins(reference, count);
-    from = "even in tangent over the reference's opening";
+    from = "equidistant over the sector of the reference";
   } else if (word.ends_with(".csv")) {
     bins = bins_about(listed_azimuths(word));
-    from = "of " + word;
+    from = "from " + word;
   } else if (!word.empty()) {
     const auto [first, last] = first_and_last(word, "--azimuths");
     const double half = count > 1 ? (last - first) / static_cast<double>(count - 1) / 2 : 0.5;
@@ -86,13 +85,13 @@ Bins beam_bins(std::size_t count, const AxesOfFile& file, const Bins& reference,
     from = "as declared";
   } else if (!file.azimuth_deg.empty()) {
     bins = bins_about(file.azimuth_deg);
-    from = "of the file";
+    from = "from the file";
   } else if (count == reference.count()) {
     bins = reference;
-    from = "the reference's, as nothing else is said";
+    from = "from the reference, because no others are given";
   } else {
     throw UsageError(
-        fmt::format("the picture has {} beams and the reference {}: say where they are with --azimuths",
+        fmt::format("the picture has {} beams, but the reference has {}: give the azimuths with --azimuths",
                     count, reference.count()));
   }
   if (bins.count() != count)
@@ -111,21 +110,21 @@ Bins sample_bins(std::size_t count, const AxesOfFile& file, const Bins& referenc
     if (options.range_origin == "centres") {
       const double half = count > 1 ? (last - first) / static_cast<double>(count - 1) / 2 : first;
       bins = even_bins(first - half, last + half, count);
-      from = "as declared, of the first and the last bin's centres";
+      from = "as declared, with the centres of the first and the last bin";
     } else {
       bins = even_bins(first, last, count);
       from = "as declared";
     }
   } else if (!file.range_m.empty()) {
     bins = at_edges ? by_near_edges(file.range_m) : bins_about(file.range_m);
-    from = at_edges ? "of the file, which has near edges" : "of the file, taken for centres";
+    from = at_edges ? "from the file, as near edges of the bins" : "from the file, as centres of the bins";
   } else if (count == reference.count()) {
     bins = reference;
-    from = "the reference's, as nothing else is said";
+    from = "from the reference, because no others are given";
   } else {
     throw UsageError(
-        fmt::format("the picture has {} range samples and the reference {}: say where they are with --ranges "
-                    "(the reference's go from {})",
+        fmt::format("the picture has {} range bins, but the reference has {}: give the ranges with --ranges "
+                    "(the reference has {})",
                     count, reference.count(), window(reference, "m")));
   }
   told.push_back(fmt::format("ranges {}: {}", window(bins, "m"), from));
@@ -227,7 +226,7 @@ std::pair<double, double> first_and_last(const std::string& words, const char* o
   }
   if (at != end || !(values[0] < values[1]))
     throw UsageError(
-        fmt::format("{} '{}': expected FIRST:LAST, two numbers that increase{}", option, words,
+        fmt::format("{} '{}': expected FIRST:LAST, two increasing numbers{}", option, words,
                     std::string_view(option) == "--azimuths" ? ", or even, tangent or FILE.csv" : ""));
   return {values[0], values[1]};
 }

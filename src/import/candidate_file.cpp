@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Writes an imported candidate as an echo file: its energies and axes, and the times and poses of the
-// sensor of the reference (docs/echo-file.md).
+// sensor of the reference (docs/output-files.md).
 #include "import/candidate_file.hpp"
 
 #include <fmt/format.h>
@@ -47,7 +47,7 @@ class CandidateFile {
     for (std::size_t k = 0; k < samples; ++k)
       bounds.insert(bounds.end(), {axes.samples.edges[k], axes.samples.edges[k + 1]});
     put("slant_range_bounds", {"sample", "bound"}, "m",
-        "slant ranges between which the sample gathers energy, the nearer included", bounds);
+        "slant ranges of the sample's near edge, which is included, and of its far edge", bounds);
     put("beam_azimuth", {"beam"}, "degree",
         "azimuth of the beam's axis in the sensor's frame, clockwise from forward, starboard positive",
         axes.beams.centres);

@@ -54,8 +54,8 @@ FanPlace of_words(const std::string& words) {
   }
   if (!good || at != end || !(place.metres_a_pixel > 0))
     throw UsageError(
-        fmt::format("--cartesian '{}': expected fan, or COLUMN:ROW:METRES: the apex in pixels from the "
-                    "upper left corner, and metres a pixel",
+        fmt::format("--cartesian '{}': expected fan or COLUMN:ROW:METRES, with the apex in pixels from the "
+                    "upper left corner and the metres per pixel",
                     words));
   return place;
 }
@@ -68,8 +68,8 @@ FanPlace fan_place(const std::string& words, std::size_t rows, std::size_t colum
                left = axes.beams.edges.front(), right = axes.beams.edges.back();
   if (!(left >= -90) || !(right <= 90) || !(left < 0) || !(right > 0))
     throw UsageError(
-        "--cartesian fan: a fan that is not ahead within 90 degrees has no corner to go by: give "
-        "COLUMN:ROW:METRES");
+        "--cartesian fan needs a fan around the forward direction, with at most 90 degrees on each side: "
+        "give COLUMN:ROW:METRES");
   const double widest = far * (std::sin(right * radians) - std::sin(left * radians));
   FanPlace place;
   place.metres_a_pixel = widest / static_cast<double>(columns);
@@ -82,8 +82,8 @@ FanPlace fan_place(const std::string& words, std::size_t rows, std::size_t colum
       return place;
   }
   throw UsageError(
-      fmt::format("--cartesian fan: the reference's fan ({:.4g} to {:.4g} degrees, to {:.4g} m) would be "
-                  "{} x {:.0f} pixels, the picture has {} x {}: give COLUMN:ROW:METRES",
+      fmt::format("--cartesian fan: the reference's fan ({:.4g} to {:.4g} degrees, to {:.4g} m) would be {} "
+                  "x {:.0f} pixels, but the picture has {} x {}: give COLUMN:ROW:METRES",
                   left, right, far, columns, far / place.metres_a_pixel, columns, rows));
 }
 

@@ -77,8 +77,8 @@ void refuse_idle(const ReadOptions& options, const Kind& kind, const fs::path& f
       {"--topic", !kind.topic && !options.topic.empty()}};
   for (const auto& [option, given] : idle)
     if (given)
-      throw UsageError(
-          fmt::format("{}: '{}' is {}, which has none: leave it out", option, file.string(), kind.name));
+      throw UsageError(fmt::format("{} does not apply to '{}', which is {}: omit the option", option,
+                                   file.string(), kind.name));
 }
 
 }  // namespace
@@ -99,7 +99,8 @@ std::vector<fs::path> files_in_order(const std::vector<fs::path>& results) {
         if (!entry.is_regular_file(error) || entry.path().filename().string().starts_with('.')) continue;
         if (const auto outside = place_outside(result, entry.path()))
           throw InputError({entry.path().string()},
-                           fmt::format("is a link out of its folder, to '{}': copy it there, or name that",
+                           fmt::format("is a link out of its folder to '{}': copy the file into the folder, "
+                                       "or name the file directly",
                                        outside->string()));
         placed.push_back({entry.path(), entry.path().string()});
       }
@@ -129,7 +130,7 @@ ForeignData read_foreign_file(const fs::path& file, const ReadOptions& options) 
                 : npy ? Kind{"an NPY file", false, false, false}
                       : Kind{"a picture", true, false, false},
                 file);
-    require_memory(static_cast<double>(input.size()), place, "its bytes", "bring fewer a file");
+    require_memory(static_cast<double>(input.size()), place, "its bytes", "write fewer pictures per file");
     const std::string bytes = read_whole(file, place, limits::named_file_bytes, "a file of pictures");
     if (npz) return frames_of(read_npz(bytes, place), options.arrays, place);
     if (npy) return frames_of(read_npy(bytes, place), nullptr, nullptr, options.arrays.points, place);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads the pictures of another engine, tests the assumptions about their order, scale and axes against the
-// reference, and returns a candidate for `compare` (docs/import.md).
+// reference, and returns a candidate for `compare` (docs/engine-validation.md).
 #include "import/imported.hpp"
 
 #include <fmt/format.h>
@@ -65,10 +65,9 @@ class Importer {
     candidate.energy = energies(assumed_, candidate.pings, 1, declared, candidate.axes, &outside);
     if (!same) axes_differ(declared);
     if (outside > 0)
-      result_.warnings.push_back(
-          fmt::format("{} bins lie outside of their pictures, most of them: they are 0 or "
-                      "the mean of what is inside",
-                      outside));
+      result_.warnings.push_back(fmt::format(
+          "{} bins lie mostly outside of their pictures: they are 0 or the mean of the part inside",
+          outside));
     test(declared);
   }
 
@@ -79,46 +78,43 @@ class Importer {
   void require_pings(std::size_t pings) {
     if (pings % echoes_->pings != 0)
       throw UsageError(
-          fmt::format("there are {} pictures, and {} pings of '{}' in the reference: bring a picture of "
-                      "each ping or as many of each, or a reference of these pings (tubefoot run "
-                      "--pings)",
+          fmt::format("there are {} pictures, but the reference has {} pings of '{}': import the same number "
+                      "of pictures for each ping, or use a reference of these pings (tubefoot run --pings)",
                       pings, echoes_->pings, echoes_->name));
     frames_a_ping_ = pings / echoes_->pings;
     for (std::size_t ping = 0; ping < pings; ++ping)
       result_.candidate.ping_of_reference.push_back(ping / frames_a_ping_);
     if (frames_a_ping_ > 1)
       result_.told.push_back(
-          fmt::format("{} pictures of each ping: compare with --frames {}", frames_a_ping_, frames_a_ping_));
+          fmt::format("each ping has {} pictures: compare with --frames {}", frames_a_ping_, frames_a_ping_));
   }
 
   void tell_reading() {
     const char* turned = is_cartesian()                    ? ""
                          : assumed_.order == "range-first" ? "a row is a range"
                          : assumed_.order == "beam-first"  ? "a row is a beam"
-                                                           : "a row is a ping, port left";
-    result_.told.push_back(
-        is_cartesian() ? fmt::format("a fan in pixels, ahead is {}{}, resampled onto {} beams x {} samples: "
-                                     "means over the area of "
-                                     "each bin",
-                                     assumed_.forward, assumed_.flip_beams ? ", mirrored" : "",
-                                     axes_.beams.count(), axes_.samples.count())
-                       : fmt::format("{}{}{}", turned, assumed_.flip_beams ? ", beams turned round" : "",
-                                     assumed_.flip_range ? ", ranges turned round" : ""));
+                                                           : "a row is a ping, with port on the left";
+    result_.told.push_back(is_cartesian()
+                               ? fmt::format("a fan in pixels, forward is {}{}, resampled onto {} beams x {} "
+                                             "samples as means over the area of each bin",
+                                             assumed_.forward, assumed_.flip_beams ? ", mirrored" : "",
+                                             axes_.beams.count(), axes_.samples.count())
+                               : fmt::format("{}{}{}", turned, assumed_.flip_beams ? ", beams reversed" : "",
+                                             assumed_.flip_range ? ", ranges reversed" : ""));
   }
 
   void axes_differ(const BinAxes& declared) {
     if (options_.resample) {
       result_.told.push_back(fmt::format(
-          "resampled from {} beams x {} samples onto the reference's {} x {}: means over "
-          "the area of each bin",
+          "resampled from {} beams x {} samples onto {} x {} of the reference as means over the area of each "
+          "bin",
           declared.beams.count(), declared.samples.count(), axes_.beams.count(), axes_.samples.count()));
       return;
     }
     result_.warnings.push_back(
-        "the picture's bins are not the reference's, so 'compare' will refuse them: compute a reference with "
-        "these "
-        "bins (spacing, beam_angles_deg, samples and ranges of the scene's sensor), or import with "
-        "--resample");
+        "the bins of the picture differ from those of the reference, so 'compare' will reject them: compute "
+        "a reference with these bins (spacing, beam_angles_deg, samples and ranges of the scene's sensor), "
+        "or import with --resample");
   }
 
   std::vector<PolarPicture> pictures_of(const Frame& frame, const Reading& reading,
@@ -167,7 +163,7 @@ class Importer {
         if (picture.beams != declared.beams.count() || picture.samples != declared.samples.count())
           throw InputError(
               frame.place,
-              fmt::format("is {} beams x {} samples, but {} has {} x {}", picture.beams, picture.samples,
+              fmt::format("has {} beams x {} samples, but {} has {} x {}", picture.beams, picture.samples,
                           frames_.front().place.file, declared.beams.count(), declared.samples.count()));
         if (ping < count * step && ping++ % step == 0) {
           const std::vector<double> rows = as_is ? picture.energy : rebinned(picture.energy, declared, to);
@@ -208,8 +204,9 @@ class Importer {
     }
     for (std::string& words : verdict.ambiguous) result_.warnings.push_back(std::move(words));
     if (refuted_ && options_.strict)
-      throw InputError(frames_.front().place, fmt::format("the truth refutes how it is read (--strict): {}",
-                                                          fmt::join(result_.warnings, "; ")));
+      throw InputError(frames_.front().place,
+                       fmt::format("the reference contradicts the assumed reading (--strict): {}",
+                                   fmt::join(result_.warnings, "; ")));
   }
 
   /// Returns all orders that the shape of the pictures permits, the assumed one first.
@@ -256,9 +253,9 @@ class Importer {
     add(reading.forward != assumed_.forward, "upside down", "--forward " + reading.forward);
     add(reading.flip_beams != assumed_.flip_beams, "mirrored",
         reading.flip_beams ? "--flip-beams" : "--no-flip-beams");
-    add(reading.flip_range != assumed_.flip_range, "ranges the other way",
+    add(reading.flip_range != assumed_.flip_range, "ranges reversed",
         reading.flip_range ? "--flip-range" : "--no-flip-range");
-    if (name.empty()) return {"what is assumed", ""};
+    if (name.empty()) return {"the assumed reading", ""};
     return {fmt::format("{}", fmt::join(name, " and ")), fmt::format("{}", fmt::join(remedy, " "))};
   }
 
@@ -287,8 +284,8 @@ void refuse_beside_cartesian(const ImportOptions& o) {
   for (const auto& [option, given] : idle)
     if (given)
       throw UsageError(
-          fmt::format("{} says nothing beside --cartesian: pixels have no beams, samples or ranges, and are "
-                      "resampled onto the reference's: leave it out",
+          fmt::format("{} has no effect with --cartesian, which resamples pixels onto the bins of the "
+                      "reference: omit the option",
                       option));
 }
 
@@ -306,12 +303,12 @@ std::vector<Frame> frames_of_files(const ImportOptions& options,
     for (const std::string& words : data.noticed)
       if (std::ranges::find(told, words) == told.end()) told.push_back(words);
     if (data.frames.empty())
-      throw InputError({file.string()}, "holds no picture: there is nothing to import");
+      throw InputError({file.string()}, "contains no picture: there is nothing to import");
     for (ForeignFrame& frame : data.frames) {
       bytes += 3.0 * sizeof(double) * static_cast<double>(frame.values.size());
       frames.push_back({std::move(frame), {file.string()}});
     }
-    require_memory(bytes, {file.string()}, "the pictures", "import fewer at once");
+    require_memory(bytes, {file.string()}, "the pictures", "import fewer pictures at once");
   }
   return frames;
 }
@@ -325,7 +322,7 @@ std::size_t sensor_of(const WholeEchoFile& reference, const std::optional<std::s
   if (!name && sensors.size() == 1) return 0;
   const auto found = name ? std::ranges::find(names, *name) : names.end();
   if (found == names.end())
-    throw UsageError(fmt::format("{}say with --sensor of which the pictures are: {}",
+    throw UsageError(fmt::format("{}name the sensor of the pictures with --sensor: {}",
                                  name ? fmt::format("the reference has no sensor '{}': ", *name) : "",
                                  one_of(names, '\'')));
   return static_cast<std::size_t>(found - names.begin());
@@ -338,8 +335,7 @@ Imported imported(ImportOptions options, const std::vector<std::filesystem::path
   std::vector<Frame> frames = frames_of_files(options, files, result.told);
   if (!options.range_origin.empty() && options.ranges.empty() && frames.front().picture.range_m.empty())
     throw UsageError(
-        fmt::format("--range-origin says of what ranges are, but {} has no ranges and none are declared: add "
-                    "--ranges, or leave it out",
+        fmt::format("--range-origin needs ranges, but {} has none: add --ranges, or omit --range-origin",
                     frames.front().place.file));
   const std::vector<std::string> assumed = apply_profile(options, frames.front().picture);
   result.told.insert(result.told.begin(), assumed.begin(), assumed.end());
@@ -358,7 +354,8 @@ Imported imported(ImportOptions options, const std::vector<std::filesystem::path
                                  {"import_found", fmt::format("{}", fmt::join(result.found, "; "))},
                                  {"import_warnings", fmt::format("{}", fmt::join(result.warnings, "; "))}};
   if (!joules)
-    result.told.emplace_back("the numbers have no unit: compare with --fit gain, or gain,range,offset");
+    result.told.emplace_back(
+        "the unit of the numbers is unknown: compare with --fit gain or --fit gain,range,offset");
   return result;
 }
 

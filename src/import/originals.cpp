@@ -50,7 +50,7 @@ void require_hash(const fs::path& file, const SourcePlace& listed, const std::st
     hash.update(piece);
   });
   if (hash.hex_digest() != sha256)
-    throw InputError({file.string()}, "is not what it was: its bytes have another hash than its name");
+    throw InputError({file.string()}, "has changed: its bytes do not have the hash in its name");
 }
 
 }  // namespace
@@ -114,13 +114,14 @@ std::optional<std::vector<fs::path>> listed_originals(const fs::path& folder) {
     const std::string sha256 = line.substr(0, hash_digits);
     const fs::path name = line.substr(hash_digits + 2);
     if (name.has_parent_path())
-      throw InputError(place, fmt::format("'{}' is of a recording that is a folder: put its files back under "
-                                          "their names, into one, and import that",
+      throw InputError(place, fmt::format("'{}' belongs to a recording that is a folder: copy its files into "
+                                          "one folder under their names, and import that folder",
                                           shown_line(name.string())));
     const fs::path file = folder / kept_name(sha256, name);
     if (const auto outside = place_outside(folder, file))
       throw InputError(place,
-                       fmt::format("is a link out of the folder, to '{}': copy it there", outside->string()));
+                       fmt::format("is a link out of the folder to '{}': copy the file into the folder",
+                                   outside->string()));
     require_hash(file, place, sha256);
     pictures.push_back(file);
   }

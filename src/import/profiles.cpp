@@ -28,19 +28,17 @@ struct Profile {
 // divided by its maximum, or all rows by the common maximum.
 constexpr Profile profiles[] = {
     {"holoocean", "range-first", false, false, "energy", "", "",
-     "rows are ranges, the nearest first; columns go "
-     "from port to starboard; means per bin from 0 to 1"},
+     "rows are ranges, the nearest first; columns go from port to starboard; values are means per bin from 0 "
+     "to 1"},
     {"stonefish", "range-first", false, true, "energy", "tangent", "",
-     "rows are ranges, the farthest first; columns are even in the tangent of their azimuth; gain times the "
-     "mean "
-     "per bin, blurred, clamped to 1"},
+     "rows are ranges, the farthest first; columns are equidistant; values are means per bin times a gain, "
+     "blurred, clamped to 1"},
     {"dave", "range-first", true, false, "amplitude", "", "",
-     "rows are ranges, the nearest first; columns go from starboard to port; amplitudes times a gain, "
-     "clamped"},
+     "rows are ranges, the nearest first; columns go from starboard to port; values are amplitudes times a "
+     "gain, clamped"},
     {"oceansim", "range-first", true, false, "energy", "", "edges",
-     "rows are ranges, the nearest first, by their near edges; columns go from starboard to port; normalised "
-     "by "
-     "row or in all"},
+     "rows are ranges at near edges, the nearest first; columns go from starboard to port; values are "
+     "normalised per row or over all rows"},
 };
 
 }  // namespace
@@ -57,7 +55,7 @@ std::vector<std::string> apply_profile(ImportOptions& options, const ForeignFram
       std::ranges::find_if(profiles, [&](const Profile& p) { return options.profile == p.name; });
   if (found == std::end(profiles))
     throw UsageError(
-        fmt::format("there is no profile '{}': {}", options.profile, one_of(profile_names(), '\'')));
+        fmt::format("there is no profile '{}': choose {}", options.profile, one_of(profile_names(), '\'')));
   const auto unless_said = [](std::string& word, const char* otherwise) {
     if (word.empty()) word = otherwise;
   };

@@ -22,7 +22,7 @@ WholeEchoFile truth_of_scene(SceneDescription description, const std::optional<s
       fmt::format("0:{}", std::clamp<std::size_t>(pings, 1, std::max<std::size_t>(most, 1)) - 1);
   SimulationStats stats;
   const std::vector<Recording> recordings = simulate(*survey, request, stats);
-  const std::filesystem::path file = folder / "truth.nc";
+  const std::filesystem::path file = folder / "reference.nc";
   write_echoes(file, recordings, provenance_of(survey->scene, request));
   WholeEchoFile truth = read_whole_echo_file(file);
   std::filesystem::remove(file);

@@ -60,7 +60,7 @@ void add_sensors(Column& column, const Survey& survey) {
     column.words(sensor.description().name, {.size = 11.5, .bold = true});
     column.words(fmt::format("{}, {:g} kHz", kind_of(sensor.description()).name(), sensor.frequency_khz()),
                  faint);
-    column.words(fmt::format("{} ping{}, window {:.4g} to {:.4g} m", pings.times_s.size(),
+    column.words(fmt::format("{} ping{}, range gate {:.4g} to {:.4g} m", pings.times_s.size(),
                              pings.times_s.size() == 1 ? "" : "s", samples.first_m,
                              samples.first_m + samples.step_m * samples.count),
                  faint);
@@ -80,10 +80,10 @@ void add_meanings(Column& column, const SceneMarks& marks) {
     column.skip(3);
   };
   sector("fill-opacity=\"0.42\"", "received: within the range gate");
-  sector("fill-opacity=\"0.2\" stroke-dasharray=\"4 3\"", "in it, but behind the bed");
-  sector("fill-opacity=\"0.07\" stroke-dasharray=\"1 3\"", "nearer than the range window");
+  sector("fill-opacity=\"0.2\" stroke-dasharray=\"4 3\"", "in the gate, but below the seabed");
+  sector("fill-opacity=\"0.07\" stroke-dasharray=\"1 3\"", "nearer than the range gate");
   sheet.circle(column.middle(), 3.6, "fill=\"#555555\" stroke=\"#ffffff\" stroke-width=\"1.2\"");
-  column.words("sensor, at the pings drawn", faint);
+  column.words("sensor at the drawn pings", faint);
   column.skip(3);
   if (std::ranges::any_of(marks.sectors, [](const SectorMark& s) { return s.receiver_m.has_value(); })) {
     sheet.circle(column.middle(), 3.2, "fill=\"#ffffff\" stroke=\"#555555\" stroke-width=\"1.6\"");
@@ -107,7 +107,7 @@ void add_meanings(Column& column, const SceneMarks& marks) {
     sheet.rectangle(column.mark(),
                     "fill=\"#6d1b1b\" fill-opacity=\"0.12\" stroke=\"#6d1b1b\" stroke-width=\"1.2\" "
                     "stroke-dasharray=\"3 2\"");
-    column.words("object under the bed", faint);
+    column.words("object below the seabed", faint);
     column.skip(3);
   }
 }
@@ -118,7 +118,7 @@ void add_seabed(Column& column, const SceneMarks& marks, bool is_coarse) {
     column.words("The scene has no terrain.", faint);
     return;
   }
-  column.words("bed, up (m)", faint);
+  column.words("seabed height (m)", faint);
   constexpr int steps = 12;
   constexpr double height = 6;
   const double lo = marks.terrain.lo_m.z, hi = marks.terrain.hi_m.z;
@@ -135,7 +135,7 @@ void add_seabed(Column& column, const SceneMarks& marks, bool is_coarse) {
   if (hi > lo)
     sheet.text(beside + glm::dvec2(0, steps * height - 9), fmt::format("{:.{}f}", lo, decimals), faint);
   column.skip(drawn * height + 8);
-  if (is_coarse) column.words("bed by its tiles, coarsely", faint);
+  if (is_coarse) column.words("seabed drawn from its tiles", faint);
 }
 
 }  // namespace
@@ -149,12 +149,13 @@ double draw_legend(Sheet& sheet, glm::dvec2 top_left, const Survey& survey, cons
   column.skip(6);
   add_seabed(column, marks, is_seabed_coarse);
   if (survey.scene.water->refracts())
-    column.words("The water refracts: sectors are", faint), column.words("drawn as if it did not.", faint);
+    column.words("The water is stratified, but sectors", faint),
+        column.words("are drawn with straight rays.", faint);
   return column.bottom();
 }
 
 std::string frame_words(const Scene& scene) {
-  if (!scene.frame.is_georeferenced()) return "metres east, north and up in the scene's own frame";
+  if (!scene.frame.is_georeferenced()) return "metres east, north and up in the local frame";
   glm::dvec3 origin(0);
   scene.frame.to_lon_lat({&origin, 1}, {scene.description.file.string(), 0, 0});
   return fmt::format("metres east, north and up of latitude {:.6f}, longitude {:.6f}", origin.y, origin.x);

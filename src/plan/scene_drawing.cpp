@@ -238,7 +238,7 @@ class Drawing {
     const Panel whole_panel({first_left, first_top, first_left + panel_width, first_top + above}, plan,
                             whole);
     painter_.draw_plan(whole_panel, {}, false);
-    whole_panel.draw_axes(sheet_, "Plan of all", "east", "north");
+    whole_panel.draw_axes(sheet_, "Plan of the scene", "east", "north");
     const Panel near_panel({second_left, first_top, second_left + panel_width, first_top + above}, plan,
                            near);
     painter_.draw_plan(near_panel, {&section, 1}, true);
@@ -254,7 +254,8 @@ class Drawing {
     const Panel side_panel({first_left, top, first_left + panel_width, top + below}, side, side_window,
                            stretch);
     painter_.draw_side(side_panel);
-    side_panel.draw_axes(sheet_, stretched(from_south ? "All from the south" : "All from the east", stretch),
+    side_panel.draw_axes(sheet_,
+                         stretched(from_south ? "Scene from the south" : "Scene from the east", stretch),
                          from_south ? "east" : "north", "up");
     draw_section({second_left, top, second_left + panel_width, top + below}, section, scope_.near,
                  scope_.near.extent());

@@ -258,7 +258,7 @@ std::string shaded(const PlanHeights& heights, double low_m, double high_m) {
   const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface(
       cairo_image_surface_create(CAIRO_FORMAT_ARGB32, columns, rows), cairo_surface_destroy);
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS)
-    throw std::runtime_error("cannot draw the bed: " +
+    throw std::runtime_error("cannot draw the seabed: " +
                              std::string(cairo_status_to_string(cairo_surface_status(surface.get()))));
   cairo_surface_flush(surface.get());
   unsigned char* bytes = cairo_image_surface_get_data(surface.get());
@@ -284,7 +284,7 @@ std::string shaded(const PlanHeights& heights, double low_m, double high_m) {
   };
   if (const cairo_status_t status = cairo_surface_write_to_png_stream(surface.get(), put, &png);
       status != CAIRO_STATUS_SUCCESS)
-    throw std::runtime_error(std::string("cannot draw the bed: ") + cairo_status_to_string(status));
+    throw std::runtime_error(std::string("cannot draw the seabed: ") + cairo_status_to_string(status));
   return png;
 }
 

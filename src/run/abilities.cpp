@@ -13,7 +13,7 @@
 #include "run/survey.hpp"
 
 // This file contains the table of features that cannot be combined, and finds the first refusal that applies
-// to a scene and a request (docs/abilities.md).
+// to a scene and a request (docs/limits.md).
 
 namespace tubefoot {
 namespace {
@@ -37,7 +37,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "double arithmetic",
                                                        "fast binning",
                                                        "rays",
-                                                       "an engine of one's own",
+                                                       "a custom engine",
                                                        "--labels",
                                                        "--coarsen",
                                                        "audit",
@@ -53,94 +53,88 @@ constexpr auto table = std::to_array<Refusal>({
     {inclined_mirrors,
      refraction,
      {},
-     "an inclined mirror's image of layered water is not layered, and rays through it have no closed form: "
-     "lay the facets level, leave out 'specular_loss_db', or give profile = \"constant\""},
+     "refracted rays over an inclined mirror have no closed form: make the facets horizontal, leave out "
+     "'specular_loss_db', or set profile = \"constant\""},
     {refraction,
      mirrors,
      {two_receivers, reference},
-     "a certified phase over mirrors needs straight rays: leave out --reference, or give profile = "
+     "a certified phase over mirrors needs straight rays: leave out --reference, or set profile = "
      "\"constant\""},
     {scatterings,
      reference,
      {},
-     "patches that scatter on to others are taken for points, which no bound encloses: leave out "
-     "--reference, or give scatterings = 1"},
-    {unbounded_texture, reference, {}, "no reference encloses that"},
+     "second scattering treats patches as points, for which there is no certified bound: leave out "
+     "--reference, or set scatterings = 1"},
+    {unbounded_texture, reference, {}, "there is no certified bound for this combination"},
     {reference,
      double_arithmetic,
      {},
-     "that takes an exact arithmetic: fixed, filtered or rational, not double"},
-    {reference, fast_binning, {}, "that integrates footprints: it needs --binning exact"},
-    {reference, rays, {}, "that measures footprints: it needs --engine tube"},
-    {reference, own_engine, {}, "that measures footprints: it needs --engine tube"},
+     "certified bounds need exact arithmetic: use fixed, filtered or rational, not double"},
+    {reference, fast_binning, {}, "certified bounds need footprints: use --binning exact"},
+    {reference, rays, {}, "this output needs footprints: use --engine tube"},
+    {reference, own_engine, {}, "this output needs footprints: use --engine tube"},
     {refraction,
      signals,
      {},
-     "phases over rays that bend are not known: leave the array out, or give profile = \"constant\""},
-    {scatterings,
-     signals,
-     {},
-     "patches that scatter on to others keep no phase: leave the array out, or give scatterings = 1"},
+     "signals along refracted rays are not supported: leave out the array, or set profile = \"constant\""},
+    {scatterings, signals, {}, "second scattering has no phase: leave out the array, or set scatterings = 1"},
     {signals,
      tiles,
      {},
-     "signals are made of the whole ground at once, and tiles come by and by: leave the array out, or give "
+     "signals need the whole terrain in memory, but tiles are loaded one by one: leave out the array, or set "
      "load = \"whole\""},
-    {signals, rays, {}, "signals come from visible polygons: leave the array out, or give --engine tube"},
+    {signals, rays, {}, "signals need visible polygons: leave out the array, or use --engine tube"},
     {signals,
      own_engine,
      {},
-     "signals come from visible polygons, which such an engine does not tell: leave the "
-     "array out, or ask a built-in engine"},
+     "signals need visible polygons, which a custom engine does not provide: leave out the array, or use a "
+     "built-in engine"},
     {signals,
      coarsening,
      {},
-     "phases tell apart far less than a sample of range or a beam, which facets are coarsened by: leave out "
+     "phases resolve much less than a range bin or a beam, to which --coarsen adapts the facets: leave out "
      "--coarsen"},
     {labels,
      own_engine,
      {},
-     "a sum of energies does not tell its parts, and such an engine gives no more than the sum: ask a "
-     "built-in engine for the truth"},
+     "labels need the share of each object, but a custom engine returns only the total energy: use a "
+     "built-in engine"},
     {refraction,
      coarsening,
      {},
-     "rays that bend are traced facet by facet, as fine as these are: leave out --coarsen, or give profile = "
-     "\"constant\""},
+     "refraction adapts the facets itself: leave out --coarsen, or set profile = \"constant\""},
     {two_receivers,
      coarsening,
      {},
-     "phases tell apart far less than a sample of range or a beam, which facets are coarsened by: leave out "
+     "phases resolve much less than a range bin or a beam, to which --coarsen adapts the facets: leave out "
      "--coarsen"},
     {tiles,
      coarsening,
      {},
-     "what is coarsened is coarsened whole, and tiles come by and by: leave out --coarsen, or give load = "
-     "\"whole\""},
+     "--coarsen needs the whole terrain in memory, but tiles are loaded one by one: leave out --coarsen, or "
+     "set load = \"whole\""},
     {relief,
      coarsening,
      {},
-     "facets that relief was refined into are those that its law asks for: leave out --coarsen, or make "
-     "cell_m larger"},
+     "--coarsen cannot merge facets that relief has refined: leave out --coarsen, or increase 'cell_m'"},
     {scatterings,
      coarsening,
      {},
-     "sound that scatters on comes from facets as from points: leave out --coarsen, or give scatterings = 1"},
-    {reference, coarsening, {}, "that is of the facets as they are given: leave out --coarsen"},
+     "second scattering treats facets as points: leave out --coarsen, or set scatterings = 1"},
+    {reference, coarsening, {}, "this output refers to the facets of the scene: leave out --coarsen"},
     {fast_binning,
      coarsening,
      {},
-     "that takes a footprint for its centroid, which larger facets are worse for: leave out --coarsen, or "
-     "--binning"},
+     "--binning centroid and spread are less accurate with merged facets: leave out --coarsen, or --binning"},
     {own_engine,
      coarsening,
      {},
-     "such an engine is asked about the facets as they are given: leave out --coarsen"},
+     "a custom engine computes with the facets of the scene: leave out --coarsen"},
     {trial,
      coarsening,
      {},
-     "settings are held against the facets as they are given: leave out --coarsen, or find the settings "
-     "without it first"},
+     "settings are tested on the facets of the scene: leave out --coarsen, or find the settings without it "
+     "first"},
 });
 
 /// A feature of the scene, its place in the scene file, and the subject of a sentence about it.
@@ -156,7 +150,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
   std::vector<Found> found;
   if (scene.water->refracts())
     found.push_back(
-        {refraction, d.water.place, fmt::format("the water's profile = \"{}\" refracts", d.water.profile)});
+        {refraction, d.water.place, fmt::format("profile = \"{}\" of the water refracts", d.water.profile)});
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
     if (only && *only != s) continue;
     const Sensor& sensor = *survey.sensors[s].sensor;
@@ -165,19 +159,19 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
                        fmt::format("sensor '{}' {}", sensor.description().name, what)});
     };
     if (path_settings(scene, sensor.frequency_khz()))
-      add(mirrors, "has paths over mirrors or two scatterings");
-    if (sensor.has_separate_receiver()) add(separate_receiver, "has its receiver apart");
+      add(mirrors, "has paths over mirrors or second scattering");
+    if (sensor.has_separate_receiver()) add(separate_receiver, "has a separate receiver");
     if (sensor.has_receiver_pair()) add(two_receivers, "has two receivers");
     if (sensor.signals() != nullptr) add(signals, "records signals");
   }
   if (const auto material = material_of_inclined_mirrors(scene))
-    found.push_back(
-        {inclined_mirrors, d.materials[*material].place,
-         fmt::format("material '{}' mirrors where it is not level", d.materials[*material].name)});
+    found.push_back({inclined_mirrors, d.materials[*material].place,
+                     fmt::format("material '{}' is a mirror on facets that are not horizontal",
+                                 d.materials[*material].name)});
   if (d.paths.scatterings > 1)
-    found.push_back({scatterings, d.paths.place, "[paths] asks for several scatterings"});
+    found.push_back({scatterings, d.paths.place, "[paths] has several scatterings"});
   if (survey.loaded_scene->is_tiled())
-    found.push_back({tiles, d.terrains.front().place, "terrain is read by tiles"});
+    found.push_back({tiles, d.terrains.front().place, "terrain is loaded by tiles"});
   if (survey.loaded_scene->relief.cell_m > 0)
     found.push_back({relief, d.refinement.place, "[relief] refines facets"});
   if (survey.loaded_scene->surface_mesh)
@@ -189,12 +183,11 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     const MaterialDescription& material = d.materials[static_cast<std::size_t>(with - list.begin())];
     found.push_back({feature, material.place, fmt::format("material '{}' has {}", material.name, what)});
   };
-  add_material(scattering_model, scene.scattering, "a law other than Lambert's");
+  add_material(scattering_model, scene.scattering, "a scattering model other than Lambert's law");
   add_material(micro_texture, scene.reflectivity, "a micro-texture");
   if (const auto material = material_without_enclosure(scene.reflectivity))
-    found.push_back(
-        {unbounded_texture, d.materials[*material].place,
-         fmt::format("the micro-texture of material '{}' is one's own", d.materials[*material].name)});
+    found.push_back({unbounded_texture, d.materials[*material].place,
+                     fmt::format("material '{}' has a custom micro-texture", d.materials[*material].name)});
   return found;
 }
 

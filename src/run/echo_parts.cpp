@@ -354,7 +354,7 @@ struct Row {
 
 using A = const EchoFlags&;
 constexpr auto table = std::to_array<Row>({
-    {{"an engine of one's own", add_own_engine}, [](A a) { return a.own_engine; }},
+    {{"a custom engine", add_own_engine}, [](A a) { return a.own_engine; }},
     {{"paths over mirrors", add_paths}, [](A a) { return a.mirrors && !a.own_engine; }},
     {{"certified, through refracting water", add_refracted_reference},
      [](A a) { return a.direct && a.refracted && a.certified && a.others; }},
@@ -374,7 +374,7 @@ constexpr auto table = std::to_array<Row>({
      [](A a) { return a.one_surface && !a.apart && a.others && !a.rays && a.certified; }},
     {{"measured", add_measured},
      [](A a) { return a.one_surface && !a.apart && a.others && !a.rays && !a.certified; }},
-    {{"out along one ray and home along another", add_mixed_eigenrays},
+    {{"transmit and receive legs on different eigenrays", add_mixed_eigenrays},
      [](A a) { return a.one_surface && !a.apart && a.refracted; }},
     {{"signals of elements", add_signals}, [](A a) { return a.signals && !a.own_engine; }},
 });

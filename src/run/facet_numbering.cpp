@@ -15,7 +15,7 @@
 
 // This file numbers the facets of terrain that is read by tiles as if the whole scene were in memory. It
 // counts the pieces into which material maps, the sea surface and relief divide each facet of a raster
-// (docs/big-terrain.md).
+// (docs/notes/visibility.md).
 
 namespace tubefoot {
 
@@ -55,8 +55,8 @@ FacetNumbering::FacetNumbering(const LoadedScene& loaded_scene)
 void FacetNumbering::require_numbers(std::uint64_t facets) const {
   if (facets >= std::numeric_limits<FacetId>::max())
     throw InputError(scene_.description.terrains.front().place,
-                     fmt::format("facets are numbered in 32 bits, and the scene has {} or more: give the "
-                                 "terrain a window",
+                     fmt::format("the scene has {} facets or more, but a facet number has 32 bits: restrict "
+                                 "the terrain by a window",
                                  facets));
 }
 

@@ -17,7 +17,7 @@
 
 // This file computes the labels of energies. Each owner (object and material) has an echo model in which all
 // other owners scatter nothing. Mean height and mean range use a weight as a further factor of the
-// reflectivity texture (docs/labels.md).
+// reflectivity texture (docs/output-files.md).
 
 namespace tubefoot {
 namespace {
@@ -103,7 +103,7 @@ std::uint16_t LabelChannels::owner(std::uint16_t object, std::uint16_t material)
   const std::int32_t number = number_.at(object).at(material);
   if (number < 0)
     throw std::logic_error(
-        fmt::format("no facet of the scene is of object {} and material {}", object, material));
+        fmt::format("no facet of the scene belongs to object {} and has material {}", object, material));
   return static_cast<std::uint16_t>(number);
 }
 

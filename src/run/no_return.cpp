@@ -118,23 +118,25 @@ class Reason {
     if (const auto words = of_frame(beside_m)) return *words;
     if (elevation_.lo_m >= 0 && all_.hi_m.z <= at_m_.z)
       return fmt::format(
-          "it looks {}, and all that there is lies below it: tilt_deg turns a sensor downwards, pitch_deg "
-          "and roll_deg turn its carrier",
+          "it looks {}, but the whole scene lies below it: 'tilt_deg' is positive downwards; 'pitch_deg' and "
+          "'roll_deg' rotate the carrier",
           look());
     if (beside_m > 0)
       return fmt::format(
-          "it looks {}, {:.4g} m beside the terrain, which covers {}: move it there, or turn it", look(),
-          beside_m, to_text(terrain_));
+          "it looks {}, but it is {:.4g} m outside of the terrain, which covers {}: move it over the "
+          "terrain, or turn it",
+          look(), beside_m, to_text(terrain_));
     if (const auto words = of_level_surface()) return *words;
-    return fmt::format("it looks {}, where nothing is{}; the terrain covers {}: turn it or move it", look(),
-                       survey_.loaded_scene->is_tiled() ? " within its range window" : "", to_text(terrain_));
+    return fmt::format("it looks {}, and no facet is there{}; the terrain covers {}: turn it or move it",
+                       look(), survey_.loaded_scene->is_tiled() ? " within its range gate" : "",
+                       to_text(terrain_));
   }
 
   /// Returns the position of the sensor.
   std::string place() const {
     return fmt::format(
         "east {:.2f}, north {:.2f}, up {:.2f} m{}", at_m_.x, at_m_.y, at_m_.z,
-        std::isnan(altitude_m()) ? std::string() : fmt::format(", {:.4g} m over the terrain", altitude_m()));
+        std::isnan(altitude_m()) ? std::string() : fmt::format(", {:.4g} m above the terrain", altitude_m()));
   }
 
  private:
@@ -145,7 +147,7 @@ class Reason {
 
   std::string window() const {
     const RangeSamples& samples = sensor_.samples();
-    return fmt::format("its range window is {:.4g} to {:.4g} m: change the window, or where it is",
+    return fmt::format("its range gate is {:.4g} to {:.4g} m: change the range gate or the position",
                        samples.first_m, samples.first_m + samples.step_m * samples.count);
   }
 
@@ -153,12 +155,11 @@ class Reason {
     const Span window_m = window_of(sensor_);
     if (met_.lo_m <= window_m.hi_m && met_.hi_m >= window_m.lo_m)
       return fmt::format(
-          "what it looks at lies {:.4g} to {:.4g} m away, within its range window, and returns nothing "
-          "there: "
-          "look at absorption_db_per_km, the materials and the beam patterns",
+          "the facets in its beams are at ranges of {:.4g} to {:.4g} m, within its range gate, but return no "
+          "energy: check 'absorption_db_per_km', the materials and the beam patterns",
           met_.lo_m, met_.hi_m);
-    return fmt::format("what it looks at lies {:.4g} to {:.4g} m away, and {}", met_.lo_m, met_.hi_m,
-                       window());
+    return fmt::format("the facets in its beams are at ranges of {:.4g} to {:.4g} m, but {}", met_.lo_m,
+                       met_.hi_m, window());
   }
 
   /// Returns a reason for terrain that is read by tiles. It assumes a horizontal seabed at the altitude
@@ -173,8 +174,8 @@ class Reason {
     const double nearest_m = range_m(elevation_.lo_m), farthest_m = range_m(elevation_.hi_m);
     const Span window_m = window_of(sensor_);
     if (nearest_m <= window_m.hi_m && farthest_m >= window_m.lo_m) return std::nullopt;
-    return fmt::format("level ground would lie {:.4g} m away and farther where it looks, and {}", nearest_m,
-                       window());
+    return fmt::format("a horizontal seabed would be at ranges of {:.4g} m or more in its beams, but {}",
+                       nearest_m, window());
   }
 
   /// Returns a reason if sensor and terrain have coordinates in two different frames.
@@ -184,13 +185,12 @@ class Reason {
                                             : std::nullopt;
         origin && beside_m > 0 && std::hypot((*origin)[1] - at_m_.x, (*origin)[0] - at_m_.y) < 1)
       return fmt::format(
-          "its east {:.6g} and north {:.6g} look like longitude and latitude, and are metres from the "
-          "frame's "
-          "origin; the terrain covers {}: bring them to the local frame",
+          "its east {:.6g} and north {:.6g} look like longitude and latitude, but they are metres from the "
+          "origin of the local frame; the terrain covers {}: convert the positions to the local frame",
           at_m_.x, at_m_.y, to_text(terrain_));
     const std::string hint = mixed_frames(at_m_, terrain_);
     if (hint.empty()) return std::nullopt;
-    return fmt::format("it is {:.4g} km away from the terrain, which covers {}: {}", beside_m / 1000,
+    return fmt::format("it is {:.4g} km from the terrain, which covers {}: {}", beside_m / 1000,
                        to_text(terrain_), hint);
   }
 
@@ -277,7 +277,7 @@ std::vector<NoReturn> expected_no_returns(const Survey& survey, const RunRequest
       found.push_back(no_return(survey, request, s, {first, first + pings},
                                 pings == 1        ? std::string()
                                 : looked == pings ? std::string(" at any ping")
-                                                  : fmt::format(" at any of {} pings looked at", looked)));
+                                                  : fmt::format(" at any of {} tested pings", looked)));
   }
   return found;
 }
@@ -293,12 +293,12 @@ std::vector<NoReturn> met_no_returns(const Survey& survey, const RunRequest& req
     const std::size_t first = recording.number_of(0);
     if (!recording.beam_numbers
              .empty())  // other beams may receive something, so that the sensor itself is correct
-      found.push_back({s, fmt::format("{}: sensor '{}' receives nothing in the requested beams: all "
-                                      "samples are 0",
-                                      to_string(sensor.place), sensor.name)});
+      found.push_back(
+          {s, fmt::format("{}: sensor '{}' receives nothing in the requested beams: all energies are 0",
+                          to_string(sensor.place), sensor.name)});
     else
       found.push_back(no_return(survey, request, s, {first, first + recording.pings()},
-                                recording.pings() == 1 ? "" : " at any ping: all samples are 0"));
+                                recording.pings() == 1 ? "" : " at any ping: all energies are 0"));
   }
   return found;
 }

@@ -29,7 +29,7 @@ std::vector<std::string> open_surfaces(const Scene& scene) {
     const SmoothSurface* surface = scene.smooth_surface(material);
     const char* what = surface == nullptr         ? "rough"
                        : surface->fluid           ? "a fluid"
-                       : surface->roughness_m > 0 ? "smooth but for 'roughness_m'"
+                       : surface->roughness_m > 0 ? "smooth, but with 'roughness_m'"
                                                   : nullptr;
     if (what != nullptr)
       surfaces.push_back(fmt::format("'{}', which is {}", scene.description.materials[material].name, what));
@@ -46,14 +46,15 @@ std::vector<std::string> open_signals(const Survey& survey) {
     if (sensor.signals() == nullptr) continue;
     const std::vector<std::string> motions = open_ways(survey, s), surfaces = open_surfaces(survey.scene);
     const std::string what =
-        !motions.empty() ? fmt::format("it has {}, which no bound encloses", fmt::join(motions, " and "))
-        : !surfaces.empty()
-            ? fmt::format("no bound encloses what samples may hold of {}", fmt::join(surfaces, ", or of "))
-            : "";
+        !motions.empty()
+            ? fmt::format("it has {}, for which there is no certified bound", fmt::join(motions, " and "))
+        : !surfaces.empty() ? fmt::format("there is no certified bound for the samples of {}",
+                                          fmt::join(surfaces, ", or of "))
+                            : "";
     if (!what.empty())
       warnings.push_back(
-          fmt::format("'{}': 'pressure_bound' of its signals is infinite where that is received: "
-                      "{}; energies have bounds all the same",
+          fmt::format("'{}': 'pressure_bound' is infinite in samples that receive the following: {}; "
+                      "energies have finite bounds",
                       sensor.description().name, what));
   }
   return warnings;

@@ -24,8 +24,8 @@ void check_coherence(const Transmission& transmission, std::size_t s, std::span<
                  product = std::hypot(channels[2 * cells + k], channels[3 * cells + k]);
     if (!(product <= (1 + rounding) * std::sqrt(upper) * std::sqrt(lower)))
       throw std::domain_error(fmt::format(
-          "engine '{}': in beam {} and sample {} of {} the mean product of the two receivers' signals is "
-          "{:.6g} J/m2, more than the root of the product of their energies, {:.6g} J/m2 and {:.6g} J/m2",
+          "engine '{}': invalid covariance in beam {} and sample {} of {}: its magnitude is {:.6g} J/m2, "
+          "more than the geometric mean of the energies of both receivers, {:.6g} J/m2 and {:.6g} J/m2",
           transmission.request().own_engine->name, k / samples, k % samples, transmission.name(), product,
           upper, lower));
   }

@@ -20,7 +20,7 @@
 #include "run/simulation.hpp"
 
 // This file computes one shard of a run into its file, and joins the files of all shards. It checks that all
-// shards belong to the same request and are complete (docs/cluster.md).
+// shards belong to the same request and are complete (docs/large-jobs.md).
 
 namespace tubefoot {
 namespace {
@@ -87,7 +87,7 @@ void each_word(auto& options, const auto& each) {
   each("tolerance", options.tolerance);
   each("coarsen", options.coarsen);
   each("reference", options.reference);
-  each("truth", options.labels);
+  each("labels", options.labels);
   each("label_level_db", options.label_level_db);
 }
 
@@ -103,7 +103,7 @@ RunOptions options_of(const Json& json, RunOptions options) {
 }
 
 UsageError damaged_identity(const fs::path& file) {
-  return UsageError(fmt::format("'{}' is damaged: delete it, and run that part again", file.string()));
+  return UsageError(fmt::format("'{}' is damaged: delete it, and compute this shard again", file.string()));
 }
 
 }  // namespace
@@ -111,11 +111,12 @@ UsageError damaged_identity(const fs::path& file) {
 PartNumber parse_part(const std::string& text) {
   if (const std::optional<PartNumber> part = part_in(text, "/")) return *part;
   throw UsageError(
-      fmt::format("--shard '{}': expected a part and how many there are, 1/8 to 8/8, and no more than {}",
+      fmt::format("--shard '{}': expected the number of the shard and the number of shards, for example 1/8 "
+                  "to 8/8, with at most {} shards",
                   text, most_parts));
 }
 
-std::string in_words(const PartNumber& part) { return fmt::format("part {} of {}", part.number, part.of); }
+std::string in_words(const PartNumber& part) { return fmt::format("shard {} of {}", part.number, part.of); }
 
 fs::path part_file(const fs::path& output, const PartNumber& part) {
   return beside(output, file_ending(part));
@@ -160,24 +161,24 @@ RunPart::RunPart(const RunOptions& options, const Json& scene_request)
         try {
           return PartFile(path);
         } catch (const StoreInUse&) {
-          throw UsageError(fmt::format("another process is computing {} ('{}'): wait for it", in_words(part_),
-                                       path.string()));
+          throw UsageError(fmt::format("another process is computing {} ('{}'): wait until it is finished",
+                                       in_words(part_), path.string()));
         } catch (const UnusableStore& error) {
-          throw UsageError(fmt::format("{}: move it away or delete it; it is in the way of {}", error.what(),
-                                       in_words(part_)));
+          throw UsageError(fmt::format("{}: move or delete it, because its place is needed for {}",
+                                       error.what(), in_words(part_)));
         }
       }()) {
   kept_ = file_.has_pings();
   if (!kept_) file_.forget();
   if (kept_ && !options.resume)
-    throw UsageError(
-        fmt::format("'{}' keeps pings of {}: add --resume to go on with it, or delete it to begin anew",
-                    path().string(), in_words(part_)));
+    throw UsageError(fmt::format(
+        "'{}' contains finished pings of {}: add --resume to continue, or delete it to start again",
+        path().string(), in_words(part_)));
   if (kept_) {
     try {
       refuse_other_request(Json::parse(file_.identity()).at("asked"), scene_request,
-                           {"the part that --resume would go on with",
-                            fmt::format("delete '{}' to begin anew", path().string())});
+                           {"the shard that --resume would continue",
+                            fmt::format("delete '{}' to start again", path().string())});
     } catch (const Json::exception&) {
       throw damaged_identity(path());
     }
@@ -200,7 +201,7 @@ void RunPart::compute(const Survey& survey, const RunRequest& request) {
     ++pings_;
     done_ += file_.has(unit);
   }
-  if (done_ > 0 && !quiet_) say("going on after {} finished pings\n", done_.load());
+  if (done_ > 0 && !quiet_) say("continuing after {} finished pings\n", done_.load());
   file_.begin(file_.identity());
   const PingSimulation simulation(survey, request);
   PingBufferPool spare;
@@ -224,19 +225,21 @@ void RunPart::compute(const Survey& survey, const RunRequest& request) {
 
 std::string RunPart::advice() const {
   if (kept_ && pings_ == 0)
-    return fmt::format("what '{}' keeps of {} is as it was: run the same command again", path().string(),
-                       in_words(part_));
+    return fmt::format("'{}' still contains the finished pings of {}: run the same command again",
+                       path().string(), in_words(part_));
   if (done_ == 0)
-    return stop_wanted() ? "nothing was written"
-                         : "nothing was written: mend that, or choose another -o, and run again";
+    return stop_wanted()
+               ? "nothing was written"
+               : "nothing was written: correct this, or choose another -o, and run the command again";
   std::string ambiguous;
   try {
     file_.sync();
   } catch (const std::runtime_error& error) {
     ambiguous = fmt::format(" (not on the disk yet: {})", error.what());
   }
-  return fmt::format("{} of {} pings of {} are kept in '{}'{}: run the same command with --resume to go on",
-                     done_.load(), pings_, in_words(part_), path().string(), ambiguous);
+  return fmt::format(
+      "{} of {} pings of {} are stored in '{}'{}: run the same command with --resume to continue",
+      done_.load(), pings_, in_words(part_), path().string(), ambiguous);
 }
 
 RunParts::RunParts(const fs::path& output) : output_(output) {
@@ -252,14 +255,13 @@ RunParts::RunParts(const fs::path& output) : output_(output) {
   }
   if (found.empty())
     throw UsageError(
-        fmt::format("there is no part of a run beside '{}' ('{}1-of-...'): compute them first (tubefoot run "
-                    "SCENE -o {} --shard 1/8)",
+        fmt::format("there are no shards for '{}' ('{}1-of-...'): compute them first (tubefoot run SCENE -o "
+                    "{} --shard 1/8)",
                     output.string(), any.string(), output.string()));
   if (found.size() > 1)
-    throw UsageError(
-        fmt::format("there are parts of a run in {} and of one in {} beside '{}': delete those of the one "
-                    "that is not meant",
-                    found.begin()->first, found.rbegin()->first, output.string()));
+    throw UsageError(fmt::format(
+        "there are shards of a run in {} and of a run in {} for '{}': delete the shards of one of the runs",
+        found.begin()->first, found.rbegin()->first, output.string()));
   count_ = found.begin()->first;
   std::vector<int>& there = found.begin()->second;
   std::sort(there.begin(), there.end());
@@ -267,10 +269,10 @@ RunParts::RunParts(const fs::path& output) : output_(output) {
   for (int number = 1; number <= count_; ++number)
     if (!std::binary_search(there.begin(), there.end(), number)) missing.push_back(number);
   if (!missing.empty())
-    throw UsageError(fmt::format(
-        "of {} parts {} {} missing ('{}' is not there): compute {} with --shard {}/{}{}", count_,
-        listed(missing), missing.size() == 1 ? "is" : "are", path_of(missing[0]).string(),
-        missing.size() == 1 ? "it" : "them", missing[0], count_, missing.size() == 1 ? "" : " and so on"));
+    throw UsageError(fmt::format("of {} shards, {} {} missing (no '{}'): compute {} with --shard {}/{}{}",
+                                 count_, listed(missing), missing.size() == 1 ? "is" : "are",
+                                 path_of(missing[0]).string(), missing.size() == 1 ? "it" : "them",
+                                 missing[0], count_, missing.size() == 1 ? "" : " and so on"));
 }
 
 fs::path RunParts::path_of(int number) const { return part_file(output_, {number, count_}); }
@@ -285,7 +287,8 @@ std::unique_ptr<PartFile> RunParts::opened(int number) const {
                                    in_words(part), path.string(), number, count_));
     return file;
   } catch (const StoreInUse&) {
-    throw UsageError(fmt::format("{} is being computed ('{}'): wait for it", in_words(part), path.string()));
+    throw UsageError(fmt::format("another process is computing {} ('{}'): wait until it is finished",
+                                 in_words(part), path.string()));
   } catch (const UnusableStore& error) {
     throw UsageError(
         fmt::format("{}: delete it, and compute it again with --shard {}/{}", error.what(), number, count_));
@@ -308,12 +311,12 @@ void RunParts::require(const Json& scene_request) const {
     try {
       const Json identity = Json::parse(file->identity());
       if (identity.at("part") != number || identity.at("parts") != count_)
-        throw UsageError(fmt::format("{} says that it is part {} of {}: give it its own name back", part,
+        throw UsageError(fmt::format("{} contains shard {} of {}: restore its original name", part,
                                      identity.at("part").dump(), identity.at("parts").dump()));
-      refuse_other_request(identity.at("asked"), scene_request,
-                           {part, fmt::format("delete the parts that were asked for otherwise, and compute "
-                                              "them again (--shard {}/{})",
-                                              number, count_)});
+      refuse_other_request(
+          identity.at("asked"), scene_request,
+          {part, fmt::format("delete the shards with other options, and compute them again (--shard {}/{})",
+                             number, count_)});
     } catch (const Json::exception&) {
       throw damaged_identity(file->path());
     }
@@ -342,7 +345,7 @@ void RunParts::require_whole(const PartDeal& deal) const {
   if (unfinished.empty()) return;
   throw UsageError(
       fmt::format("{}{}: compute {} with --shard {}/{} --resume", example,
-                  unfinished.size() > 1 ? fmt::format("; unfinished are parts {}", listed(unfinished)) : "",
+                  unfinished.size() > 1 ? fmt::format("; unfinished shards: {}", listed(unfinished)) : "",
                   unfinished.size() > 1 ? "them" : "the others", unfinished[0], count_));
 }
 

@@ -37,16 +37,16 @@ void refuse_other_request(const Json& kept, const Json& requested, const Checkpo
     const Json before = kept.contains(key) ? kept.at(key) : Json();
     if (before == value) continue;
     if (key == "build")
-      throw UsageError(fmt::format(
-          "{} was computed by another build of tubefoot ({}), whose energies may differ from this one's: go "
-          "on with that build, or {}",
-          words.run, difference_of_builds(before, value), words.anew));
+      throw UsageError(
+          fmt::format("{} was computed by another build of tubefoot ({}), whose energies can differ: "
+                      "continue with that build, or {}",
+                      words.run, difference_of_builds(before, value), words.anew));
     if (key == "scene_hash")
       throw UsageError(
-          fmt::format("the scene, or a file that it names, has changed since {}: bring it back, or {}",
+          fmt::format("the scene, or a file that it names, has changed since {}: restore it, or {}",
                       words.run, words.anew));
     if (value.is_object() && before.is_object()) refuse_other_request(before, value, words);
-    throw UsageError(fmt::format("{} had {} = {}, not {}: ask for the same, or {}", words.run, key,
+    throw UsageError(fmt::format("{} had {} = {}, not {}: use the same value, or {}", words.run, key,
                                  before.dump(), value.dump(), words.anew));
   }
 }
@@ -74,7 +74,7 @@ PartialRun::PartialRun(const fs::path& output, bool resume)
   std::optional<Json> identity;
   const auto in_the_way = [](const std::string& what) {
     return UsageError(
-        fmt::format("{}: move it away or delete it; it is in the way of the run's pings", what));
+        fmt::format("{}: move or delete it, because its place is needed for the pings of the run", what));
   };
   try {
     taken_ = take_ping_file(file_, false);
@@ -91,8 +91,8 @@ PartialRun::PartialRun(const fs::path& output, bool resume)
   if (there.done == 0) return;
   if (!resume)
     throw UsageError(
-        fmt::format("'{}' keeps {} of {} pings of a run that did not end: add --resume to go on with "
-                    "it, or delete it to begin anew",
+        fmt::format("'{}' contains {} of {} pings of an unfinished run: add --resume to continue, or delete "
+                    "it to start again",
                     file_.string(), there.done, there.units));
   kept_ = std::make_unique<std::optional<Json>>(std::move(identity));
   units_ = there.units;
@@ -119,7 +119,7 @@ std::shared_ptr<PingStore> PartialRun::open(const StoreLayout& layout, const Jso
   } catch (const StoreInUse& error) {
     throw UsageError(error.what());
   } catch (const UnusableStore& error) {
-    throw UsageError(fmt::format("{}: delete it to begin anew", error.what()));
+    throw UsageError(fmt::format("{}: delete it to start again", error.what()));
   }
   return store_;
 }
@@ -127,16 +127,17 @@ std::shared_ptr<PingStore> PartialRun::open(const StoreLayout& layout, const Jso
 std::string PartialRun::advice() const {
   const std::size_t done = store_ ? store_->done_units() : kept_done_;
   if (done == 0)
-    return stop_wanted() ? "nothing was written"
-                         : "nothing was written: mend that, or choose another -o, and run again";
+    return stop_wanted()
+               ? "nothing was written"
+               : "nothing was written: correct this, or choose another -o, and run the command again";
   std::string ambiguous;
   try {
     if (store_) store_->sync();
   } catch (const std::runtime_error& error) {
     ambiguous = fmt::format(" (not on the disk yet: {})", error.what());
   }
-  return fmt::format("{} of {} pings are kept in '{}'{}: run the same command with --resume to go on", done,
-                     units_, file_.string(), ambiguous);
+  return fmt::format("{} of {} pings are stored in '{}'{}: run the same command with --resume to continue",
+                     done, units_, file_.string(), ambiguous);
 }
 
 void PartialRun::remove() {
@@ -152,8 +153,8 @@ void PartialRun::remove() {
 RunRequest resumed(const Json& kept, const Json& requested, RunRequest otherwise) {
   const auto damaged = [](const std::exception& error) {
     return UsageError(
-        fmt::format("what the run that --resume would go on with says of itself is damaged ({}): delete the "
-                    ".partial file to begin anew",
+        fmt::format("the description of the run that --resume would continue is damaged ({}): delete the "
+                    ".partial file to start again",
                     error.what()));
   };
   Json run;

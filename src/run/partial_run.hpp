@@ -24,8 +24,8 @@ void keep_through(const std::function<std::string()>& advice, const std::functio
 
 /// Words of the messages about a stored run: the name of the run, and the remedy if its request differs.
 struct CheckpointMessages {
-  std::string run = "the run that --resume would go on with";
-  std::string anew = "delete the .partial file to begin anew";
+  std::string run = "the run that --resume would continue";
+  std::string anew = "delete the .partial file to start again";
 };
 
 /// The checkpoint of a run: the file '<output>.partial' with the finished pings. The file stays if the run

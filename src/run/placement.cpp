@@ -89,10 +89,11 @@ SeabedPlacement told(const std::string& name, const Extent& object, const Extent
   constexpr double far_larger = 4;
   if (const double times = largest_side_m(object) / largest_side_m(terrain); times > far_larger) {
     placement.words = fmt::format("{:.3g} times as wide as the terrain", times);
-    warn(fmt::format("is {:.4g} m wide, {:.3g} times the terrain, which covers {}: {}",
+    warn(fmt::format("is {:.4g} m wide, {:.3g} times as wide as the terrain, which covers {}: {}",
                      largest_side_m(object), times, to_text(terrain),
-                     largest_side_m(terrain) < 1 ? "are the terrain's coordinates degrees or kilometres?"
-                                                 : "is its size in other units (unit_m, scale)?"));
+                     largest_side_m(terrain) < 1
+                         ? "are the coordinates of the terrain in degrees or kilometres?"
+                         : "are its coordinates in other units (unit_m, scale)?"));
     return placement;
   }
   if (heights.places == 0) {
@@ -100,35 +101,37 @@ SeabedPlacement told(const std::string& name, const Extent& object, const Extent
     warn("has no facet in the water: it is above the sea surface");
   } else if (heights.over_terrain == 0) {
     const double beside_m = terrain.distance_in_plan_m((object.lo_m + object.hi_m) / 2.0);
-    placement.words = beside_m > 0
-                          ? fmt::format("beside the terrain, {:.4g} m from it to its middle", beside_m)
-                          : std::string("over a hole of the terrain, or beside it");
+    placement.words =
+        beside_m > 0
+            ? fmt::format("outside of the terrain, {:.4g} m from it to the middle of the object", beside_m)
+            : std::string("above a hole of the terrain, or outside of it");
     const std::string frames = mixed_frames((object.lo_m + object.hi_m) / 2.0, terrain);
     if (beside_m > 0)
-      warn(fmt::format("lies beside the terrain, which covers {}: {}", to_text(terrain),
-                       frames.empty() ? "move it there, if that is not meant" : frames));
+      warn(fmt::format("lies outside of the terrain, which covers {}: {}", to_text(terrain),
+                       frames.empty() ? "move it onto the terrain, unless this is intended" : frames));
   } else if (heights.highest_m < 0) {
     placement.is_buried = true;
-    placement.words = fmt::format("buried: its top is {:.4g} m below the bed", -heights.highest_m);
+    placement.words = fmt::format("buried: its top is {:.4g} m below the seabed", -heights.highest_m);
     warn(
-        fmt::format("is buried: its top is {:.4g} m below the bed, and it cannot be seen; on_terrain_m = 0 "
-                    "would put it on the bed",
+        fmt::format("is buried and cannot be seen: its top is {:.4g} m below the seabed; on_terrain_m = 0 "
+                    "places it on the seabed",
                     -heights.highest_m));
   } else if (heights.lowest_m > 1e-3) {
-    placement.words = fmt::format("{:.4g} m above the bed", heights.lowest_m);
+    placement.words = fmt::format("{:.4g} m above the seabed", heights.lowest_m);
   } else if (heights.lowest_m > -1e-3) {
-    placement.words = "on the bed";
+    placement.words = "on the seabed";
   } else {
-    placement.words = fmt::format("in the bed: from {:.4g} m below it to {:.4g} m above", -heights.lowest_m,
-                                  heights.highest_m);
+    placement.words = fmt::format("partly buried: from {:.4g} m below the seabed to {:.4g} m above",
+                                  -heights.lowest_m, heights.highest_m);
   }
   constexpr double tiny_m = 0.01;
   if (const glm::dvec3 size_m = object.hi_m - object.lo_m;
       placement.warning.empty() && std::max({size_m.x, size_m.y, size_m.z}) < tiny_m)
-    warn(fmt::format("is only {:.3g} x {:.3g} x {:.3g} m large: is its size in other units (unit_m, scale)?",
-                     size_m.x, size_m.y, size_m.z));
+    warn(fmt::format(
+        "has a size of only {:.3g} x {:.3g} x {:.3g} m: are its coordinates in other units (unit_m, scale)?",
+        size_m.x, size_m.y, size_m.z));
   if (heights.over_terrain > 0 && heights.over_terrain < heights.places)
-    placement.words += "; partly beside the terrain";
+    placement.words += "; partly outside of the terrain";
   return placement;
 }
 
@@ -176,9 +179,8 @@ std::vector<std::string> vast_windows(const Survey& survey) {
     constexpr double vast = 20;
     if (end_m > vast * farthest_m)
       warnings.push_back(
-          fmt::format("{}: sensor '{}' listens up to {:.4g} m in samples of {:.3g} m, and nothing of the "
-                      "scene is farther "
-                      "away than {:.4g} m: is its range window in metres?",
+          fmt::format("{}: sensor '{}' records up to {:.4g} m in range bins of {:.3g} m, but no point of the "
+                      "scene is farther away than {:.4g} m: is the range gate in metres?",
                       to_string(pings.sensor->description().place), pings.sensor->description().name, end_m,
                       samples.step_m, farthest_m));
   }

@@ -216,13 +216,14 @@ RefinedSurfaceFile::RefinedSurfaceFile(std::filesystem::path file, const SourceP
   vertices_ = number_after("element vertex ");
   facets_ = number_after("element face ");
   const std::string hash = seabed_hash(scene, cell_m);
-  if (head.find("\ncomment refined bed ") == std::string::npos) throw refused("is no refined bed");
+  if (head.find("\ncomment refined bed ") == std::string::npos) throw refused("is not a refined seabed");
   if (head.find("\n" + hash_line(hash) + "\n") == std::string::npos)
-    throw refused("is the refined bed of another scene, or of other keys in [relief]");
-  if (head != header(hash, vertices_, facets_)) throw refused("is no refined bed of this version");
+    throw refused("is the refined seabed of another scene, or of other keys in [relief]");
+  if (head != header(hash, vertices_, facets_))
+    throw refused("is a refined seabed of another version of tubefoot");
   first_byte_ = head.size();
   if (input.size() != first_byte_ + vertices_ * vertex_bytes + facets_ * face_bytes)
-    throw refused("is cut short or longer than it says");
+    throw refused("is shorter or longer than its header states");
 }
 
 /// Reads records of the open file.
@@ -271,7 +272,7 @@ class RefinedSurfaceFile::Reader {
     std::istream& stream = input_.stream();
     stream.seekg(static_cast<std::streamoff>(at));
     stream.read(to, static_cast<std::streamsize>(count));
-    if (!stream) throw of_.refused("cannot be read any more");
+    if (!stream) throw of_.refused("can no longer be read");
   }
 
   const RefinedSurfaceFile& of_;
@@ -332,7 +333,7 @@ RefinedMesh RefinedSurfaceFile::read(std::span<const FacetId> base) const {
       try {
         points.push_back(grid_.snap(p));
       } catch (const GridRangeError&) {
-        throw refused("has a vertex that is not in the scene");
+        throw refused("has a vertex that does not belong to the scene");
       }
     });
   }

@@ -20,7 +20,7 @@
 
 // This file maps the facets of a transmission to their apparent positions in refracting water. It chooses
 // the tolerances of the map, and counts and reports facets without exactly one eigenray
-// (docs/refraction.md).
+// (docs/environment.md).
 
 namespace tubefoot {
 namespace {
@@ -67,10 +67,10 @@ std::string turning_points(const Survey& survey) {
 /// followed, in any combination of transmit leg and receive leg.
 std::string rays_left_out(const Survey& survey, bool reference) {
   if (reference || has_paths_of_first_rays(survey))
-    return "for separate receivers, over mirrors and in references, tubefoot follows the first arrival only";
+    return "for separate receivers, over mirrors and in references, tubefoot computes the first arrival only";
   if (has_receiver_pair(survey))
-    return "two receivers' phases have each of them out and home again, but not what goes out along one and "
-           "comes home along another";
+    return "the phases of a receiver pair include each ray in both directions, but not paths whose legs use "
+           "different rays";
   return {};
 }
 
@@ -112,17 +112,17 @@ void rethrow_as_seen_by(const Transmission& transmission) {
   try {
     throw;
   } catch (const RefinementTooLarge&) {
-    throw InputError(place, fmt::format("{} needs more than {} facets to be seen through the water: raise "
+    throw InputError(place, fmt::format("{} needs more than {} facets at apparent positions: increase "
                                         "'refraction_gap_m' or 'refraction_tolerance_db'",
                                         transmission.name(), most_per_transmission.facets));
   } catch (const GridRangeError&) {
-    throw InputError(place, fmt::format("{} sees facets through the water outside of the scene's grid: "
-                                        "shorten its range",
-                                        transmission.name()));
+    throw InputError(
+        place, fmt::format("{} has apparent positions outside of the grid of the scene: shorten its range",
+                           transmission.name()));
   } catch (const std::range_error& error) {
-    throw InputError(place, fmt::format("{} cannot be seen through the water: {}, or give the terrain "
-                                        "smaller facets",
-                                        transmission.name(), error.what()));
+    throw InputError(place,
+                     fmt::format("{} has no apparent position: {}, or use smaller facets for the terrain",
+                                 transmission.name(), error.what()));
   }
 }
 
@@ -464,7 +464,7 @@ nlohmann::ordered_json refraction_json(const Survey& survey, bool reference, con
     json["first_shadow"] = place_json(counts.shadow);
   }
   if (counts.unbounded > 0) json["bins_without_bound"] = counts.unbounded;
-  if (counts.at_limit > 0) json["shots_at_work_limit"] = counts.at_limit;
+  if (counts.at_limit > 0) json["transmissions_at_work_limit"] = counts.at_limit;
   if (counts.of_several > 0) json["first_of_several"] = place_json(counts.several);
   return json;
 }
@@ -480,8 +480,8 @@ std::vector<std::string> refraction_warnings(const Survey& survey, bool referenc
   const std::string where = to_string(survey.scene.description.water.place);
   if (counts.in_shadow > 0)
     warnings.push_back(
-        fmt::format("{}: {} apparent facets of {} pings are left out: no ray leads to them, or to a part of "
-                    "them (a shadow zone); {}",
+        fmt::format("{}: {} apparent facets of {} pings are omitted, because no ray leads to them or to a "
+                    "part of them (a shadow zone); {}",
                     where, counts.in_shadow, stats.shadowed_pings, at(counts.shadow)));
   const std::string left_out = rays_left_out(survey, reference);
   if (counts.of_several > 0 && !left_out.empty())
@@ -489,25 +489,25 @@ std::vector<std::string> refraction_warnings(const Survey& survey, bool referenc
                                    turning_points(survey), counts.of_several, left_out, at(counts.several)));
   if (counts.folded > 0 && has_paths_of_first_rays(survey))
     warnings.push_back(
-        fmt::format("{}: {} apparent facets are turned over: rays cross before them (a "
-                    "caustic), and energies there are not to be relied on",
+        fmt::format("{}: {} apparent facets are inverted, because rays cross before them (a caustic); "
+                    "energies there are unreliable",
                     where, counts.folded));
   if (counts.unbounded > 0)
-    warnings.push_back(fmt::format(
-        "{}: {} bins have no bound (energy_bound is infinite): facets to which it is not proven that "
-        "exactly one ray leads may return echoes in them, or hide facets that do",
-        where, counts.unbounded));
+    warnings.push_back(
+        fmt::format("{}: {} bins have no bound (energy_bound is infinite): they can contain echoes of facets "
+                    "to which not exactly one ray is proven to lead, or echoes that such facets hide",
+                    where, counts.unbounded));
   const std::optional<double> requested_m = survey.scene.description.water.travel_path_error_m;
   if (requested_m && counts.largest_travel_path_error_m > *requested_m)
-    warnings.push_back(fmt::format(
-        "{}: 'refraction_gap_m' asks for {:.3g} m, {:.3g} m is kept: edges next to a caustic or a "
-        "shadow, or as short as the grid allows, are not cut further",
-        where, *requested_m, counts.largest_travel_path_error_m));
+    warnings.push_back(
+        fmt::format("{}: 'refraction_gap_m' is {:.3g} m, but the travel-path error reaches {:.3g} m: edges "
+                    "next to a caustic or a shadow, or as short as the grid allows, are not divided further",
+                    where, *requested_m, counts.largest_travel_path_error_m));
   if (counts.at_limit > 0)
-    warnings.push_back(fmt::format(
-        "{}: bounds of {} transmissions are true but wider than requested: narrower ones take more apparent "
-        "facets than a reference makes; raise --tolerance",
-        where, counts.at_limit));
+    warnings.push_back(
+        fmt::format("{}: the bounds of {} transmissions are valid but wider than requested, because narrower "
+                    "bounds need too many apparent facets: increase --tolerance",
+                    where, counts.at_limit));
   return warnings;
 }
 

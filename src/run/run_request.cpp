@@ -58,7 +58,7 @@ nlohmann::ordered_json json_of(const RunRequest& request) {
                               {by_beam ? "rays_per_beam" : "rays_per_ping", request.rays.rays},
                               {"seed", request.rays.seed}};
   if (request.labels) {
-    json["truth"] = true;
+    json["labels"] = true;
     json["label_level_db"] = request.label_level_db;
   }
   if (request.coarseness > 0) json["coarsen"] = request.coarseness;
@@ -77,7 +77,8 @@ RunRequest request_of(const nlohmann::ordered_json& settings, RunRequest otherwi
     request.rays = {ray_sampling_from_name(settings.at("sampling").get<std::string>()),
                     settings.at(by_beam ? "rays_per_beam" : "rays_per_ping"),
                     by_beam ? RaySettings::Per::beam : RaySettings::Per::ping, settings.at("seed")};
-    request.labels = settings.value("truth", false);
+    // Files of earlier versions have the name "truth".
+    request.labels = settings.value("labels", settings.value("truth", false));
     request.label_level_db = settings.value("label_level_db", request.label_level_db);
     request.coarseness = settings.value("coarsen", 0.0);
     return request;

@@ -31,21 +31,23 @@ nlohmann::ordered_json coarsening_json(const SceneCoarsening& coarse) {
           {"facets_before", coarse.facets_before},
           {"facets", coarse.facets},
           {"largest_move",
-           {{"of", "a point of the surface; bounds the distance of the two surfaces both ways"},
+           {{"of",
+             "displacement of a point of the surface; bounds the distance between both surfaces in either "
+             "direction"},
             {"is", "a bound, to rounding"},
             {"m", coarse.largest_move_m},
-            {"of_what_is_told_apart", coarse.largest_share},
+            {"of_resolution", coarse.largest_share},
             {"samples_of_range", coarse.largest_share}}},
           {"turn",
-           {{"of", "the normal at a point of the surface; rms: of all that was turned, by area"},
+           {{"of", "change of the normal at a point of the surface; rms over the changed area"},
             {"is", "bounds, to rounding"},
             {"largest_deg", glm::degrees(coarse.largest_turn_rad)},
             {"rms_deg", glm::degrees(coarse.rms_turn_rad)}}},
           {"change_of_energy",
-           {{"of", "what a point returns by Lambert's law at 45 degrees of incidence, relative"},
+           {{"of", "relative change of the energy of a point by Lambert's law at an incidence of 45 degrees"},
             {"is",
-             "bounds from the turns, point by point; neighbours' turns cancel, so that energies of "
-             "bins change by less: measured, not certified (docs/coarse.md)"},
+             "bounds from the changes of normals, point by point; changes of neighbours cancel, so energies "
+             "of bins change by less: measured, not certified"},
             {"largest", change_at_45_deg(coarse.largest_turn_rad)},
             {"rms", change_at_45_deg(coarse.rms_turn_rad)}}},
           {"seconds", coarse.seconds}};
@@ -99,8 +101,8 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
       relief["facets_made"] = loaded_scene.surface_mesh ? stats.refined_facets : scene.mesh.facets.size();
     if (!loaded_scene.is_tiled()) relief["uniform_facets"] = loaded_scene.relief.uniform_facets;
     relief["change_by_finer_relief"] = {
-        {"of", "a facet's energy, relative; mean over the worst ping, weighed by energy"},
-        {"is", "first-order estimates from what the relief's own statistics leave out: no proven bounds"},
+        {"of", "relative change of the energy of a facet; mean over the worst ping, weighted by energy"},
+        {"is", "first-order estimates from the statistics of the omitted relief; not proven bounds"},
         {"rms", stats.finer_relief_rms},
         {"largest", stats.finer_relief_largest}};
   }

@@ -42,8 +42,8 @@ double coarseness_requested(const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), coarseness);
   if (error != std::errc() || end != text.data() + text.size() || !(coarseness >= 0 && coarseness <= 1))
     throw UsageError(
-        fmt::format("--coarsen '{}': expected how far facets may move, as a part of what a sonar tells apart "
-                    "there: 0 (not at all) to 1; 0.1 is a tenth",
+        fmt::format("--coarsen '{}': expected the permitted displacement of facets as a share of the "
+                    "resolution of the sonars, from 0 (no merging) to 1",
                     shown(text)));
   return coarseness;
 }
@@ -58,7 +58,7 @@ void refuse_what_the_tolerance_picks(const RunOptions& options) {
                                                : nullptr;
   if (option != nullptr)
     throw UsageError(
-        fmt::format("--tolerance picks engine and settings itself: leave out {}, or --tolerance", option));
+        fmt::format("--tolerance selects engine and settings: leave out {}, or --tolerance", option));
 }
 
 /// Throws UsageError for settings of the engine that is not used.
@@ -71,7 +71,7 @@ void refuse_unused_settings(const RunOptions& options, Engine engine) {
                                                         : nullptr;
   if (unused != nullptr)
     throw UsageError(fmt::format(
-        "{} is a setting of the {} engine, and this run's is {}: add --engine {}, or leave it out", unused,
+        "{} is a setting of the {} engine, but this run uses {}: add --engine {}, or leave it out", unused,
         rays ? "tube" : "ray", name_of(engine), rays ? "tube" : "ray"));
 }
 
@@ -94,8 +94,8 @@ std::vector<Recording> recordings_to_be(const Survey& survey, const Selection& s
 
 std::string only_echoes_of(const Recording& recording) {
   return fmt::format(
-      "'{}': only some of its beams are asked for: there are echoes of them, and no pictures "
-      "and files of its own, which are of whole pings",
+      "'{}': --beams selects some of its beams, so only the echo file is written: pictures and sonar files "
+      "need complete pings",
       recording.sensor->description().name);
 }
 
@@ -118,9 +118,10 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
     if (!options.labels)
       throw UsageError("--label-level needs --labels: add --labels, or leave out --label-level");
     if (!(*options.label_level_db > 0 && *options.label_level_db <= most_db))
-      throw UsageError(fmt::format(
-          "--label-level {}: expected decibels below the beam pattern's two-way peak, above 0 and at most {}",
-          *options.label_level_db, most_db));
+      throw UsageError(
+          fmt::format("--label-level {}: expected decibels below the two-way peak of the beam pattern, above "
+                      "0 and at most {}",
+                      *options.label_level_db, most_db));
     request.label_level_db = *options.label_level_db;
   }
   if (options.coarsen) request.coarseness = coarseness_requested(*options.coarsen);
@@ -158,16 +159,16 @@ nlohmann::ordered_json request_json(const SceneDescription& description, const R
 }
 
 void refuse_changed_input(const SceneDescription& description) {
-  std::string why = "its scene hash is another";
+  std::string why = "its scene hash differs";
   try {
     if (read_scene_file(description.file, description.confined).sha256 == description.sha256) return;
   } catch (const InputError& error) {
     why = error.what();
   }
-  throw std::runtime_error(fmt::format(
-      "'{}', or a file that it names, was changed during the run ({}): bring it back before you go "
-      "on, or begin anew",
-      description.file.string(), why));
+  throw std::runtime_error(
+      fmt::format("'{}', or a file that it names, was changed during the run ({}): restore it before you "
+                  "continue, or start again",
+                  description.file.string(), why));
 }
 
 Facets facets_for(const RunRequest& request) {

@@ -44,7 +44,7 @@ std::optional<std::size_t> ChosenEchoes::place_of(std::uint32_t beam) const {
 
 std::vector<ChosenEchoes> chosen_of(const Survey& survey, const Selection& selection) {
   if (selection.beams && selection.beams->empty())
-    throw UsageError("--beams names no beam: leave it out for all of them");
+    throw UsageError("--beams selects no beam: leave it out to select all beams");
   const std::size_t only = selection.sensor ? survey.sensor_set->sensor_named(*selection.sensor) : 0;
   std::vector<ChosenEchoes> chosen(survey.sensors.size());
   for (std::size_t s = 0; s < chosen.size(); ++s) {

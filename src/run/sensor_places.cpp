@@ -32,13 +32,12 @@ void SensorPlaces::refuse_on_facet(const Column& column, const PingPlace& where)
       contact_at(column.surface_mesh.mesh(), column.near, scene.grid.snap(at_m));
   if (!contact) return;
   constexpr std::array<const char*, 3> parts{"a vertex", "an edge", "a facet"};
-  throw InputError(
-      place,
-      fmt::format("{} lies exactly on {} of '{}' at ping {} (t = {:.3f} s, east {:.6f}, north {:.6f}, up "
-                  "{:.6f} m), from where it shows no side: move it off by as much as its housing keeps it "
-                  "off, a millimetre will do ('lever_arm_m', or the trajectory)",
-                  what, parts[static_cast<std::size_t>(contact->part)],
-                  scene.report.components[contact->component].name, ping, time_s, at_m.x, at_m.y, at_m.z));
+  throw InputError(place, fmt::format("{} lies exactly on {} of '{}' at ping {} (t = {:.3f} s, east {:.6f}, "
+                                      "north {:.6f}, up {:.6f} m), so its visible side is undefined: move it "
+                                      "by a millimetre or more ('lever_arm_m', or the trajectory)",
+                                      what, parts[static_cast<std::size_t>(contact->part)],
+                                      scene.report.components[contact->component].name, ping, time_s, at_m.x,
+                                      at_m.y, at_m.z));
 }
 
 void SensorPlaces::refuse_below(const VerticalCrossings& crossings, const PingPlace& where) const {
@@ -66,11 +65,10 @@ double SensorPlaces::check(const PingPlace& where, std::set<std::uint16_t>& insi
       refuse_below(c, where);
       if (c.below > 0) altitude_m = std::fmin(altitude_m, c.highest_below * scene.grid.unit_m());
     } else if (c.above % 2 == 1 && inside.insert(c.component).second) {
-      scene.report.warnings.push_back(
-          fmt::format("{}: {} is inside object '{}' at ping {} (t = {:.3f} s): it sees the object's inner "
-                      "side",
-                      to_string(where.place), where.what, scene.report.components[c.component].name,
-                      where.ping, where.time_s));
+      scene.report.warnings.push_back(fmt::format(
+          "{}: {} is inside object '{}' at ping {} (t = {:.3f} s): it sees the inside of the object",
+          to_string(where.place), where.what, scene.report.components[c.component].name, where.ping,
+          where.time_s));
     }
   }
   return altitude_m;
@@ -90,9 +88,9 @@ void SensorPlaces::refuse_enclosed(const PingPlace& where) {
     if (!is_enclosed(mesh, shells, near, point)) continue;
     throw InputError(
         where.place,
-        fmt::format("{} is inside object '{}' at ping {} (t = {:.3f} s, east {:.3f}, north {:.3f}, up {:.3f} "
-                    "m), a closed surface which lets no sound in: move it out ('receivers_m', "
-                    "'lever_arm_m', or the trajectory), or leave the object open where it looks out",
+        fmt::format("{} is inside the closed object '{}' at ping {} (t = {:.3f} s, east {:.3f}, north "
+                    "{:.3f}, up {:.3f} m), where no sound reaches it: move it out ('receivers_m', "
+                    "'lever_arm_m', or the trajectory), or open the mesh of the object",
                     where.what, loaded_scene_.scene.report.components[c.component].name, where.ping,
                     where.time_s, where.at_m.x, where.at_m.y, where.at_m.z));
   }

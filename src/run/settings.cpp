@@ -129,8 +129,8 @@ int threads_that_start(int wanted) {
   const int there = threads_at_hand(wanted);
   static std::atomic<bool> told{false};
   if (there < wanted && !told.exchange(true))
-    say("warning: {} of {} threads are used: the limit of memory (ulimit -v), of processes (ulimit -u) or of "
-        "a container allows no more\n",
+    say("warning: using {} of {} threads: a limit on memory (ulimit -v), on processes (ulimit -u) or of a "
+        "container permits no more\n",
         there, wanted);
   return there;
 }

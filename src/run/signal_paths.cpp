@@ -18,13 +18,13 @@ void for_signal_paths(const Transmission& transmission, std::size_t s,
   if (!settings) return;
   if (settings->scatterings > 1)
     throw InputError(scene.description.paths.place,
-                     fmt::format("signals of sensor '{}' are of what is scattered once, 'scatterings' is {}: "
-                                 "patches that scatter on keep no phase; give scatterings = 1",
+                     fmt::format("signals of sensor '{}' need single scattering, but 'scatterings' is {}: "
+                                 "second scattering has no phase; set scatterings = 1",
                                  sensor.description().name, settings->scatterings));
   if (scene.water->refracts())
     throw InputError(sensor.description().place,
-                     fmt::format("signals of sensor '{}' over mirrors need water that does not refract: give "
-                                 "profile = \"constant\", or leave out its mirrors",
+                     fmt::format("signals of sensor '{}' over mirrors need straight rays: set profile = "
+                                 "\"constant\", or leave out the mirrors",
                                  sensor.description().name));
   try {
     const TransmissionImages images(transmission, s, *settings, PathEnds(transmission, s));

@@ -45,12 +45,11 @@ void check_number(const VisiblePolygons& seen, const SurfaceField& field) {
     count += glm::length(twice) / 2 / field.area_m2(patch.normal);
   }
   if (count > most_scatterers)
-    throw std::invalid_argument(
-        fmt::format("{:.2g} scatterers {:.3g} m apart lie on what it sees, {:g} are the most: give a "
-                    "'spacing_m' of {:.2g} m "
-                    "or more in [scatterers], or let it look at less",
-                    count, field.spacing_m, most_scatterers,
-                    1.05 * field.spacing_m * std::sqrt(count / most_scatterers)));
+    throw std::invalid_argument(fmt::format(
+        "the visible surface has {:.2g} scatterers at a spacing of {:.3g} m, but the limit is {:g}: set "
+        "'spacing_m' to {:.2g} m or more in [scatterers], or reduce the visible surface",
+        count, field.spacing_m, most_scatterers,
+        1.05 * field.spacing_m * std::sqrt(count / most_scatterers)));
 }
 
 /// Middle of the waveform's band, relative to which its bandwidth is smallest.

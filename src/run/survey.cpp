@@ -87,8 +87,8 @@ void place_transmissions(SensorPings& pings, const Trajectory& trajectory) {
           sensor.transmission_delay_s(transmission) > 0)
         throw InputError(
             sensor.description().place,
-            fmt::format("transmission {} of the ping at {:.9g} s of sensor '{}' is sent at {:.9g} s, after "
-                        "its trajectory ends at {:.9g} s: ask for fewer pings or a longer trajectory",
+            fmt::format("transmission {} of the ping at {:.9g} s of sensor '{}' is sent at {:.9g} s, but the "
+                        "trajectory ends at {:.9g} s: use fewer pings or a longer trajectory",
                         transmission, time_s, sensor.description().name, at_s, trajectory.end_s()));
       const Pose carrier = trajectory.at(at_s);
       pings.transmission_poses.push_back(sensor.pose_on(carrier));
@@ -102,8 +102,8 @@ void warn_of_rounding(const Sensor& sensor, std::vector<std::string>& warnings) 
   constexpr double worth_telling = 1e-4;
   if (sensor.wall_rounding() > worth_telling)
     warnings.push_back(fmt::format(
-        "{}: sensor '{}' has beams so narrow that the rounding of directions to 2^-30 may be {:.2g} "
-        "of their width, and of their energy",
+        "{}: sensor '{}' has very narrow beams: the rounding of directions to 2^-30 can change their width "
+        "and energy by a share of {:.2g}",
         to_string(sensor.description().place), sensor.description().name, sensor.wall_rounding()));
 }
 
@@ -114,11 +114,11 @@ void warn_of_aperture(const SensorPings& pings, std::vector<std::string>& warnin
   const double wavelength_m = pings.sound_speed_m_s / (1000 * figures.frequency_khz),
                antenna_m = wavelength_m / glm::radians(figures.beam_deg);
   if (antenna_m > longest_m)
-    warnings.push_back(fmt::format(
-        "{}: sensor '{}' has beams of {:.3g} degrees at {:.4g} kHz, which takes an antenna of {:.3g} m: does "
-        "frequency_khz count kHz, and are the beams' widths in degrees?",
-        to_string(pings.sensor->description().place), pings.sensor->description().name, figures.beam_deg,
-        figures.frequency_khz, antenna_m));
+    warnings.push_back(
+        fmt::format("{}: sensor '{}' has beams of {:.3g} degrees at {:.4g} kHz, which need an antenna of "
+                    "{:.3g} m: is 'frequency_khz' in kHz, and are the beam widths in degrees?",
+                    to_string(pings.sensor->description().place), pings.sensor->description().name,
+                    figures.beam_deg, figures.frequency_khz, antenna_m));
 }
 
 /// Throws InputError for elements of an array that are not in the water, because each element receives at
@@ -156,7 +156,7 @@ void check_places(LoadedScene& loaded_scene, SensorSet& sensor_set) {
       return PingPlace{sensor.description().place, ping, pings.times_s[ping], at_m, called};
     };
     pings.altitudes_m.reserve(pings.poses.size());
-    Steps seen("pings held against the bed", pings.poses.size());
+    Steps seen("comparing pings with the seabed", pings.poses.size());
     for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
       seen.done();
       pings.altitudes_m.push_back(places.check(at(ping, pings.poses[ping].position_m, what), inside));
@@ -239,26 +239,23 @@ void check_signals(const Scene& scene, const SensorPings& pings, const SignalMod
   if (!model.stop_and_hop && path_settings(scene, pings.sensor->frequency_khz()))
     throw InputError(
         description.place,
-        fmt::format(
-            "sensor '{}' moves while it listens (stop_and_hop = false), and ways over mirrors are known "
-            "between places at rest: give stop_and_hop = true, or leave out its mirrors",
-            description.name));
+        fmt::format("sensor '{}' moves during reception (stop_and_hop = false), but paths over mirrors need "
+                    "positions at rest: set stop_and_hop = true, or leave out the mirrors",
+                    description.name));
   if (!model.stop_and_hop &&
       std::ranges::any_of(scene.smooth, [](const auto& surface) { return surface.has_value(); }))
     throw InputError(
         description.place,
-        fmt::format(
-            "sensor '{}' moves while it listens (stop_and_hop = false), and smooth materials are known to "
-            "places at rest: give stop_and_hop = true, or leave out 'smooth'",
-            description.name));
+        fmt::format("sensor '{}' moves during reception (stop_and_hop = false), but smooth materials need "
+                    "positions at rest: set stop_and_hop = true, or leave out 'smooth'",
+                    description.name));
   const double end_s = pings.times_s.back() + model.sampling.end_s();
   if (!model.stop_and_hop && !trajectory.is_fixed() && !trajectory.holds(end_s))
     throw InputError(
         description.place,
-        fmt::format(
-            "sensor '{}' moves while it listens (stop_and_hop = false): its last sample is of {:.9g} s, "
-            "after its trajectory ends at {:.9g} s: ask for fewer pings or a longer trajectory",
-            description.name, end_s, trajectory.end_s()));
+        fmt::format("sensor '{}' moves during reception (stop_and_hop = false): its last sample is at {:.9g} "
+                    "s, but the trajectory ends at {:.9g} s: use fewer pings or a longer trajectory",
+                    description.name, end_s, trajectory.end_s()));
 }
 
 SensorPings pings_of(LoadedScene& loaded_scene, const SensorDescription& description,
@@ -273,7 +270,7 @@ SensorPings pings_of(LoadedScene& loaded_scene, const SensorDescription& descrip
   require_memory(transmissions * sizeof(Pose) * (pings.sensor->has_separate_receiver() ? 2 : 1) +
                      count * (sizeof(Pose) + 2.0 * sizeof(double)),
                  description.place, fmt::format("the poses of {:.3g} transmissions", transmissions),
-                 "ask for fewer pings, in several scenes");
+                 "reduce the number of pings per scene");
   pings.times_s = times.times_s();
   pings.line_starts = times.line_starts();
   place_transmissions(pings, trajectory);

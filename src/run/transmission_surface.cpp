@@ -61,9 +61,11 @@ void check_cell(const Scene& scene, double cell_m) {
   const SourcePlace& place = scene.description.refinement.place;
   constexpr double least_units = 16;
   if (!(cell_m >= least_units * scene.grid.unit_m()))
-    throw InputError(place, fmt::format("cells of {:.3g} m are too fine for a grid of {:.3g} m: 'cell_m' "
-                                        "must be {:.3g} or more",
-                                        cell_m, scene.grid.unit_m(), least_units * scene.grid.unit_m()));
+    throw InputError(
+        place,
+        fmt::format(
+            "cells of {:.3g} m are too small for the grid unit of {:.3g} m: 'cell_m' must be {:.3g} or more",
+            cell_m, scene.grid.unit_m(), least_units * scene.grid.unit_m()));
   double longest2 = 0;
   for (const auto& f : scene.mesh.facets)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -77,8 +79,8 @@ void check_cell(const Scene& scene, double cell_m) {
   const double finest = std::sqrt(longest2) / std::exp2(deepest_refinement - 4);
   if (cell_m < finest)
     throw InputError(place,
-                     fmt::format("a facet with an edge of {:.6g} m cannot be refined to cells of {:.3g} "
-                                 "m: give the terrain smaller facets, or a 'cell_m' of {:.3g} or more",
+                     fmt::format("a facet with an edge of {:.6g} m cannot be refined to cells of {:.3g} m: "
+                                 "use smaller facets for the terrain, or a 'cell_m' of {:.3g} or more",
                                  std::sqrt(longest2), cell_m, finest));
 }
 
@@ -88,7 +90,7 @@ std::unique_ptr<SurfaceMesh> relief_surface(const Scene& scene) {
   const RefinementDescription& keys = scene.description.refinement;
   if (!has_relief(scene))
     throw InputError(keys.place, keys.mode == "off"
-                                     ? "[relief] says mode = \"off\": there is nothing to refine"
+                                     ? "[relief] has mode = \"off\": there is nothing to refine"
                                      : "no material of the scene has [[materials.relief]]: there is nothing "
                                        "to refine");
   const double cell_m = cell_of(scene);
@@ -103,14 +105,14 @@ RefinedMesh refined_seabed(const Scene& scene, const SurfaceMesh& surface_mesh) 
   const std::size_t count = surface_mesh.uniform_count();
   const auto too_many = [&] {
     return InputError(scene.description.refinement.place,
-                      fmt::format("a bed in cells of {:.3g} m has {} facets, more than {}: use mode = "
+                      fmt::format("a seabed with cells of {:.3g} m has {} facets, more than {}: use mode = "
                                   "\"online\", a larger 'cell_m' or a smaller terrain",
                                   surface_mesh.settings().cell_m, count, most_offline.facets));
   };
   if (count > most_offline.facets) throw too_many();
   require_memory(
       bytes_a_facet * static_cast<double>(count), scene.description.refinement.place,
-      fmt::format("a bed in cells of {:.3g} m and its {} facets", surface_mesh.settings().cell_m, count),
+      fmt::format("a seabed with cells of {:.3g} m and its {} facets", surface_mesh.settings().cell_m, count),
       "use mode = \"online\", a larger 'cell_m' or a smaller terrain");
   try {
     return surface_mesh.everywhere(most_offline);
@@ -133,10 +135,11 @@ RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<
   try {
     return relief_surface(part)->everywhere(facets, most);
   } catch (const RefinementTooLarge&) {
-    throw InputError(place, fmt::format("the tiles that are needed at once have more than {} facets in cells "
-                                        "of {:.3g} m: use mode = \"online\", a larger 'cell_m', fewer pings "
-                                        "or a shorter range",
-                                        most.facets, whole.relief.cell_m));
+    throw InputError(
+        place,
+        fmt::format("the tiles that are needed at the same time have more than {} facets with cells of "
+                    "{:.3g} m: use mode = \"online\", a larger 'cell_m', fewer pings or a shorter range",
+                    most.facets, whole.relief.cell_m));
   }
 }
 
@@ -190,8 +193,7 @@ RefinedMesh refined_for(const Transmission& transmission, const Refine& refine) 
     return refine();
   } catch (const RefinementTooLarge&) {
     throw InputError(transmission.scene().description.refinement.place,
-                     fmt::format("{} looks at more than {} facets of its ground: use a larger 'cell_m' or "
-                                 "'tolerance'",
+                     fmt::format("{} has more than {} facets in view: use a larger 'cell_m' or 'tolerance'",
                                  transmission.name(), most_per_transmission.facets));
   }
 }

@@ -37,14 +37,12 @@ std::string mixed_frames(glm::dvec3 place_m, const Extent& terrain) {
   constexpr double another_frame_m = 1e5;
   if (terrain.distance_in_plan_m(place_m) < another_frame_m) return {};
   if (looks_like_utm(place_m))
-    return "its coordinates look like UTM's easting and northing, and count from the frame's origin: "
-           "subtract "
-           "the origin, origin_crs of [georeference]";
+    return "its coordinates look like UTM easting and northing, but must be relative to the frame's origin: "
+           "subtract origin_crs of [georeference]";
   if (looks_like_utm((terrain.lo_m + terrain.hi_m) / 2.0))
-    return "the terrain's coordinates look like UTM's easting and northing: give its crs, and with "
-           "origin_crs "
-           "a place on it that becomes the frame's origin, in [georeference]";
-  return "give both in one frame";
+    return "the terrain's coordinates look like UTM easting and northing: set crs and origin_crs in "
+           "[georeference], with an origin on the terrain";
+  return "give both in the same frame";
 }
 
 Extent extent_of(const Scene& scene, Components which) {

@@ -51,13 +51,13 @@ std::vector<std::string> idle_relief_warnings(const Scene& scene) {
   for (std::size_t i = 0; i < areas.size(); ++i)
     if (areas[i].idle > least_share * areas[i].all)
       warnings.push_back(fmt::format(
-          "'{}': relief moves points within the facets themselves on {:.3g} % of its area with relief, which "
-          "stays flat and is refined all the same: {}",
+          "'{}': on {:.3g} % of its area with relief, relief moves points only within their facets, so that "
+          "the area is refined but stays flat: {}",
           scene.report.components[i].name, 100 * areas[i].idle / areas[i].all,
-          vertical ? "'displace' in [relief] is \"vertical\", and these facets are upright: set displace = "
-                     "\"normal\" to displace along the normal, or give them a material without relief"
-                   : "the normals of facets that share vertices cancel there: give the surface one side, or "
-                     "a thickness"));
+          vertical ? "'displace' in [relief] is \"vertical\", and these facets are vertical: set displace = "
+                     "\"normal\" to displace along the normal, or give the facets a material without relief"
+                   : "the normals of facets that share vertices cancel: give the surface one side or a "
+                     "thickness"));
   return warnings;
 }
 

@@ -34,10 +34,9 @@ std::vector<std::string> odd_angles(const SceneDescription& description) {
                         std::initializer_list<Angle> angles) {
     for (const auto& [key, value] : angles)
       if (looks_like_radians(value))
-        odd.push_back(
-            fmt::format("{}: '{}' of {} is {}, which looks like radians ({:.4g} degrees): it counts "
-                        "degrees",
-                        to_string(place), key, who, value, value * 180 / std::numbers::pi));
+        odd.push_back(fmt::format(
+            "{}: '{}' of {} is {}, which looks like radians ({:.4g} degrees): give the angle in degrees",
+            to_string(place), key, who, value, value * 180 / std::numbers::pi));
   };
   for (const ObjectDescription& o : description.objects)
     look(o.place, fmt::format("object '{}'", o.name),

@@ -39,20 +39,20 @@ PingTimes::PingTimes(const SensorDescription& sensor, const Trajectory& trajecto
     held += of_line;
     if (!sensor.pings && held > most)
       refuse(
-          fmt::format("the lines of trajectory '{}' hold more than {:g} pings of sensor '{}': raise "
-                      "ping_interval_s, or ask for fewer pings",
+          fmt::format("the lines of trajectory '{}' hold more than {:g} pings of sensor '{}': increase "
+                      "'ping_interval_s', or reduce 'pings'",
                       trajectory_name, most, sensor.name));
   }
   if (starts_.empty())
     refuse(
-        fmt::format("no ping of sensor '{}' is on a line of trajectory '{}': lines are surveyed from their "
-                    "beginning, where first_ping_s counts from 0",
+        fmt::format("no ping of sensor '{}' is on a line of trajectory '{}': change 'first_ping_s', which "
+                    "counts from the beginning of each line",
                     sensor.name, trajectory_name));
   if (sensor.pings && *sensor.pings > held)
-    refuse(fmt::format(
-        "sensor '{}' asks for {} pings, but the lines of trajectory '{}' hold {:.0f}: ask for fewer "
-        "(left out, all are simulated), or change ping_interval_s or the lines",
-        sensor.name, *sensor.pings, trajectory_name, held));
+    refuse(
+        fmt::format("sensor '{}' asks for {} pings, but the lines of trajectory '{}' hold {:.0f}: reduce "
+                    "'pings' (without this key, all are simulated), or change 'ping_interval_s' or the lines",
+                    sensor.name, *sensor.pings, trajectory_name, held));
   count_ = static_cast<std::size_t>(sensor.pings ? static_cast<double>(*sensor.pings) : held);
 }
 

@@ -176,11 +176,10 @@ WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>&
     };
     const Part& furthest = *std::max_element(
         parts.begin(), parts.end(), [&reach](const Part& a, const Part& b) { return reach(a) < reach(b); });
-    throw InputError(
-        exponent ? description.run.place : furthest.place,
-        fmt::format("{}; '{}' reaches {:.6g} m from the frame's origin: is its position, scale or the "
-                    "[georeference] wrong?",
-                    error.what(), furthest.name, reach(furthest)));
+    throw InputError(exponent ? description.run.place : furthest.place,
+                     fmt::format("{}; '{}' reaches {:.6g} m from the frame's origin: check its position, its "
+                                 "scale and [georeference]",
+                                 error.what(), furthest.name, reach(furthest)));
   }
 }
 
@@ -188,14 +187,16 @@ void warn_about(Scene& scene) {
   const MeshReport& mesh = scene.report.mesh;
   std::vector<std::string>& warnings = scene.report.warnings;
   if (scene.mesh.facets.empty() && scene.tiled.empty())
-    warnings.push_back("the scene has no facet: nothing will echo");
+    warnings.push_back("the scene has no facets, so nothing returns echoes");
   if (mesh.degenerate_facets > 0) {
-    warnings.push_back(fmt::format("{} facets have no area on the grid: they are kept, but show nothing",
-                                   mesh.degenerate_facets));
+    warnings.push_back(
+        fmt::format("{} facets have no area on the grid: they remain in the mesh, but return no echoes",
+                    mesh.degenerate_facets));
   }
   if (mesh.duplicate_facets > 0) {
-    warnings.push_back(fmt::format("{} facets lie exactly on an earlier one: the earlier one is seen",
-                                   mesh.duplicate_facets));
+    warnings.push_back(
+        fmt::format("{} facets coincide with an earlier facet: only the earlier facet returns echoes",
+                    mesh.duplicate_facets));
   }
   if (const auto& surface = scene.description.sea_surface) {
     const auto above =
@@ -237,9 +238,10 @@ class Loader {
         description_.terrains.size() + description_.objects.size() > kMost) {
       throw InputError(
           {description_.file.string(), 0, 0},
-          fmt::format("more than {} materials or more than {} terrains and objects", kMost, kMost));
+          fmt::format("the scene has more than {} materials or more than {} terrains and objects", kMost,
+                      kMost));
     }
-    report_.warnings = description_.outside;
+    report_.warnings = description_.warnings;
     for (std::string& odd : odd_angles(description_)) report_.warnings.push_back(std::move(odd));
     load_components();
     std::vector<std::size_t> sensor_trajectory;
@@ -441,8 +443,7 @@ class Loader {
     if (description_.trajectories.size() != 1) {
       throw InputError(
           sensor.place,
-          fmt::format("sensor '{}' names no trajectory, and the scene has {}: expected the name of "
-                      "one",
+          fmt::format("sensor '{}' has no 'trajectory', but the scene has {} trajectories: name one of them",
                       sensor.name, description_.trajectories.size()));
     }
     return 0;

@@ -62,9 +62,8 @@ void place_object(ComponentMesh& mesh, const ObjectDescription& object, const Lo
     if (!surface_mesh) {
       throw InputError(
           object.place,
-          fmt::format("on_terrain_m: there is no terrain below the object's position ({:.3f} m "
-                      "east, {:.3f} m north), and terrain covers {}: move it, or give the height "
-                      "in position_m",
+          fmt::format("on_terrain_m: there is no terrain below the object's position ({:.3f} m east, {:.3f} "
+                      "m north); the terrain covers {}: move the object, or give the height in position_m",
                       position.x, position.y, extent()));
     }
     const double shift = *surface_mesh + *object.on_terrain_m - lowest;

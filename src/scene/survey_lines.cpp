@@ -28,14 +28,14 @@ void TrackSurroundings::place_by_lon_lat(std::span<glm::dvec3> points, const Sou
 void TrackSurroundings::place_by_crs(std::span<glm::dvec3> points, const SourcePlace& place) const {
   if (!frame.is_georeferenced() || frame.is_tangent())
     throw InputError(
-        place, "easting and northing are those of a map: give [georeference] a 'crs', or local metres here");
+        place, "easting and northing refer to a map: set 'crs' in [georeference], or give local metres here");
   const LocalFrame::Map map = frame.map();
   for (glm::dvec3& p : points)
     p = {map.metres_per_unit * (p.x - map.easting), map.metres_per_unit * (p.y - map.northing), p.z};
 }
 
 SurveyLines::SurveyLines(double turn_s) : turn_s_(turn_s) {
-  if (!(turn_s > 0)) throw std::invalid_argument("a turn must take some time");
+  if (!(turn_s > 0)) throw std::invalid_argument("a turn must take more than 0 s");
 }
 
 void SurveyLines::add(std::vector<Trajectory::Sample> line) {

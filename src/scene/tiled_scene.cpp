@@ -47,7 +47,7 @@ Scene with_tiles(const Scene& scene, const TileChoice& choice) {
     require_memory(bytes_a_facet * facets, scene.description.terrains[i].place,
                    fmt::format("the {:.3g} facets of '{}' that are needed at once", facets,
                                scene.report.components[i].name),
-                   "ask for fewer pings, or give the terrain a window");
+                   "simulate fewer pings, or set 'window' of the terrain");
   }
   Scene part{.description = scene.description,
              .grid = scene.grid,

@@ -38,10 +38,9 @@ struct Maker {
                        fmt::format("the line's speed is {} m/s, expected more than 0", line.speed_m_s));
     }
     if (way.x == 0 && way.y == 0) {
-      throw InputError(
-          place,
-          "the line's start and end lie above each other, so it has no heading: move one of them, or give "
-          "the poses as a waypoint file");
+      throw InputError(place,
+                       "the line's start and end lie above each other, so the line has no heading: move one "
+                       "of them, or give the poses as a waypoint file");
     }
     const glm::dquat attitude = attitude_from_angles(std::atan2(way.x, way.y), glm::radians(line.pitch_deg),
                                                      glm::radians(line.roll_deg));
@@ -100,10 +99,9 @@ struct Maker {
     constexpr double most = 10000, rounding = 1e-9;
     const double count = std::floor(survey.width_m / survey.spacing_m + rounding) + 1;
     if (!(count <= most))
-      throw InputError(place,
-                       fmt::format("lines {} m apart over a width of {} m are {:.4g}, expected {} at most: "
-                                   "raise 'spacing_m'",
-                                   survey.spacing_m, survey.width_m, count, most));
+      throw InputError(place, fmt::format("a spacing of {} m over a width of {} m gives {:.4g} lines, "
+                                          "expected at most {}: increase 'spacing_m'",
+                                          survey.spacing_m, survey.width_m, count, most));
     return static_cast<std::size_t>(count);
   }
 
@@ -112,10 +110,11 @@ struct Maker {
     if (!survey.altitude_m) return 1;
     const double steps = std::ceil(survey.length_m / survey.altitude_step_m.value_or(*survey.altitude_m));
     if (!(steps * static_cast<double>(lines) <= limits::table_rows))
-      throw InputError(place,
-                       fmt::format("the survey's lines would have their height at {:.4g} places, expected {} "
-                                   "at most: raise 'altitude_step_m'",
-                                   steps * static_cast<double>(lines), limits::table_rows));
+      throw InputError(
+          place,
+          fmt::format(
+              "the survey's lines would need {:.4g} heights, expected at most {}: increase 'altitude_step_m'",
+              steps * static_cast<double>(lines), limits::table_rows));
     return static_cast<std::size_t>(std::max(steps, 1.0));
   }
 

@@ -50,8 +50,8 @@ bool Trajectory::holds(double time_s) const {
 Pose Trajectory::at(double time_s) const {
   if (is_fixed()) return samples_.front().pose;
   if (!holds(time_s)) {
-    throw std::out_of_range(
-        fmt::format("time {} s is outside of the trajectory's {} s to {} s", time_s, begin_s(), end_s()));
+    throw std::out_of_range(fmt::format(
+        "time {} s is outside of the trajectory, which lasts from {} s to {} s", time_s, begin_s(), end_s()));
   }
   const double t = std::clamp(time_s, begin_s(), end_s());
   const auto after = std::upper_bound(samples_.begin() + 1, samples_.end() - 1, t,

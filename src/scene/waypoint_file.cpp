@@ -93,8 +93,9 @@ struct WaypointTable {
     for (const Column column : some) {
       if (!has(column)) continue;
       if (found)
-        throw InputError(place(0, column), fmt::format("the columns {} and {} say the same: expected {}",
-                                                       names[*found], names[column], expected));
+        throw InputError(place(0, column),
+                         fmt::format("the columns {} and {} give the same quantity: expected {}",
+                                     names[*found], names[column], expected));
       found = column;
     }
     if (!found) throw InputError(header, fmt::format("expected the columns {}", expected));
@@ -122,14 +123,14 @@ std::vector<std::string> odd_waypoints(const std::vector<Trajectory::Sample>& sa
       ++in_radians;
   }
   if (moves > 0 && 10 * in_radians >= 9 * moves)
-    odd.push_back(fmt::format(
-        "{}: heading_deg looks like radians: taken for degrees the headings do not fit the way from waypoint "
-        "to waypoint, taken for radians they do",
-        file.string()));
+    odd.push_back(
+        fmt::format("{}: heading_deg looks like radians: the headings agree with the directions between the "
+                    "waypoints only as radians",
+                    file.string()));
   const double lasts_s = samples.back().time_s - samples.front().time_s, speed_m_s = way_m / lasts_s;
   constexpr double fast_m_s = 30, slow_m_s = 0.005;
   if (has_times && lasts_s > 0 && (speed_m_s > fast_m_s || (speed_m_s < slow_m_s && way_m > 1)))
-    odd.push_back(fmt::format("{}: {:.4g} m in {:.4g} s are {:.3g} m/s: does time_s count seconds?",
+    odd.push_back(fmt::format("{}: {:.4g} m in {:.4g} s is a speed of {:.3g} m/s: is time_s in seconds?",
                               file.string(), way_m, lasts_s, speed_m_s));
   return odd;
 }
@@ -166,7 +167,7 @@ class Waypoints {
       if (!timed && divided) {
         if (of_line.size() < 2)
           throw InputError(table_.place(begin, line),
-                           "the line has one waypoint, expected two or more where there are no times");
+                           "the line has one waypoint, expected two or more in a file without times");
         survey.add(std::move(of_line));
         continue;
       }
@@ -185,7 +186,7 @@ class Waypoints {
     across_ = table_.only_one({east_m, latitude_deg, easting}, position);
     along_ = table_.only_one({north_m, longitude_deg, northing}, position);
     if (along_ != across_ + 1)
-      throw InputError(table_.place(0, along_), fmt::format("{} does not go with {}: expected {}",
+      throw InputError(table_.place(0, along_), fmt::format("{} does not belong to {}: expected {}",
                                                             names[along_], names[across_], position));
     height_ =
         table_.only_one({up_m, depth_m, altitude_m},
@@ -194,12 +195,12 @@ class Waypoints {
       throw InputError(
           table_.place(0, time_s),
           table_.has(time_s)
-              ? "the column time_s and the scene's 'speed_m_s' both say when: remove one of the two"
+              ? "the column time_s and the scene's 'speed_m_s' both define the times: remove one of the two"
               : "expected the column time_s, or 'speed_m_s' in the scene's trajectory");
     for (std::size_t i = 1; table_.has(time_s) && i < rows_.size(); ++i)
       if (!(rows_[i][time_s] > rows_[i - 1][time_s]))
         throw InputError(table_.place(i, time_s),
-                         fmt::format("time_s is {} after {}, expected times that increase", rows_[i][time_s],
+                         fmt::format("time_s is {} after {}, expected increasing times", rows_[i][time_s],
                                      rows_[i - 1][time_s]));
   }
 
@@ -219,11 +220,10 @@ class Waypoints {
     if (across_ == easting) around_.place_by_crs(positions_, file);
     for (std::size_t i = 0; i < rows_.size(); ++i)
       if (!(std::abs(positions_[i].x) <= far_m && std::abs(positions_[i].y) <= far_m))
-        throw InputError(
-            table_.place(i, across_),
-            fmt::format("the waypoint is {:.0f} km east and {:.0f} km north of the scene's origin, "
-                        "expected {:g} km at most",
-                        positions_[i].x / 1e3, positions_[i].y / 1e3, far_m / 1e3));
+        throw InputError(table_.place(i, across_),
+                         fmt::format("the waypoint is {:.0f} km east and {:.0f} km north of the scene's "
+                                     "origin, expected at most {:g} km",
+                                     positions_[i].x / 1e3, positions_[i].y / 1e3, far_m / 1e3));
     if (height_ != altitude_m) return;
     const std::vector<glm::dvec2> places(positions_.begin(), positions_.end());
     const auto surface_mesh = around_.terrain_heights_m(places);
@@ -253,8 +253,9 @@ class Waypoints {
     const double time =
         before.back().time_s + glm::distance(positions_[i - 1], positions_[i]) / *description_.speed_m_s;
     if (!(time > before.back().time_s))
-      throw InputError(table_.place(i, across_),
-                       "the waypoint is where the one before is, expected a way between them");
+      throw InputError(
+          table_.place(i, across_),
+          "the waypoint is at the position of the previous one, expected a distance between them");
     return time;
   }
 
@@ -295,7 +296,7 @@ class Waypoints {
       constexpr double turned_back = 1e-9;
       if (glm::length(course[k]) <= turned_back)
         throw InputError(table_.place(begin + k, across_),
-                         "the track has no direction here: give the column heading_deg");
+                         "the track has no direction here: add the column heading_deg");
       headings.push_back(std::atan2(course[k].x, course[k].y));
     }
     return headings;

@@ -29,8 +29,8 @@ StrengthOutput::StrengthOutput(const fs::path& place, const Inputs& inputs)
     : ending_(place.extension().string()) {
   const bool file = ending_ == ".csv" || ending_ == ".nc" || ending_ == ".png";
   if (!file && !ending_.empty() && !fs::is_directory(place))
-    throw UsageError(fmt::format("'{}': the ending chooses the format: .csv, .nc, .png, or none for a folder",
-                                 place.string()));
+    throw UsageError(fmt::format(
+        "'{}': unknown suffix: expected .csv, .nc or .png, or no suffix for a folder", place.string()));
   if (file)
     file_.emplace(place, inputs);
   else
@@ -93,7 +93,8 @@ void write_netcdf(const StrengthTable& table, const fs::path& file) {
   group.attribute("surface", request.surface_name);
   group.attribute("directions_are",
                   "from the mesh to the sonar: azimuth from x towards y, elevation towards z");
-  group.attribute("phase_convention", "exp(-i omega t); r and phases from the mesh's origin");
+  group.attribute("phase_convention",
+                  "exp(-i omega t); distances and phases are relative to the origin of the mesh");
   group.attribute(NC_GLOBAL, "sound_speed_m_s", NC_DOUBLE, {request.sound_speed});
   group.attribute(NC_GLOBAL, "roughness_m", NC_DOUBLE, {request.surface.roughness_m});
   const int elevation = group.dimension("elevation", request.elevations_deg.size()),
@@ -113,7 +114,11 @@ void write_netcdf(const StrengthTable& table, const fs::path& file) {
   group.put({"target_strength", NC_DOUBLE, all, "dB", "target strength re 1 m2"}, strength);
   group.put({"length_re", NC_DOUBLE, all, "m", "backscattering length, real part"}, real);
   group.put({"length_im", NC_DOUBLE, all, "m", "backscattering length, imaginary part"}, imaginary);
-  group.put({"silhouette", NC_DOUBLE, {elevation, azimuth}, "m2", "area across the line of sight"},
+  group.put({"silhouette",
+             NC_DOUBLE,
+             {elevation, azimuth},
+             "m2",
+             "projected area perpendicular to the line of sight"},
             table.silhouette_m2);
   if (table.certified()) {
     std::vector<double> bounds_db;
@@ -121,8 +126,9 @@ void write_netcdf(const StrengthTable& table, const fs::path& file) {
     group.attribute(NC_GLOBAL, "reference_tolerance", NC_DOUBLE, {request.tolerance.value_or(0)});
     group.put({"length_bound", NC_DOUBLE, all, "m", "certified half-width of the backscattering length"},
               table.bound_m);
-    group.put({"length_grid_bound", NC_DOUBLE, all, "m", "what of length_bound is for the view's grid"},
-              table.grid_bound_m);
+    group.put(
+        {"length_grid_bound", NC_DOUBLE, all, "m", "part of length_bound that the grid of the view causes"},
+        table.grid_bound_m);
     group.put({"target_strength_bound", NC_DOUBLE, all, "dB", "certified half-width of the target strength"},
               bounds_db);
   }

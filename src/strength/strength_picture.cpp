@@ -103,7 +103,7 @@ void write_map(const StrengthTable& table, const Cube& cube, const std::filesyst
       cube.axis(2).values.size() > 1
           ? fmt::format("{}, first of {}; ", cube.named(2, 0), cube.axis(2).values.size())
           : cube.named(2, 0) + "; ";
-  canvas.text(28, 66, third + fmt::format("dB re 1 m2, strongest {:.1f}", cube.strongest()), label_size,
+  canvas.text(28, 66, third + fmt::format("dB re 1 m2, maximum {:.1f}", cube.strongest()), label_size,
               palette.faint_ink);
   const std::vector<double>&across = cube.axis(0).values, &up = cube.axis(1).values;
   const auto level = [&](double db) {

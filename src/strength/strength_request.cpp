@@ -52,7 +52,7 @@ std::vector<double> values_of(const std::string& text, const std::string& what, 
   };
   const auto value = [&](const std::string& word) {
     const std::optional<double> result = read(word);
-    if (!result) fail(fmt::format("'{}' is no number", word));
+    if (!result) fail(fmt::format("'{}' is not a number", word));
     return *result;
   };
   std::vector<double> values;
@@ -60,33 +60,35 @@ std::vector<double> values_of(const std::string& text, const std::string& what, 
   if (range.size() == 1) {
     for (const std::string& word : split(text, ',')) values.push_back(value(word));
   } else {
-    if (range.size() > 3 || (range.size() == 2 && !step)) fail("it has no step");
+    if (range.size() > 3 || (range.size() == 2 && !step)) fail("the step is missing");
     const double first = value(range[0]), last = value(range[1]);
     const double by = range.size() == 3 ? value(range[2]) : *step;
-    if (!(by > 0)) fail("its step is not above 0");
-    if (last < first) fail("it ends before it begins");
+    if (!(by > 0)) fail("the step is not above 0");
+    if (last < first) fail("the last value is less than the first");
     const double count = std::floor((last - first) / by * (1 + 1e-12) + 1e-9) + 1;
     if (!(count <= static_cast<double>(most_values)))
-      fail(fmt::format("it has more than {} values", most_values));
+      fail(fmt::format("the range has more than {} values", most_values));
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
       values.push_back(first + static_cast<double>(k) * by);
   }
   for (std::size_t k = 1; k < values.size(); ++k)
-    if (!(values[k] > values[k - 1])) fail("its values do not increase");
+    if (!(values[k] > values[k - 1])) fail("the values do not increase");
   return values;
 }
 
 }  // namespace
 
 std::vector<double> angles_of(const std::string& text, const std::string& what) {
-  return values_of(text, what, "FIRST:LAST:STEP or numbers between commas, in degrees", 1.0, number);
+  return values_of(text, what, "FIRST:LAST:STEP or numbers separated by commas, in degrees", 1.0, number);
 }
 
 std::vector<double> frequencies_of(const std::string& text) {
-  const std::string expected = "FIRST:LAST:STEP or numbers between commas, in Hz, kHz or MHz: 38kHz,120kHz";
+  const std::string expected =
+      "FIRST:LAST:STEP or numbers separated by commas, in Hz, kHz or MHz: 38kHz,120kHz";
   std::vector<double> values = values_of(text, "--frequencies", expected, std::nullopt, frequency);
   if (!(values.front() > 0))
-    throw UsageError(fmt::format("--frequencies '{}': frequencies are above 0; expected {}", text, expected));
+    throw UsageError(
+        fmt::format("--frequencies '{}': frequencies must be above 0; expected {}", text, expected));
   return values;
 }
 
@@ -110,7 +112,7 @@ SmoothSurface surface_of(const std::string& text, double roughness_m) {
   }
   throw UsageError(
       fmt::format("--reflection '{}': expected rigid, soft, a number from -1 to 1, or "
-                  "fluid:DENSITY:SPEED[:LOSS], ratios to the water's and dB a wavelength",
+                  "fluid:DENSITY:SPEED[:LOSS] with ratios to the water and a loss in dB per wavelength",
                   text));
 }
 

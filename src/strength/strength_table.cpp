@@ -85,9 +85,10 @@ ComponentMesh strength_mesh(const std::filesystem::path& file, std::optional<dou
   NamedMesh mesh = read_mesh_file(file, {up, unit_m});
   const double radius = radius_of(mesh);
   if (!(radius > 0) || !std::isfinite(radius))
-    throw InputError({file.string(), 0, 0},
-                     radius > 0 ? "the mesh is too large for numbers: look at its unit"
-                                : "all points of the mesh lie in one place: there is nothing to look at");
+    throw InputError(
+        {file.string(), 0, 0},
+        radius > 0 ? "the mesh is too large for floating-point numbers: check its unit"
+                   : "all points of the mesh are at the same position, so it has no surface: check the file");
   return mesh;
 }
 
@@ -136,17 +137,19 @@ std::string in_words(const BoundsHeld& held, const StrengthTable& table) {
   std::string words =
       held.over == 0
           ? fmt::format(
-                "reference: every length within {:g} of itself, or of {:g} of its frequency's "
-                "strongest, certified\n",
+                "reference: certified; the bound of each length is at most {:g} of the length, or of {:g} of "
+                "the strongest length at its frequency\n",
                 tolerance, strength_floor)
           : fmt::format(
-                "reference: {} of {} lengths have wider bounds than {:g}; the widest is {:.3g} times "
-                "what was asked, at elevation {:g}, azimuth {:g}, {:g} Hz\n",
+                "reference: {} of {} lengths have wider bounds than {:g}; the widest is {:.3g} times the "
+                "requested bound, at elevation {:g}, azimuth {:g}, {:g} Hz\n",
                 held.over, table.bound_m.size(), tolerance, held.worst_ratio,
                 request.elevations_deg[held.worst_elevation], request.azimuths_deg[held.worst_azimuth],
                 request.frequencies_hz[held.worst_frequency]);
-  return words + fmt::format("bounds         up to {:.3g} m, of which up to {:.3g} % for the view's grid\n",
-                             held.most_m, 100 * held.most_grid);
+  return words +
+         fmt::format(
+             "bounds         up to {:.3g} m, of which up to {:.3g} % are due to the grid of the view\n",
+             held.most_m, 100 * held.most_grid);
 }
 
 std::optional<std::string> too_small_for(const ComponentMesh& mesh, double lowest_frequency_hz,
@@ -154,9 +157,8 @@ std::optional<std::string> too_small_for(const ComponentMesh& mesh, double lowes
   const double across = 2 * radius_of(mesh) * lowest_frequency_hz / sound_speed;
   if (across >= 1) return std::nullopt;
   return fmt::format(
-      "the mesh is {:.2g} wavelengths across at {:g} Hz: Kirchhoff's approximation is no model of bodies of "
-      "less "
-      "than about one (docs/smooth-surfaces.md)",
+      "the mesh is {:.2g} wavelengths across at {:g} Hz, but the Kirchhoff approximation needs about one "
+      "wavelength or more (docs/signals.md)",
       across, lowest_frequency_hz);
 }
 
@@ -178,33 +180,32 @@ std::vector<std::string> warnings_of(const ComponentMesh& mesh, double highest_f
   }
   std::vector<std::string> warnings;
   if (open > 0)
-    warnings.push_back(fmt::format(
-        "the mesh is open: {} of its {} edges have one facet only. Both sides of a facet reflect, "
-        "so what is seen through the opening counts; close it, if the body is",
-        open, all));
+    warnings.push_back(
+        fmt::format("the mesh is open: {} of its {} edges belong to only one facet. Both sides of a facet "
+                    "reflect, also those that the opening shows: close the mesh if the body is closed",
+                    open, all));
   if (crowded > 0)
-    warnings.push_back(fmt::format(
-        "{} of the mesh's {} edges have more than two facets: of what lies in one place, one facet counts",
-        crowded, all));
+    warnings.push_back(
+        fmt::format("{} of the {} edges of the mesh belong to more than two facets; only one of several "
+                    "coincident facets reflects",
+                    crowded, all));
   constexpr double good = 1.0 / 50;  // corresponds to a two-way phase of a quarter of a radian
   const double wavelength = sound_speed / highest_frequency_hz;
   if (worst.off_m > good * wavelength)
     warnings.push_back(fmt::format(
-        "facets that meet at small angles stand off the curved surface that they may stand for by up to "
-        "{:.3g} "
-        "mm, {:.2g} of the wavelength at {:g} Hz ({:.3g} mm): what is written is the strength of the facets. "
-        "For 1/50 of a wavelength, edges should be about {:.2g} times as long ({:.3g} mm where they are "
-        "{:.3g})",
+        "flat facets deviate from a curved surface by up to {:.3g} mm, {:.2g} of the wavelength at {:g} Hz "
+        "({:.3g} mm), and the result is the strength of the facets. For a deviation of 1/50 of a wavelength, "
+        "multiply edge lengths by {:.2g} ({:.3g} mm instead of {:.3g} mm)",
         1e3 * worst.off_m, worst.off_m / wavelength, highest_frequency_hz, 1e3 * wavelength,
         std::sqrt(good * wavelength / worst.off_m),
         1e3 * worst.edge_m * std::sqrt(good * wavelength / worst.off_m), 1e3 * worst.edge_m));
   const double phase = 4 * std::numbers::pi / wavelength * radius_of(mesh) * FarView::vertex_error;
   constexpr double worth_telling_rad = 0.01;
   if (phase > worth_telling_rad)
-    warnings.push_back(fmt::format(
-        "the mesh is {:.3g} wavelengths across at {:g} Hz: its vertices are put on a grid for each "
-        "direction, and phases are off by up to {:.2g} rad",
-        2 * radius_of(mesh) / wavelength, highest_frequency_hz, phase));
+    warnings.push_back(
+        fmt::format("the mesh is {:.3g} wavelengths across at {:g} Hz; rounding its vertices to a grid for "
+                    "each direction causes phase errors of up to {:.2g} rad",
+                    2 * radius_of(mesh) / wavelength, highest_frequency_hz, phase));
   return warnings;
 }
 

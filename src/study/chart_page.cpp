@@ -85,23 +85,24 @@ Diagram work_precision_plot(const std::string& scene, std::span<const Trial> tri
   const std::vector<Trial> all = of_scene(trials, scene);
   Diagram plot;
   const bool l1 = measure == ErrorMeasure::l1;
-  plot.title = fmt::format("{}: {}", scene, l1 ? "relative L1 error" : "RMS error of lit bins");
-  plot.x_label = "seconds a ping, one thread";
+  plot.title = fmt::format("{}: {}", scene, l1 ? "relative L1 error" : "RMS error of bins with an echo");
+  plot.x_label = "processor time per ping (s), one thread";
   plot.y_label = l1 ? "sum |E - reference| / sum reference" : "dB";
   double bound = 0;
   for (const Trial& t : all) bound = std::max(bound, t.bound);
   // A relative error e corresponds to 10 log10(1 + e) dB, about 4.34 e.
   plot.floor = l1 ? bound : bound * 4.342944819;
-  plot.floor_name = "the reference's own bound";
+  plot.floor_name = "bound of the reference";
   for (const std::string& engine : engines_of(all)) {
     PlotSeries series;
     series.name = engine;
     std::vector<Trial> own;
     for (const Trial& t : all)
       if (t.engine == engine) own.push_back(t);
-    std::sort(own.begin(), own.end(),
-              [](const Trial& a, const Trial& b) { return a.work.seconds < b.work.seconds; });
-    for (const Trial& t : own) series.points.emplace_back(t.work.seconds, error_of(t, measure));
+    std::sort(own.begin(), own.end(), [](const Trial& a, const Trial& b) {
+      return a.work.processor_seconds < b.work.processor_seconds;
+    });
+    for (const Trial& t : own) series.points.emplace_back(t.work.processor_seconds, error_of(t, measure));
     series.joined = own.front().samples > 0;
     if (const auto order = convergence_order(own, measure, 2 * plot.floor))
       series.note = fmt::format("order {:.2f} in rays", *order);
@@ -133,9 +134,8 @@ std::string to_html(std::span<const Trial> trials, const std::string& about) {
       "</style>\n</head>\n<body>\n<h1>Accuracy against speed</h1>\n<p>{}</p>\n",
       about);
   html += fmt::format(
-      "<h2>What it says</h2>\n<table>\n<tr><th>scene</th><th class=\"left\">in</th>"
-      "<th>rays / tubes at {} dB RMS</th><th>rays / tubes at {} L1</th><th>rays cheaper above L1 "
-      "of</th></tr>\n",
+      "<h2>Summary</h2>\n<table>\n<tr><th>scene</th><th class=\"left\">measured in</th><th>rays / tubes at "
+      "{} dB RMS</th><th>rays / tubes at {} L1</th><th>rays cheaper above L1 of</th></tr>\n",
       requested_db, requested_l1);
   const WorkMeasure steadiest = steadiest_measure(trials);
   for (const std::string& scene : scenes_of(trials))
@@ -147,9 +147,9 @@ std::string to_html(std::span<const Trial> trials, const std::string& about) {
           ratio(v.ray_over_tube_at_l1, v.l1_extrapolated), 100 * v.crossing_l1);
     }
   html += fmt::format(
-      "</table>\n<p>Work of the best ray setting over that of the best tube setting that reach the error, by "
-      "the clock and in {}, which depends less on what else the machine does. "
-      "* : no ray setting tried reaches it; extrapolated along its fitted order.</p>\n",
+      "</table>\n<p>The ratios compare the cheapest ray setting with the cheapest tube setting that reach "
+      "the error, by the clock and in {}. The second measure depends less on the load of the machine. * : no "
+      "tested number of rays reaches the error, so the value is extrapolated along the fitted order.</p>\n",
       name_of(steadiest));
   for (const std::string& scene : scenes_of(trials))
     html += fmt::format("<h2>{}</h2>\n<div class=\"pair\">\n{}{}</div>\n", shown_markup(scene),
@@ -157,8 +157,8 @@ std::string to_html(std::span<const Trial> trials, const std::string& about) {
                         to_svg(work_precision_plot(scene, trials, ErrorMeasure::rms_db)));
   html +=
       "<h2>All runs</h2>\n<table>\n<tr><th>scene</th><th class=\"left\">engine</th><th "
-      "class=\"left\">setting</th><th>L1 error</th><th>RMS error, dB</th><th>seconds a ping</th>"
-      "<th>of processor</th><th>instructions</th><th>reference's bound</th></tr>\n";
+      "class=\"left\">setting</th><th>L1 error</th><th>RMS error, dB</th><th>seconds per "
+      "ping</th><th>processor seconds</th><th>instructions</th><th>bound of the reference</th></tr>\n";
   for (const Trial& t : trials)
     html += fmt::format(
         "<tr><td>{}</td><td class=\"left\">{}</td><td class=\"left\">{}</td><td>{:.3g}</td><td>{:.3g}</td>"

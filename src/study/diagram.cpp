@@ -8,19 +8,51 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
+#include <utility>
 
 #include "files/shown.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double width = 760, height = 520, left = 84, right = 206, top = 44, bottom = 62;
+constexpr double width = 760, height = 520, left = 84, right = 224, top = 44, bottom = 62;
 
-// Palette of Okabe and Ito, which colour-blind readers can distinguish. Brown replaces its yellow, which is
-// too faint on white.
-constexpr std::array<const char*, 8> colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                             "#56b4e9", "#e69f00", "#000000", "#8c6d31"};
+// Palette of Okabe and Ito, which colour-blind readers can distinguish, and four more colours. Brown replaces
+// its yellow, which is too faint on white.
+constexpr std::array<const char*, 12> colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                              "#56b4e9", "#e69f00", "#000000", "#8c6d31",
+                                              "#5e3c99", "#8b1a2b", "#77ab00", "#7f7f7f"};
+
+/// Dash patterns of lines. Their number and the number of markers have no common divisor, so that the
+/// combination repeats later than the colours.
+constexpr std::array<const char*, 4> dashes{"none", "7 3", "2 2.5", "8 3 2 3"};
+constexpr std::size_t marker_count = 5;
+
+/// Returns the marker of a series at a point: circle, square, diamond, or a triangle that points up or down.
+std::string marker(std::size_t series, double x, double y, const std::string& fill,
+                   const std::string& stroke) {
+  const std::string style = fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1.5\"/>\n", fill, stroke);
+  const auto polygon = [&](std::initializer_list<std::pair<double, double>> corners) {
+    std::string points;
+    for (const auto& [dx, dy] : corners)
+      points += fmt::format("{}{:.1f},{:.1f}", points.empty() ? "" : " ", x + dx, y + dy);
+    return fmt::format("<polygon points=\"{}\" {}", points, style);
+  };
+  switch (series % marker_count) {
+    case 0:
+      return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" {}", x, y, style);
+    case 1:
+      return polygon({{-3.6, -3.6}, {3.6, -3.6}, {3.6, 3.6}, {-3.6, 3.6}});
+    case 2:
+      return polygon({{0, -5.2}, {5.2, 0}, {0, 5.2}, {-5.2, 0}});
+    case 3:
+      return polygon({{0, -5}, {4.8, 3.6}, {-4.8, 3.6}});
+    default:
+      return polygon({{0, 5}, {4.8, -3.6}, {-4.8, -3.6}});
+  }
+}
 
 /// An axis that ends at whole ticks: decades, or multiples of 1, 2 or 5 times a power of ten.
 struct Axis {
@@ -124,6 +156,8 @@ std::string to_svg(const Diagram& diagram) {
   for (std::size_t s = 0; s < diagram.series.size(); ++s) {
     const PlotSeries& series = diagram.series[s];
     const std::string colour = series_colour(s);
+    const std::string stroke = fmt::format("stroke=\"{}\" stroke-width=\"1.6\" stroke-dasharray=\"{}\" ",
+                                           colour, dashes[s % dashes.size()]);
     // Dots would hide a joined line of many points.
     constexpr std::size_t most_dots = 100;
     const bool dotted = !series.joined || series.points.size() <= most_dots;
@@ -134,22 +168,19 @@ std::string to_svg(const Diagram& diagram) {
       const double cx = x.at(px), cy = y.at(value);
       path += fmt::format("{}{:.1f},{:.1f}", path.empty() ? "" : " ", cx, cy);
       if (!dotted && !(py < value)) continue;
-      dots += fmt::format(
-          "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\" stroke=\"{}\" "
-          "stroke-width=\"1.5\"/>\n",
-          cx, cy, py < value ? "white" : colour, colour);
+      dots += marker(s, cx, cy, py < value ? "white" : colour, colour);
     }
     if (series.joined && !path.empty())
-      svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\"/>\n", path,
-                         colour);
+      svg += fmt::format("<polyline points=\"{}\" fill=\"none\" {}/>\n", path, stroke);
     svg += dots;
-    const double at = width - right + 14;
-    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>\n", at + 4, legend - 4,
-                       colour);
-    svg += text(at + 14, legend, "start", shown_markup(series.name), 12);
+    constexpr double sample_length = 26, name_gap = 8;
+    const double at = width - right + 12, name_at = at + sample_length + name_gap;
+    if (series.joined) svg += line(at, legend - 4, at + sample_length, legend - 4, stroke);
+    if (dotted) svg += marker(s, at + sample_length / 2, legend - 4, colour, colour);
+    svg += text(name_at, legend, "start", shown_markup(series.name), 12);
     if (!series.note.empty()) {
       legend += 15;
-      svg += text(at + 14, legend, "start", shown_markup(series.note), 11, " fill=\"#555555\"");
+      svg += text(name_at, legend, "start", shown_markup(series.note), 11, " fill=\"#555555\"");
     }
     legend += 21;
   }

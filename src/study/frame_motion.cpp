@@ -80,10 +80,11 @@ double vertex(double before, double middle, double after) {
 FrameShift find_shift(const PixelMap& first, const PixelMap& second, int most_shift) {
   if (first.columns != second.columns || first.rows != second.rows ||
       first.values.size() != first.columns * first.rows || second.values.size() != first.values.size())
-    throw std::invalid_argument("two frames have to be of one size");
+    throw std::invalid_argument("both frames must have the same size");
   if (most_shift < 1 || static_cast<std::size_t>(most_shift) >= std::min(first.columns, first.rows))
-    throw std::invalid_argument("the largest shift has to be from one pixel to less than the frame's size");
-  if (seen(first) == 0 || seen(second) == 0) throw std::invalid_argument("a frame has seen nothing");
+    throw std::invalid_argument(
+        "the largest shift must be at least one pixel and less than the size of the frame");
+  if (seen(first) == 0 || seen(second) == 0) throw std::invalid_argument("a frame has no visible pixels");
 
   const Correlations all(first, second, most_shift);
   int c = 0, r = 0;

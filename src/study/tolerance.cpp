@@ -16,9 +16,10 @@ namespace {
 constexpr double largest_bare_tolerance = 0.1;
 
 [[noreturn]] void refuse(std::string_view text) {
-  throw std::invalid_argument(fmt::format(
-      "'{}' is no tolerance: write 0.1dB (RMS error of lit bins), or 1e-3 or 0.1% (relative L1 error)",
-      text));
+  throw std::invalid_argument(
+      fmt::format("'{}' is not a tolerance: expected 0.1dB (RMS error of bins with an echo), or 1e-3 or 0.1% "
+                  "(relative L1 error)",
+                  text));
 }
 
 }  // namespace
@@ -34,7 +35,7 @@ Tolerance parse_tolerance(std::string_view text) {
   if (unit == "db") {
     tolerance.measure = ErrorMeasure::rms_db;
     if (!(tolerance.value >= least_db_tolerance && tolerance.value <= largest_db_tolerance))
-      throw std::invalid_argument(fmt::format("'{}': a tolerance in dB is {:g}dB to {:g}dB", text,
+      throw std::invalid_argument(fmt::format("'{}': a tolerance in dB must be {:g}dB to {:g}dB", text,
                                               least_db_tolerance, largest_db_tolerance));
     return tolerance;
   }
@@ -43,17 +44,18 @@ Tolerance parse_tolerance(std::string_view text) {
   else if (!unit.empty())
     refuse(text);
   else if (tolerance.value > largest_bare_tolerance && tolerance.value <= 100)
-    throw std::invalid_argument(fmt::format(
-        "'{3}' alone is a relative error of {1:g} %: write {0:g}dB (RMS error of lit bins) or {0:g}%{2}",
-        tolerance.value, 100 * tolerance.value,
-        tolerance.value <= largest_l1_tolerance
-            ? fmt::format(", or {:g}% if that is meant", 100 * tolerance.value)
-            : std::string(),
-        text));
-  if (!(tolerance.value >= least_l1_tolerance && tolerance.value <= largest_l1_tolerance))
     throw std::invalid_argument(
-        fmt::format("'{}': a relative tolerance is {:g} to {:g}; less than that is for 'run --reference'",
-                    text, least_l1_tolerance, largest_l1_tolerance));
+        fmt::format("'{3}' without a unit is a relative error of {1:g} %: write {0:g}dB (RMS error of bins "
+                    "with an echo) or {0:g}%{2}",
+                    tolerance.value, 100 * tolerance.value,
+                    tolerance.value <= largest_l1_tolerance
+                        ? fmt::format(", or {:g}% for this relative error", 100 * tolerance.value)
+                        : std::string(),
+                    text));
+  if (!(tolerance.value >= least_l1_tolerance && tolerance.value <= largest_l1_tolerance))
+    throw std::invalid_argument(fmt::format(
+        "'{}': a relative tolerance must be {:g} to {:g}: use 'run --reference' for smaller errors", text,
+        least_l1_tolerance, largest_l1_tolerance));
   return tolerance;
 }
 

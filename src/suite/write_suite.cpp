@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Writes the benchmark suite (docs/benchmark-suite.md): scene files, meshes, scenes in numbers, reference
+// Writes the benchmark suite (docs/reference-results.md): scene files, meshes, scenes in numbers, reference
 // answers with certified bounds where they are possible, and SHA-256 sums.
 
 #include "suite/write_suite.hpp"
@@ -137,7 +137,7 @@ std::vector<const Aspect*> aspects_named(const std::string& names) {
     begin = end + 1;
     if (std::ranges::find(known, requested.back()) != known.end()) continue;
     const std::string_view meant = nearest(requested.back(), known);
-    throw UsageError(fmt::format("the pack has no scene '{}': {}", requested.back(),
+    throw UsageError(fmt::format("the suite has no scene '{}': {}", requested.back(),
                                  meant.empty() ? "it has " + fmt::format("{}", one_of(known, '\''))
                                                : fmt::format("did you mean '{}'?", meant)));
   }

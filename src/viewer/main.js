@@ -113,7 +113,7 @@ function showScale() {
   byId("legend").replaceChildren(element("div", { text: scale.title }),
     element("div", { className: "bar", style: `background:linear-gradient(to right, ${(scale.used ? hard : colours.map(rgb)).join(",")})` }),
     element("div", { className: "ticks" }, ...scale.ticks.map((text) => element("span", { text }))),
-    element("div", { className: "swatches" }, swatch(rgb(highlight), "lit"), swatch("var(--shadow)", "shadow"), swatch("var(--mesh)", "outside the tubes"),
+    element("div", { className: "swatches" }, swatch(rgb(highlight), "selected"), swatch("var(--shadow)", "shadow"), swatch("var(--mesh)", "outside the tubes"),
       ...(arrays.surfaces.length ? [swatch("var(--beyond)", "no surface (in the picture)")] : [])));
 }
 
@@ -121,7 +121,7 @@ byId("title").textContent = facts.title || "Footprints";
 byId("subtitle").textContent = `${facts.sensor} (${facts.kind}), ${footprintCount} footprints, ` +
   (facts.pings.length > 1 ? `pings ${facts.pings[0].number} to ${facts.pings[facts.pings.length - 1].number}` : `ping ${facts.pings[0].number}`);
 byId("notes-text").replaceChildren(...[...facts.notes,
-  `Every footprint is the part of one facet that one tube${facts.receiverApart ? " of each end" : ""} touches first. Energies are for a source of 1 J/sr at 1 m; in this page to within 1e-5 of each.`,
+  `Each footprint is the part of one facet that one tube${facts.receiverApart ? " of each end" : ""} sees first. Energies are for a source of 1 J/sr at 1 m and have a relative precision of 1e-5 in this page.`,
   `Made by tubefoot ${facts.version} from ${facts.source}; scene hash ${facts.sceneHash.slice(0, 16)}.`]
   .map((text) => element("p", { text })));
 byId("notes").open = false;
@@ -194,7 +194,7 @@ showScale();
 choose(null);
 fromSonar();
 
-/// For scripts that drive the page, such as its tests (docs/viewer.md).
+/// For scripts that drive the page, such as its tests (docs/footprints.md).
 window.tubefootView = {
   facts, arrays, choose, cellOf, placeOf, pings, isBeyond,
   get shownPings() { return scene.pings; },

@@ -13,7 +13,8 @@
 namespace tubefoot {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "pages hold little-endian numbers, as browsers do");
+static_assert(std::endian::native == std::endian::little,
+              "pages contain little-endian numbers, like browsers");
 
 /// Replaces each value by its difference from the value `stride` places before, modulo 2^32.
 void take_differences(std::vector<std::uint32_t>& values, std::size_t stride) {
@@ -34,7 +35,7 @@ std::string deflated(const std::string& bytes) {
   if (compress2(reinterpret_cast<Bytef*>(packed.data()), &length,
                 reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
                 Z_DEFAULT_COMPRESSION) != Z_OK)
-    throw std::runtime_error("cannot compress the page's data: not enough memory");
+    throw std::runtime_error("cannot compress the data of the page: not enough memory");
   packed.resize(length);
   return packed;
 }

@@ -77,7 +77,7 @@ class PageWriter {
                                 {"stripes", shown_line(data_.stripes)},
                                 {"weakLinksLeftOut", data_.weak_links_left_out}};
     for (const ViewTransmission& transmission : data_.transmissions)
-      json["shots"].push_back({{"delay", transmission.delay_s}, {"beams", transmission.beams}});
+      json["transmissions"].push_back({{"delay", transmission.delay_s}, {"beams", transmission.beams}});
     for (const ViewPing& ping : data_.pings)
       json["pings"].push_back({{"number", ping.number},
                                {"time", ping.time_s},
@@ -214,7 +214,7 @@ std::string view_page(const ViewData& data) {
     } else if (mark == "scripts") {
       html.append("<script>\n\"use strict\";\n(async () => {\n").append(page_js).append("})();\n</script>");
     } else {
-      throw std::logic_error("the viewer's page has an unknown mark: " + std::string(mark));
+      throw std::logic_error("the page template has an unknown placeholder: " + std::string(mark));
     }
     page.remove_prefix(end + 4);
   }

@@ -17,13 +17,13 @@ const degrees = (rad) => (rad / radians).toFixed(2) + "\u00b0";
 const pingOf = (ping) => facts.pings.length > 1 ? `ping ${facts.pings[ping].number}, ` : "";
 function cellText(cell) {
   const { ping, beam, sample } = placeOf(cell);
-  return `${pingOf(ping)}beam ${beam}, sample ${sample}`;
+  return `${pingOf(ping)}beam ${beam}, range bin ${sample}`;
 }
 
 /// Which of a ping's cycles a cell was heard in, where there are several.
 function cycleOf(cell) {
-  const { beam } = placeOf(cell), shots = facts.shots || [], k = shots.findIndex((shot) => shot.beams.includes(beam));
-  return k < 0 ? [] : [["cycle", `${k} of 0 to ${shots.length - 1}`], ["fired", `${(1000 * shots[k].delay).toFixed(1)} ms in`]];
+  const { beam } = placeOf(cell), sent = facts.transmissions || [], k = sent.findIndex((one) => one.beams.includes(beam));
+  return k < 0 ? [] : [["cycle", `${k} of 0 to ${sent.length - 1}`], ["transmitted", `after ${(1000 * sent[k].delay).toFixed(1)} ms`]];
 }
 
 /// What a candidate has of a cell.
@@ -57,8 +57,8 @@ class Panel {
 
   showNothing() {
     this.place.replaceChildren(
-      element("h2", { text: "Nothing is lit" }),
-      element("p", { text: "A click on a pixel of the picture lights the footprints that made it; a click on a footprint lights its pixels." }),
+      element("h2", { text: "Nothing is selected" }),
+      element("p", { text: "A click on a pixel of the picture highlights its footprints; a click on a footprint highlights its pixels." }),
       element("p", { className: "faint", text: `${footprintCount} footprints, ${arrays.linkCell.length} links between footprints and pixels.` }));
   }
 
@@ -69,14 +69,14 @@ class Panel {
     const content = [
       element("h2", { text: `Pixel: ${cellText(cell)}` }),
       listOf([["energy", dbText(energy)], ["slant range", `${rangeOf(sample).toFixed(3)} to ${rangeOf(sample + 1).toFixed(3)} m`],
-        ...comparedOf(cell), ["footprints", String(parts.length)], ["their sum", dbText(sum)], ...cycleOf(cell)]),
+        ...comparedOf(cell), ["footprints", String(parts.length)], ["sum of footprints", dbText(sum)], ...cycleOf(cell)]),
     ];
     // Rounding leaves 1e-5 or so.
     if (Math.abs(rest) > 3e-5 * energy)
-      content.push(element("p", { className: "faint", text: `${(100 * rest / energy).toPrecision(3)} % of the energy is not theirs (see About this page).` }));
-    if (!parts.length) content.push(element("p", { text: energy > 0 ? "No footprint is linked to it."
-        : isBeyond(cell) ? "No footprint reaches it, and no surface is left in this beam: open water, or ground outside of the scene."
-          : "No footprint reaches it: shadow, or water before the first surface." }));
+      content.push(element("p", { className: "faint", text: `The footprints do not explain ${(100 * rest / energy).toPrecision(3)} % of the energy (see About this page).` }));
+    if (!parts.length) content.push(element("p", { text: energy > 0 ? "No footprint is linked to this pixel."
+        : isBeyond(cell) ? "No footprint reaches this pixel, and this beam has no farther surface: open water, or seabed outside of the scene."
+          : "No footprint reaches this pixel: shadow, or water before the first surface." }));
     else
       content.push(...table(["footprint", "energy", "share", "grazing", "area, m\u00b2"], shown.map(({ footprint: f, energy: e }) => [
         this.button(`${facts.components[arrays.component[f]]} #${arrays.facet[f]}`, { footprint: f }), dbText(e),
@@ -90,14 +90,14 @@ class Panel {
       element("h2", { text: `Footprint: ${pingOf(a.ping[f])}beam ${a.beam[f]}, facet ${a.facet[f]}` }),
       listOf([["energy", dbText(a.energy[f])], ["area", `${digits(a.area[f])} m\u00b2`],
         ["grazing angle", degrees(a.grazing[f])], ["solid angle", `${digits(a.solidAngle[f])} sr`],
-        [facts.receiverApart ? "half path" : "slant range", `${a.near[f].toFixed(3)} to ${a.far[f].toFixed(3)} m`], ["tube", facts.receiverApart ? `${a.tube[f]}, heard in ${a.receiveTube[f]}` : String(a.tube[f])],
-        ["of", facts.components[a.component[f]]], ["material", facts.materials[a.material[f]]],
+        [facts.receiverApart ? "half path" : "slant range", `${a.near[f].toFixed(3)} to ${a.far[f].toFixed(3)} m`], ["tube", facts.receiverApart ? `${a.tube[f]}, received in ${a.receiveTube[f]}` : String(a.tube[f])],
+        ["object", facts.components[a.component[f]]], ["material", facts.materials[a.material[f]]],
         ["cut by", a.occluders[f] ? `${a.occluders[f]} nearer facets` : "nothing"], ["pieces", String(a.pieces[f])],
         ["centroid", `${at[0]} E, ${at[1]} N`], ["height", `${at[2]} m`]]),
       ...(parts.length
-        ? table(["pixel", "its energy there", "share of the pixel"], shown.map(({ cell, energy }) => [
+        ? table(["pixel", "energy in the pixel", "share of the pixel"], shown.map(({ cell, energy }) => [
           this.button(cellText(cell), { cell }), dbText(energy),
           a.cellEnergy[cell] > 0 ? `${(100 * energy / a.cellEnergy[cell]).toFixed(1)} %` : ""]), parts.length - shown.length)
-        : [element("p", { text: "It is in no pixel: beyond the range samples." })]));
+        : [element("p", { text: "The footprint is in no pixel, because it lies outside of the range gate." })]));
   }
 }

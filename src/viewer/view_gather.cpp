@@ -93,30 +93,28 @@ class Gatherer {
     tell_of_stripes();
     const std::size_t left_out = take_surroundings();
     if (left_out > 0)
-      view.notes.push_back(
-          fmt::format("The scene is drawn near the footprints only: {} of the facets about "
-                      "them are left out.",
-                      left_out));
+      view.notes.push_back(fmt::format(
+          "The page shows the scene near the footprints only; it omits {} of the facets around them.",
+          left_out));
     if (shadows_stopped_)
       view.notes.push_back(
-          fmt::format("Only the first {} hidden parts of facets are drawn.", limits_.shadow_polygons));
+          fmt::format("The page shows only the first {} hidden parts of facets.", limits_.shadow_polygons));
     if (!own_mesh_.facets.empty() && view.pings.size() * sensor_.transmissions() > 1)
       view.notes.push_back(
           "Relief is refined for each transmission; the page shows the facets of the first transmission.");
     if (scene.water->refracts())
       view.notes.push_back(
-          "The water refracts: footprints are at their true positions; tubes are curved and not "
-          "drawn; angles and ranges are apparent ones.");
+          "The water refracts: footprints have their true positions, but angles and ranges are apparent. "
+          "Tubes are curved and not drawn.");
     if (sensor_.has_separate_receiver())
       view.notes.push_back(
-          "The receiver is apart: a footprint is what one of its tubes and one of the transmitter's both see "
-          "of a "
-          "facet; slant ranges are half paths, angles are the transmitter's. Dark is what is in the tubes of "
-          "either and hidden from it.");
+          "The receiver is separate: a footprint is the part of a facet that both a tube of the receiver and "
+          "a tube of the transmitter see. Slant ranges are half of the path lengths, and angles refer to the "
+          "transmitter. Dark parts lie in tubes of one end but are hidden from it.");
     if (view.weak_links_left_out)
       view.notes.push_back(
-          "Beams have patterns, and each beam receives each footprint of its fan: what adds "
-          "less than a thousandth to a sample is not linked to it.");
+          "Beams have patterns, so each beam receives each footprint of its fan. Contributions below a "
+          "thousandth of a range bin are not linked.");
   }
 
   ViewData view;
@@ -157,9 +155,8 @@ class Gatherer {
     if (turns_deg >= still_deg)
       way += fmt::format("{} turns by {:.2g} degrees", way.empty() ? "" : " and", turns_deg);
     view.stripes = fmt::format(
-        "Stripes along the beams are the sonar's own: it fires its {} beams in {} cycles, one after another "
-        "within "
-        "{:.3g} ms, and{} meanwhile, so that neighbouring beams see the scene from different places.",
+        "Stripes along the beams are an effect of the sonar: it fires its {} beams in {} cycles within "
+        "{:.3g} ms, and{} meanwhile, so adjacent beams see the scene from different positions.",
         view.beams, transmissions, 1000 * sensor_.transmission_delay_s(transmissions - 1), way);
     view.notes.push_back(view.stripes);
   }
@@ -169,11 +166,11 @@ class Gatherer {
       throw UsageError(
           view.pings.size() > 1
               ? fmt::format(
-                    "a page holds {} footprints, and with ping {} there are more: ask for --pings {}:{}",
+                    "a page can hold {} footprints, but ping {} exceeds this number: use --pings {}:{}",
                     limits_.footprints, view.pings.back().number, view.pings.front().number,
                     view.pings[view.pings.size() - 2].number)
               : fmt::format(
-                    "a page holds {} footprints, and ping {} has more: let the scene's facets be larger",
+                    "a page can hold {} footprints, but ping {} has more: use larger facets in the scene",
                     limits_.footprints, view.pings.back().number));
   }
 
@@ -360,7 +357,7 @@ ViewData gather_view(const Transmissions& transmissions, std::size_t sensor,
   constexpr double most_cells = 5e7;
   if (range && cells > most_cells)
     throw UsageError(fmt::format(
-        "a picture of {:.3g} samples is too large for a page, which holds {:.2g}: ask for --pings {}:{}",
+        "a picture of {:.3g} range bins is too large for a page, which can hold {:.2g}: use --pings {}:{}",
         cells, most_cells, requested.first,
         requested.first + std::max<std::int64_t>(
                               0, static_cast<std::int64_t>(most_cells / view.beams / view.samples) - 1)));

@@ -257,7 +257,7 @@ TEST_F(AdviseProgram, PrintsATableAndNamesTheCheapest) {
   EXPECT_THAT(outcome.err, IsEmpty());
   for (const char* words :
        {"tubes, exact cuts, fixed", "tubes, spread", "tubes, centroid", "rays, stratified", "rays, sobol",
-        "rays, adaptive", "rays, regular", "rays, one column a beam",
+        "rays, adaptive", "rays, regular", "rays, one column per beam",
         "options        --engine tube --arithmetic fixed --binning exact\n"})
     EXPECT_THAT(outcome.out, HasSubstr(words));
 }
@@ -308,7 +308,8 @@ TEST_F(AdviseProgram, ABareNumberOfPingsKeepsItsMeaningWithAWarning) {
 TEST_F(AdviseProgram, ARunWithAToleranceSaysWhatItLeftOut) {
   const Outcome outcome = run_program({"run", scene, "-o", output, "--tolerance", "1e-5", "--quiet"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("tolerance 1e-05: tubes, exact cuts, fixed; left out: nothing; error "));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("tolerance 1e-05: tubes, exact cuts, fixed; neglected: nothing; error "));
   const auto stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
   EXPECT_EQ(stats["engine"], "tube");
   EXPECT_EQ(stats["binning"], "exact");
@@ -334,7 +335,7 @@ TEST_F(AdviseProgram, ALooseRunIsTheOneThatItDescribes) {
   if (stats["engine"] == "ray") {
     EXPECT_EQ(run, "--engine ray --sampling " + stats["sampling"].get<std::string>() + " --rays-per-beam " +
                        std::to_string(stats["rays_per_beam"].get<int>()));
-    EXPECT_EQ(said["left_out"], "everything between rays");
+    EXPECT_EQ(said["left_out"], "surfaces between rays");
     EXPECT_EQ(stats["seed"], 5);
   } else {
     EXPECT_THAT(run, HasSubstr("--binning " + stats["binning"].get<std::string>()));
@@ -350,7 +351,7 @@ TEST_F(AdviseProgram, BadTolerancesAreRefused) {
   expect_refused({"run", scene, "-o", output, "--tolerance", "1e-9"}, "run --reference");
   for (const char* bad : {"0.1dB", "nan"})
     expect_refused({"run", scene, "-o", output, "--reference", "--tolerance", bad},
-                   "relative bound, 1e-12 to 0.1");
+                   "relative bound from 1e-12 to 0.1");
   expect_refused({"advise", scene}, "--tolerance is required");
   expect_refused({"advise", scene, "--tolerance", "1%", "--pings", "1"},
                  "--pings '1': expected a number of pings of at least 2");
@@ -358,7 +359,7 @@ TEST_F(AdviseProgram, BadTolerancesAreRefused) {
   expect_refused({"advise", scene, "--tolerance", "1%", "--trial-pings", "1"}, "--trial-pings");
   expect_refused({"advise", scene, "--tolerance", "1%", "--threads", "0"}, "--threads");
   expect_refused({"advise", scene, "--tolerance", "1%", "--json", folder.path().string()},
-                 "no file to write");
+                 "is a folder: give the name of a file to write");
 }
 
 TEST_F(AdviseProgram, OptionsThatTheTolerancePicksAreRefused) {

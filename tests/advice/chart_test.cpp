@@ -70,7 +70,7 @@ std::vector<std::string> fields_of(const std::string& line) {
   return fields;
 }
 
-/// Rays per beam, from "1500 a beam".
+/// Rays per beam, from "1500 per beam".
 double rays_of(const Row& row) { return std::stod(row.setting); }
 
 /// Slope of log l1 over log rays, by least squares, over settings from `fewest` rays per beam on.
@@ -126,12 +126,12 @@ TEST_F(Chart, WritesEveryEngineInARowASetting) {
                             std::pair{"tubes, spread", 1u}, std::pair{"tubes, centroid", 1u},
                             std::pair{"rays, stratified", 11u}, std::pair{"rays, sobol", 11u},
                             std::pair{"rays, adaptive", 11u}, std::pair{"rays, regular", 11u},
-                            std::pair{"rays, random", 11u}, std::pair{"rays, one column a beam", 11u}));
+                            std::pair{"rays, random", 11u}, std::pair{"rays, one column per beam", 11u}));
   // The settings of existing simulators are among the steps.
   std::set<std::string> rungs;
   for (const Row& row : rows["rays, random"]) rungs.insert(row.setting);
   for (const char* rays : {"1", "11", "23", "114", "1500", "17000"})
-    EXPECT_TRUE(rungs.count(std::string(rays) + " a beam")) << rays;
+    EXPECT_TRUE(rungs.count(std::string(rays) + " per beam")) << rays;
   for (const auto& [engine, own] : rows)
     for (const Row& row : own) {
       EXPECT_GT(row.seconds, 0) << engine << ", " << row.setting;
@@ -223,7 +223,7 @@ TEST(ChartErrors, ScenesOfOneNameAreRefused) {
   folder.write("step.toml", scene);
   folder.write("other/step.toml", scene);
   EXPECT_THAT(refusal(folder, {(folder / "step.toml").string(), (folder / "other/step.toml").string()}),
-              HasSubstr("two scenes are called 'step'"));
+              HasSubstr("two scenes have the name 'step'"));
 }
 
 TEST(ChartErrors, AMissingOrWrongSceneIsNamed) {

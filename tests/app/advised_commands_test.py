@@ -220,7 +220,7 @@ def cases(folder):
     for north_first in (False, True):
         case = Case(folder, f"several variables {north_first}")
         netcdf(case.folder / "bed.nc", more=("quality",), north_first=north_first)
-        case.right(case.advised(case.run(case.scene("bed.nc"))[1], "holds no single raster, but z, quality", {"VARIABLE": "z"}))
+        case.right(case.advised(case.run(case.scene("bed.nc"))[1], "does not hold a single raster, but the variables z, quality", {"VARIABLE": "z"}))
 
     # Rotated: the corners that gdalwarp adds are holes, not plates at the sea surface.
     case = Case(folder, "rotated")
@@ -267,7 +267,7 @@ def cases(folder):
         case.right(new, least=20, tolerance=0.3, place=as_metres, georeference=frame)
     case = Case(folder, "metres as degrees")
     netcdf(case.folder / "bed.nc", names=("lat", "lon"), units=("degrees_north", "degrees_east"))
-    case.right(case.advised(case.run(case.scene("bed.nc"))[1], "metres after all", {}, 2))
+    case.right(case.advised(case.run(case.scene("bed.nc"))[1], "declare this", {}, 2))
 
     case = Case(folder, "two-dimensional coordinates")
     netcdf(case.folder / "bed.nc", coordinates=False)
@@ -310,7 +310,7 @@ def cases(folder):
     gdal.GetDriverByName("AAIGrid").CreateCopy(str(case.folder / "bed.asc"), geotiff(case.folder / "from.tif", transform=far))
     (case.folder / "bed.prj").write_text('PROJCS["x",EXTENSION["PROJ4","+proj=utm +zone=32 +nadgrids=other.gsb"]]')
     said = case.run(case.scene("bed.asc", georeference=frame))[1]
-    case.right(case.advised(said, "files of corrections", {"EPSG:...": "EPSG:32632", "IN": "bed.asc", "OUT": "named.tif"}),
+    case.right(case.advised(said, "correction files", {"EPSG:...": "EPSG:32632", "IN": "bed.asc", "OUT": "named.tif"}),
                georeference=frame)
 
     case = Case(folder, "not true to scale")
@@ -337,7 +337,7 @@ def cases(folder):
     data.GetRasterBand(2).WriteArray(grid())
     data.FlushCache()
     del data
-    case.right(case.advised(case.run(case.scene("bed.tif"))[1], "picture in colours", {"BAND": 2}))
+    case.right(case.advised(case.run(case.scene("bed.tif"))[1], "colour picture", {"BAND": 2}))
 
     case = Case(folder, "overviews elsewhere")
     data = geotiff(case.folder / "bed.tif")
@@ -367,8 +367,8 @@ def cases(folder):
     geotiff(case.folder / "from.tif", crs="EPSG:32632", transform=far)
     gdal.Warp(str(case.folder / "bed.vrt"), str(case.folder / "from.tif"), format="VRT")
     said = case.run(case.scene("bed.vrt", georeference=frame))[1]
-    case.right(case.advised(said, "which is not read", {}, pick=1), georeference=frame)
-    case.right(case.advised(said, "which is not read", {"OUT": "plain.vrt", "IN...": "from.tif"}), georeference=frame)
+    case.right(case.advised(said, "which tubefoot does not read", {}, pick=1), georeference=frame)
+    case.right(case.advised(said, "which tubefoot does not read", {"OUT": "plain.vrt", "IN...": "from.tif"}), georeference=frame)
 
     case = Case(folder, "virtual raster of a netCDF")
     netcdf(case.folder / "bed.nc", north_first=True)
@@ -419,7 +419,7 @@ def cases(folder):
             file.createDimension("x", COLUMNS)
             file.createVariable("z", "i2", ("y", "x"))[:] = classes if north_first else classes[::-1]
         keys = raster + f"origin_m = [{WEST - 1}, {SOUTH - 1}]\ncell_m = {STEP}\n"
-        new = case.advised(materials(case, "map.nc", keys)[1], "which of its rows is the northernmost", {}, pick)
+        new = case.advised(materials(case, "map.nc", keys)[1], "which row is the northernmost", {}, pick)
         right_mud(case, *materials(case, new.name, keys))
 
     case = Case(folder, "classes in another format")

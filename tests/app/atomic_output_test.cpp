@@ -126,7 +126,7 @@ TEST_F(AtomicOutput, NoResultFolderThatHoldsAnInputIsReplaced) {
   folder.write("results/thing.obj", tetrahedron);
   std::ofstream(results / ".tubefoot-files", std::ios::app) << "thing.obj\n";
   folder.write("scene.toml", replaced(bytes_of(scene), "thing.obj", "results/thing.obj"));
-  expect_refused(run(results), "is an input, or holds one", names_below(folder.path()));
+  expect_refused(run(results), "is an input or contains one", names_below(folder.path()));
 }
 
 TEST_F(AtomicOutput, FilesOfOthersStayAsTheyAre) {
@@ -182,7 +182,7 @@ TEST_F(AtomicOutput, FoldersThatCannotBeReplacedAreFoundBeforeTheFirstPing) {
   fs::create_directory(folder / "mounted");
   const std::string too_long(300, 'x');
   const auto before = names_below(folder.path());
-  expect_refused(run(folder / "dangling"), "is a link to nothing", before);
+  expect_refused(run(folder / "dangling"), "is a link to a missing file", before);
   expect_refused(run(folder / "dangling/below"), "cannot write into", before);
   expect_refused(run(folder / too_long), "too long", before);
   expect_refused(run(folder / std::string(248, 'x')), "too long", before);
@@ -243,7 +243,7 @@ TEST_F(AtomicOutput, FilesThatCannotBeReplacedAreFoundBeforeAnythingIsComputed) 
   folder.write("mounted.csv", "mine");
   folder.write("there.csv", "mine");
   const auto before = names_below(folder.path());
-  expect_refused(footprints(folder / "dangling.csv"), "is a link to nothing", before);
+  expect_refused(footprints(folder / "dangling.csv"), "is a link to a missing file", before);
   expect_refused(footprints(folder / "folder.csv"), "is a folder", before);
   expect_refused(footprints(folder / "missing/f.csv"), "No such file", before);
   expect_refused(footprints(folder / (std::string(300, 'x') + ".csv")), "too long", before);

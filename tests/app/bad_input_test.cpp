@@ -82,7 +82,7 @@ TEST_F(BadInput, BrokenMesh) {
   expect_mesh_refused(tetrahedron.substr(0, 50), place + ":7: the last face has 0 corners and no line end");
   expect_mesh_refused(tetrahedron.substr(0, 29), place + ":4:");
   expect_mesh_refused(tetrahedron.substr(0, tetrahedron.find('f')),
-                      place + ": holds 4 points and no facet: it is a point cloud");
+                      place + ": holds 4 points and no facets: it is a point cloud");
   expect_mesh_refused(replaced(tetrahedron, "f 3 1 4", "f 3 1 5"),
                       place + ":8: the face names vertex 5, out of range: the file holds 4 vertices");
   expect_mesh_refused(replaced(tetrahedron, "f 3 1 4", "f 3 0 4"), place + ":8");
@@ -177,7 +177,7 @@ TEST_F(BadInput, FacetsWithoutAreaAndDuplicatesAreKeptWithAWarning) {
   const Outcome outcome = run();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("warning: 2 facets have no area on the grid"));
-  EXPECT_THAT(outcome.err, HasSubstr("warning: 1 facets lie exactly on an earlier one"));
+  EXPECT_THAT(outcome.err, HasSubstr("warning: 1 facets coincide with an earlier facet"));
   const Outcome check = run_program({"check", (folder / "scene.toml").string()});
   EXPECT_THAT(check.out, HasSubstr("facets         9 (2 degenerate, 1 duplicate, "));
   const Outcome audit = run_program({"audit", (folder / "scene.toml").string()});
@@ -193,7 +193,7 @@ TEST_F(BadInput, SensorInsideAnObjectIsAWarning) {
                    "[[objects]]\nname = \"housing\"\nshape = \"box\"\nposition_m = [0, 0, 2]\n");
   const Outcome outcome = run();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("sensor 'camera' is inside object 'housing' at ping 0"));
+  EXPECT_THAT(outcome.err, HasSubstr("sensor 'camera' is inside the closed object 'housing' at ping 0"));
 }
 
 TEST_F(BadInput, NothingInViewIsAWarning) {

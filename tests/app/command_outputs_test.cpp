@@ -142,6 +142,7 @@ TEST_F(CommandOutputs, WhatCannotBePrintedIsAFailure) {
   const std::vector<std::vector<std::string>> printing{{"run", scene, "--quiet", "-o", unprinted.string()},
                                                        {"check", scene, "--quiet"},
                                                        {"presets"},
+                                                       {"keys"},
                                                        {"--help"},
                                                        {"compare", echoes, echoes, "--json", "-"}};
   for (const std::vector<std::string>& words : printing) {

@@ -47,7 +47,7 @@ struct CrsFiles : InputRegistry {
     }
   }
   void expect_unopened(const std::string& scene) {
-    expect_unopened(scene, "has a coordinate reference system that names files of corrections");
+    expect_unopened(scene, "has a coordinate reference system that refers to correction files");
   }
 
   /// WKT of a datum with a file of corrections, with `word` for PROJ4_GRIDS.
@@ -237,7 +237,7 @@ TEST_F(CrsFiles, OfTheWorkingFolderAreNotOpened) {
     const Outcome outcome = run_program({"check", "scene.toml"}, here);
     EXPECT_EQ(outcome.signal, 0) << "it waited for a pipe";
     EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("names files of corrections"));
+    EXPECT_THAT(outcome.err, HasSubstr("refers to correction files"));
   }
 }
 

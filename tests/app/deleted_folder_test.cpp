@@ -56,8 +56,8 @@ TEST_F(DeletedFolder, IsNamedByEveryCommandThatWritesBesideIt) {
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_THAT(outcome.err, HasSubstr("'here"));
     EXPECT_THAT(outcome.err,
-                HasSubstr("the current folder has been deleted: expected one that the name starts "
-                          "from; go to another folder (cd), or give names that begin with '/'"));
+                HasSubstr("the current folder has been deleted, so the name has no starting point; go to "
+                          "another folder (cd), or give names that begin with '/'"));
     EXPECT_THAT(outcome.err, Not(HasSubstr("filesystem error")));
   }
 }

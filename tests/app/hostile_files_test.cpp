@@ -53,7 +53,7 @@ TEST_F(Hostile, PipesBesideAFile) {
     mkfifo((folder / name).c_str(), 0600);
     expect_refused(with_raster(),
                    {"scene.toml:6:8: ", name,
-                    ": is a special file, and would be read along with 'grid.asc': move it away"});
+                    ": is a special file that belongs to 'grid.asc' by its name: move it away"});
     fs::remove(folder / name);
   }
   // not a format that the program reads, so that it is not opened
@@ -79,7 +79,7 @@ TEST_F(Hostile, NamesThatLeaveTheFolderAreReported) {
   const std::string real = fs::canonical(elsewhere / "other.obj").string();
   for (const std::string& file : {up.string(), (elsewhere / "other.obj").string(), std::string("linked.obj")})
     EXPECT_THAT(outcome.err,
-                HasSubstr(fmt::format("\"{}\" leaves the scene's folder: it is '{}'", file, real)));
+                HasSubstr(fmt::format("\"{}\" lies outside of the scene's folder, at '{}'", file, real)));
   EXPECT_THAT(outcome.err,
               AllOf(HasSubstr("scene.toml:6:8: 'grid.prj', which is read along with \"grid.asc\", leaves"),
                     Not(HasSubstr("\"thing.obj\" leaves"))));

@@ -93,7 +93,7 @@ TEST_F(Hostile, RastersThatAnnounceMoreThanTheyHold) {
       "\n[[materials.reflectivity]]\nkind = \"map\"\ntile_m = [10, 10]\nfile = \"grid.tif\"";
   folder.write("grid.tif", sparse_tiff(100'000, 100'000, 100'000));
   expect_refused(replaced(small_scene, "name = \"sand\"", "name = \"sand\"" + tile),
-                 {"100000 x 100000 pixels are more than 5e+07", "shrink it"});
+                 {"100000 x 100000 pixels are more than 5e+07", "shrink the image"});
   expect_refused(replaced(small_scene, "length_m = 30",
                           "length_m = 30\n[terrain.material_map]\nkind = \"raster\"\nfile = "
                           "\"grid.tif\"\nclasses = { 0 = \"sand\" }"),
@@ -124,10 +124,11 @@ TEST_F(Hostile, NumbersInASceneFile) {
                  {"scene.toml:4:1: ", "the terrain would have 3e+14 cells, at most 5e+07", "larger cell_m"});
   expect_refused(sphere(1e-12), {"scene.toml:8:1: ", "at most 2e+07 are made", "larger chord_error_m"});
   expect_refused(replaced(small_scene, "beams = 4", "beams = 4096\nsamples = 65536"),
-                 {"scene.toml:19:11: ", "268435456 range samples a ping, at most 67108864"});
+                 {"scene.toml:19:11: ", "268435456 range bins per ping, but at most 67108864"});
   expect_refused(
       replaced(small_scene, "beams = 4\n", "beams = 4000\ncycles = 4000\npings = 10000000\n"),
-      {"scene.toml:20:", "of 4000 transmissions each make 40000000000, at most 100000000", "fewer pings"});
+      {"scene.toml:20:", "with 4000 transmissions each give 40000000000 transmissions, but at most 100000000",
+       "fewer pings"});
   const std::string relief =
       "name = \"sand\"\n[[materials.relief]]\nkind = \"fbm\"\ntile_m = 1000\nresolution_m = 1e-6\nhurst = "
       "0.5\nrms_height_m = 0.1\n";
@@ -137,7 +138,7 @@ TEST_F(Hostile, NumbersInASceneFile) {
       replaced(small_scene, "length_m = 30",
                "length_m = 30\n[terrain.material_map]\nkind = \"patches\"\npatch_size_m = 1e-6\nshares = { "
                "sand = 1 }"),
-      {"more than 200000", "larger 'patch_size_m'"});
+      {"more than 200000", "increase 'patch_size_m'"});
 }
 
 struct HostileToMemory : Hostile {
@@ -151,10 +152,11 @@ struct HostileToMemory : Hostile {
 TEST_F(HostileToMemory, NumbersWithinAllOtherLimits) {
   expect_refused(
       replaced(small_scene, "width_m = 20\nlength_m = 30", "width_m = 7000\nlength_m = 7000\ncell_m = 1"),
-      {"scene.toml:4:1: ", "4.9e+07 cells need 7.84 GB of memory", "GB are at hand", "larger cell_m"});
-  expect_refused(sphere(3e-7), {"scene.toml:8:1: ", "facets need", "larger chord_error_m"});
+      {"scene.toml:4:1: ", "4.9e+07 cells would need 7.84 GB of memory", "GB are available",
+       "larger cell_m"});
+  expect_refused(sphere(3e-7), {"scene.toml:8:1: ", "facets would need", "larger chord_error_m"});
   expect_refused(replaced(small_scene, "beams = 4\n", "beams = 4\npings = 10000000\n"),
-                 {"scene.toml:15:1: ", "the poses of 1e+07 transmissions need 1.28 GB", "fewer pings"});
+                 {"scene.toml:15:1: ", "the poses of 1e+07 transmissions would need 1.28 GB", "fewer pings"});
   folder.write("grid.tif", sparse_tiff(7000, 7000, 100));
   expect_refused(with_raster("load = \"whole\""),
                  {"facets between 7000 x 7000 cells need 7.84 GB of memory", "decimate"});
@@ -167,7 +169,7 @@ TEST_F(HostileToMemory, SumsOfWhatFits) {
     scene += fmt::format(
         "[[objects]]\nname = \"ball{}\"\nshape = \"sphere\"\nposition_m = [0, 9, 5]\nchord_error_m = 4e-6\n",
         k);
-  expect_refused(scene, {"facets need", "GB are at hand"}, 800);
+  expect_refused(scene, {"facets would need", "GB are available"}, 800);
 }
 
 TEST_F(Hostile, RunsThatWouldFillTheDisk) {
@@ -244,7 +246,8 @@ TEST_F(Hostile, EchoFilesThatWereNeverWritten) {
   const Outcome outcome = run({"compare", file, file});
   expect_harmless(outcome);
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("echoes.nc: "), HasSubstr("(docs/echo-file.md has the layout)")));
+  EXPECT_THAT(outcome.err,
+              AllOf(HasSubstr("echoes.nc: "), HasSubstr("(see docs/output-files.md for the layout)")));
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ TEST_F(InputRegistryManuals, OverviewsOnAHostAreNotRequested) {
               simple_band("grid.tif"), "<SourceBand>1</SourceBand>",
               "<SourceBand>1</SourceBand><SrcRect xOff=\"0\" yOff=\"0\" xSize=\"100\" ySize=\"100\"/>"
               "<DstRect xOff=\"0\" yOff=\"0\" xSize=\"3\" ySize=\"3\"/>")));
-      expect_refused(with_raster("small.vrt"), {"names another file for its overviews"});
+      expect_refused(with_raster("small.vrt"), {"refers to another file for its overviews"});
       EXPECT_FALSE(host.was_called());
     }
 }
@@ -108,16 +108,17 @@ TEST_F(InputRegistryManuals, AReferenceSystemNamesNoFile) {
     const std::string scene =
         replaced(small_scene, "[[materials]]",
                  "[georeference]\ncrs = '" + crs + "'\norigin_crs = [0, 0]\n[[materials]]");
-    expect_refused(scene, {"scene.toml:2:1: ", "names a file or a way of its own"});
+    expect_refused(scene, {"scene.toml:2:1: ", "refers to a file or an operation"});
   }
   folder.write("grid.asc", grid);
   folder.write("grid.prj", datum + ",EXTENSION[\"PROJ4_GRIDS\",\"" + file + "\"]" + rest);
-  expect_refused(with_raster("grid.asc"), {"grid.prj: has a coordinate reference system that names files"});
+  expect_refused(with_raster("grid.asc"),
+                 {"grid.prj: has a coordinate reference system that refers to correction files"});
   fs::remove(folder / "grid.prj");
   folder.write("grid.asc.aux.xml",
                "<PAMDataset><SRS>{\"type\":\"BoundCRS\",\"value\":\"" + file + "\"}</SRS></PAMDataset>");
   expect_refused(with_raster("grid.asc"),
-                 {"grid.asc.aux.xml: has a coordinate reference system that names files"});
+                 {"grid.asc.aux.xml: has a coordinate reference system that refers to correction files"});
 }
 
 TEST_F(InputRegistryManuals, Hdf5WithoutEndIsRefused) {
@@ -135,7 +136,7 @@ TEST_F(InputRegistryManuals, Hdf5WithoutEndIsRefused) {
       H5Gclose(H5Gcreate2(id, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
     }
   });
-  expect_both_refuse("deep.nc", "groups within groups");
+  expect_both_refuse("deep.nc", "nests groups");
   write_hdf5(folder / "lattice.nc", [](hid_t id, hid_t) {
     std::string name;
     for (int k = 0; k < 20; ++k) {
@@ -212,7 +213,7 @@ TEST_F(InputRegistryManuals, ATiffOfADirectoryThatFollowsItselfIsRefused) {
 TEST_F(InputRegistryManuals, WhatStandsBesideARasterIsShort) {
   folder.write("grid.asc", grid);
   folder.write("grid.prj", std::string(50'000'000, '\n'));
-  expect_refused(with_raster("grid.asc"), {"grid.prj: has more than 65536 bytes", "move it away"});
+  expect_refused(with_raster("grid.asc"), {"grid.prj: has more than 65536 bytes", "move or delete it"});
 }
 
 TEST_F(InputRegistryManuals, AGeoPackageWithALogIsNotWrittenTo) {
@@ -222,7 +223,7 @@ TEST_F(InputRegistryManuals, AGeoPackageWithALogIsNotWrittenTo) {
   sqlite3_close(database);
   for (const char* name : {"map.gpkg-wal", "map.gpkg-shm"}) fs::remove(folder / name);
   const std::set<std::string> before = names_below(folder.path());
-  expect_refused(with_map("map.gpkg"), {"map.gpkg: is being written to"});
+  expect_refused(with_map("map.gpkg"), {"map.gpkg: is being written"});
   std::set<std::string> after = names_below(folder.path());
   after.erase("scene.toml");
   EXPECT_EQ(after, before);
@@ -255,7 +256,7 @@ TEST_F(InputRegistryManuals, AResultThatNamesASceneElsewhereIsReported) {
   ASSERT_EQ(run_program({"run", scene, "-o", out, "--quiet"}, inside).exit_code, 0);
   const Outcome told = run_program({"view", out, "-o", page}, inside);
   EXPECT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_THAT(told.err, HasSubstr("outside of the folder that you are in"));
+  EXPECT_THAT(told.err, HasSubstr("outside of the current folder"));
   EXPECT_EQ(run_program({"view", out, "-o", page, "--confined"}, inside).exit_code, 2);
   EXPECT_EQ(run_program({"view", out, "-o", page, "--confined", "--scene", scene}, inside).exit_code, 0);
 }

@@ -167,7 +167,7 @@ TEST_F(InputRegistry, FilesThatNameFilesOnTheMachineForProjections) {
                  fmt::format("[georeference]\ncrs = \"{}\"\norigin_crs = [0, 0]\n[[materials]]", crs));
     const WatchedRun run = run_watched({"check", folder.write("scene.toml", scene).string()});
     EXPECT_EQ(run.outcome.exit_code, 2) << run.outcome.out;
-    EXPECT_THAT(run.outcome.err, HasSubstr("names a file"));
+    EXPECT_THAT(run.outcome.err, HasSubstr("refers to a file"));
   }
 }
 
@@ -201,7 +201,7 @@ TEST_F(InputRegistry, AGeoPackageIsTablesAndNothingElse) {
   expect_refused(with_map("map.gpkg"), {"map.gpkg: has a virtual table, 'more'"});
   with("");
   folder.write("map.gpkg-wal", "changes");
-  expect_refused(with_map("map.gpkg"), {"map.gpkg: is being written to", "'map.gpkg-wal'"});
+  expect_refused(with_map("map.gpkg"), {"map.gpkg: is being written", "'map.gpkg-wal'"});
 }
 
 // --- pipes
@@ -211,7 +211,7 @@ TEST_F(InputRegistry, PipesAreNotWaitedFor) {
   folder.write("grid.asc", grid);
   folder.write("mosaic.vrt", vrt_of(simple_band("grid.asc")));
   pipe("grid.asc.aux.xml");
-  expect_refused(with_raster("mosaic.vrt"), {"grid.asc.aux.xml: is a special file", "move it away"});
+  expect_refused(with_raster("mosaic.vrt"), {"grid.asc.aux.xml: is a special file", "move or delete it"});
   fs::remove(folder / "grid.asc.aux.xml");
   EXPECT_EQ(check(with_raster("mosaic.vrt")).exit_code, 0);
 
@@ -223,7 +223,7 @@ TEST_F(InputRegistry, PipesAreNotWaitedFor) {
 
   write_tiff("grid.tif");
   pipe("grid.tifw");
-  expect_refused(with_raster("grid.tif"), {"grid.tifw: is a special file", "move it away"});
+  expect_refused(with_raster("grid.tif"), {"grid.tifw: is a special file", "move or delete it"});
   pipe("echoes.nc");
   const Outcome compared = run({"compare", (folder / "echoes.nc").string(), (folder / "echoes.nc").string()});
   EXPECT_EQ(compared.exit_code, 2);
@@ -328,8 +328,8 @@ TEST(InputRegistryOfShippedScenes, OpensWhatTheHashIsOf) {
     const WatchedRun run = run_watched({"check", scene.string()});
     EXPECT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
     // Shipped scenes give no warnings.
-    for (const char* alarm : {"receives nothing", "is buried", "beside the terrain", "times the terrain",
-                              "radians", "antenna", "in metres?", "seconds?"})
+    for (const char* alarm : {"receives nothing", "is buried", "outside of the terrain",
+                              "times as wide as the terrain", "radians", "antenna", "in metres?", "seconds?"})
       EXPECT_THAT(run.outcome.err, Not(HasSubstr(alarm)));
     EXPECT_EQ(run.opened.read, hashed);
     EXPECT_EQ(run.opened.written, std::set<std::string>());
@@ -401,11 +401,11 @@ TEST_F(InputRegistry, ConfinedReadsNothingOutsideOfTheFolder) {
     const WatchedRun run = confined(scene);
     EXPECT_EQ(run.outcome.exit_code, 2) << run.outcome.err;
     EXPECT_THAT(run.outcome.err,
-                AllOf(HasSubstr("leaves the scene's folder: it is '"), HasSubstr("--confined")));
+                AllOf(HasSubstr("lies outside of the scene's folder, at '"), HasSubstr("--confined")));
     for (const std::string& file : run.opened.read)
       EXPECT_TRUE(file.starts_with(fs::canonical(folder.path()).string())) << file;
     const Outcome told = check(scene);
-    EXPECT_THAT(told.err, HasSubstr("leaves the scene's folder: it is '"));
+    EXPECT_THAT(told.err, HasSubstr("lies outside of the scene's folder, at '"));
   }
 }
 
@@ -433,8 +433,8 @@ TEST_F(InputRegistry, AnEchoFileLargerThanMemoryIsRefusedByItsSizesAlone) {
   const Outcome outcome = run({"compare", file.string(), file.string()});
   expect_harmless(outcome, 200);
   EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
-  EXPECT_THAT(outcome.err,
-              AllOf(HasSubstr("echoes.nc: its values need 1.6 GB of memory"), HasSubstr("are at hand")));
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("echoes.nc: its values would need 1.6 GB of memory"),
+                                 HasSubstr("are available")));
 }
 
 }  // namespace

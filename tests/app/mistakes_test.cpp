@@ -188,7 +188,7 @@ std::vector<Mistake> directions() {
       {"tilt counted upwards",
        {{"tilt_deg = 25", "tilt_deg = -30"}},
        {"scene.toml:24:1: sensor 'camera' receives nothing", "19.5 to 40 degrees up", "towards 0 degrees",
-        "tilt_deg turns a sensor downwards"},
+        "'tilt_deg' is positive downwards"},
        0},
       {"tilt counted upwards, run",
        {{"tilt_deg = 25", "tilt_deg = -30"}},
@@ -204,7 +204,7 @@ std::vector<Mistake> directions() {
        {{"tilt_deg = 25", "tilt_deg = 0"},
         {"vertical_deg = 20", "vertical_deg = 2"},
         {"[0, 6, 0.5]", "[0, -6, 0.5]"}},
-       {"receives nothing", "from 1 degrees down to 1 degrees up", "where nothing is",
+       {"receives nothing", "from 1 degrees down to 1 degrees up", "and no facet is there",
         "east -20 to 20, north -30 to 30, up 0 to 0 m"},
        0},
       {"looks out over the terrain's edge",
@@ -219,22 +219,22 @@ std::vector<Mistake> windows() {
   return {
       {"a window behind all echoes",
        {{"range_min_m = 2", "range_min_m = 60"}, {"range_max_m = 12", "range_max_m = 65"}},
-       {"receives nothing", "lies 5.23 to 11.88 m away", "its range window is 60 to 65 m",
-        "change the window"},
+       {"receives nothing", "lies 5.23 to 11.88 m away", "its range gate is 60 to 65 m",
+        "change the range gate"},
        0},
       {"a window behind all echoes, run",
        {{"range_min_m = 2", "range_min_m = 60"}, {"range_max_m = 12", "range_max_m = 65"}},
-       {"receives nothing", "its range window is 60 to 65 m"},
+       {"receives nothing", "its range gate is 60 to 65 m"},
        0,
        {},
        {"run", "SCENE", "-o", "OUT"}},
       {"a window before all echoes",
        {{"range_min_m = 2", "range_min_m = 0.5"}, {"range_max_m = 12", "range_max_m = 2"}},
-       {"receives nothing", "its range window is 0.5 to 2 m"},
+       {"receives nothing", "its range gate is 0.5 to 2 m"},
        0},
       {"a range in millimetres",
        {{"range_max_m = 12", "range_max_m = 12000"}},
-       {"listens up to 1.2e+04 m in samples of 187 m", "is its range window in metres?"},
+       {"records up to 1.2e+04 m in range bins of 187 m", "is the range gate in metres?"},
        0},
       {"nearest and farthest exchanged",
        {{"range_min_m = 2", "range_min_m = 20"}},
@@ -245,8 +245,7 @@ std::vector<Mistake> windows() {
         {"range_max_m = 12", "range_max_m = 65"},
         {"[0, 0, 3]", "[0, 0, 27]"},
         {"length_m = 60", "length_m = 600"}},
-       {"receives nothing: at ping 0", "within its range window, and returns nothing there",
-        "absorption_db_per_km"},
+       {"receives nothing: at ping 0", "within its range gate, but return no energy", "absorption_db_per_km"},
        0,
        {},
        {"run", "SCENE", "-o", "OUT"}},
@@ -266,13 +265,13 @@ std::vector<Mistake> frames() {
   const std::string here = "[georeference]\norigin_lat_lon_deg = [48.36, -4.52]\n[water]";
   return {
       of_track("a track in UTM over a local bed", utm,
-               {"receives nothing", "km away from the terrain, which covers east -20 to 20, north -30 to 30",
-                "look like UTM's easting and northing", "origin_crs"},
+               {"receives nothing", "km from the terrain, which covers east -20 to 20, north -30 to 30",
+                "look like UTM easting and northing", "origin_crs"},
                0),
       {"a bed in UTM under a local track",
        {on_grid, {"[0, 6, 0.5]", "[0, -6, 0.5]"}},
-       {"receives nothing", "the terrain's coordinates look like UTM's", "[georeference]",
-        "object 'box' lies beside the terrain, which covers east 621932.5 to 621952.5"},
+       {"receives nothing", "the terrain's coordinates look like UTM", "[georeference]",
+        "object 'box' lies outside of the terrain, which covers east 621932.5 to 621952.5"},
        0,
        {{"grid.asc", all_replaced(all_replaced(good_grid, "xllcorner -10", "xllcorner 621930"),
                                   "yllcorner -10", "yllcorner 7245100")}}},
@@ -281,9 +280,9 @@ std::vector<Mistake> frames() {
        {"receives nothing", "look like longitude and latitude"},
        0,
        {{"track.csv", degrees}}},
-      at("500 m above the bed", "[0, 0, 500]",
-         {"receives nothing", "up 500.00 m, 500 m over the terrain", "14.6 to 35 degrees down",
-          "where nothing is"}),
+      at("500 m above the seabed", "[0, 0, 500]",
+         {"receives nothing", "up 500.00 m, 500 m above the terrain", "14.6 to 35 degrees down",
+          "and no facet is there"}),
       at("500 m off the terrain", "[500, 0, 3]",
          {"receives nothing", "480 m beside the terrain", "north -30 to 30"}),
       {"depths where heights are wanted",
@@ -291,7 +290,7 @@ std::vector<Mistake> frames() {
        {"scene.toml:25:1: sensor 'camera' is 17 m below the seabed"}},
       {"a bed at its depth, the sonar at its height",
        {{"length_m = 60", "length_m = 60\ncentre_m = [0, 0, -20]"}, {"[0, 6, 0.5]", "[0, 6, -19.5]"}},
-       {"receives nothing", "up 3.00 m, 23 m over the terrain", "up -20 to -20 m"},
+       {"receives nothing", "up 3.00 m, 23 m above the terrain", "up -20 to -20 m"},
        0},
       {"an origin in degrees for a map in metres",
        {{"[water]", "[georeference]\ncrs = \"EPSG:32630\"\norigin_crs = [-4.52, 48.36]\n[water]"}},
@@ -309,12 +308,14 @@ std::vector<Mistake> objects() {
   };
   return {
       moved("an object under the bed", "[0, 6, -5]",
-            {"scene.toml:15:1: object 'box' is buried: its top is 4.5 m below the bed", "on_terrain_m"}),
+            {"scene.toml:15:1: object 'box' is buried and cannot be seen: its top is 4.5 m below the seabed",
+             "on_terrain_m"}),
       moved("an object off the terrain", "[0, 600, 0.5]",
-            {"object 'box' lies beside the terrain, which covers east -20 to 20, north -30 to 30"}),
+            {"object 'box' lies outside of the terrain, which covers east -20 to 20, north -30 to 30"}),
       {"a size in millimetres",
        {{"size_m = [1, 1, 1]", "size_m = [1000, 1000, 1000]"}},
-       {"object 'box' is 1000 m wide, 16.7 times the terrain", "other units", "is inside object 'box'"},
+       {"object 'box' is 1000 m wide, 16.7 times as wide as the terrain", "other units",
+        "is inside object 'box'"},
        0},
       {"a mesh in millimetres",
        {of_mesh},
@@ -332,13 +333,13 @@ TEST(Mistakes, WhereThingsAreIsReported) {
   const auto told = [](std::string_view to) {
     return outcome_of({"none", {{"[0, 6, 0.5]", std::string(to)}}, {}, 0}).out;
   };
-  EXPECT_THAT(told("[0, 6, 0.5]"), HasSubstr("box                      on the bed\n"));
-  EXPECT_THAT(told("[0, 6, 0]"), HasSubstr("in the bed: from 0.5 m below it to 0.5 m above\n"));
-  EXPECT_THAT(told("[0, 6, 10]"), HasSubstr("9.5 m above the bed\n"));
-  EXPECT_THAT(told("[20, 6, 0.5]"), HasSubstr("on the bed; partly beside the terrain\n"));
-  EXPECT_THAT(told("[0, 6, -5]"), HasSubstr("buried: its top is 4.5 m below the bed\n"));
-  EXPECT_THAT(told("[0, 6, 0.5]"), HasSubstr("east 0.00, north 0.00, up 3.00 m (3 m over the bed)\n"));
-  EXPECT_THAT(told("[0, 6, 0.5]"), HasSubstr("local metres, with no place on Earth\n"));
+  EXPECT_THAT(told("[0, 6, 0.5]"), HasSubstr("box                      on the seabed\n"));
+  EXPECT_THAT(told("[0, 6, 0]"), HasSubstr("partly buried: from 0.5 m below the seabed to 0.5 m above\n"));
+  EXPECT_THAT(told("[0, 6, 10]"), HasSubstr("9.5 m above the seabed\n"));
+  EXPECT_THAT(told("[20, 6, 0.5]"), HasSubstr("on the seabed; partly outside of the terrain\n"));
+  EXPECT_THAT(told("[0, 6, -5]"), HasSubstr("buried: its top is 4.5 m below the seabed\n"));
+  EXPECT_THAT(told("[0, 6, 0.5]"), HasSubstr("east 0.00, north 0.00, up 3.00 m (3 m above the seabed)\n"));
+  EXPECT_THAT(told("[0, 6, 0.5]"), HasSubstr("local, in metres, without a position on Earth\n"));
 }
 
 // --- units
@@ -371,13 +372,13 @@ std::vector<Mistake> units() {
        {"scene.toml:30:1: unknown key 'tilt_rad' in [[sensors]]: give it in degrees, as 'tilt_deg'"}},
       {"a unit behind the number",
        {{"tilt_deg = 25", "tilt_deg = 25 deg"}},
-       {"scene.toml:30:15: not valid TOML", "write the number alone"}},
+       {"scene.toml:30:15: not valid TOML", "write only the number"}},
       {"a unit in quotes",
        {{"tilt_deg = 25", "tilt_deg = \"25 deg\""}},
-       {"scene.toml:30:12:", "write the number alone"}},
+       {"scene.toml:30:12:", "write only the number"}},
       {"a decimal comma",
        {{"tilt_deg = 25", "tilt_deg = 25,5"}},
-       {"scene.toml:30:14: not valid TOML", "decimals have a point"}},
+       {"scene.toml:30:14: not valid TOML", "write decimals with a point"}},
   };
 }
 TEST(Mistakes, Units) { expect_answers(units()); }
@@ -402,7 +403,7 @@ std::vector<Mistake> names() {
        {"scene.toml:24:3:", "did you mean 'sensors'?"}},
       {"text without quotes",
        {{"kind = \"imaging\"", "kind = imaging"}},
-       {"scene.toml:26:9: not valid TOML", "text stands in quotes"}},
+       {"scene.toml:26:9: not valid TOML", "put text in quotes"}},
       {"a colon for an equals sign",
        {{"beams = 8", "beams: 8"}},
        {"scene.toml:27:6: not valid TOML", "key = value"}},
@@ -417,13 +418,13 @@ TEST(Mistakes, Names) { expect_answers(names()); }
 
 std::vector<Mistake> files() {
   Mistake mesh{
-      "a mesh that may not be read", {of_mesh}, {"thing.obj", "may not be read (Permission denied)"}};
+      "a mesh that may not be read", {of_mesh}, {"thing.obj", "is not readable (Permission denied)"}};
   mesh.files["thing.obj"] = std::string(cube_of_1000);
   mesh.unreadable = "thing.obj";
-  Mistake grid{"a grid that may not be read", {on_grid}, {"grid.asc", "may not be read (Permission denied)"}};
+  Mistake grid{"a grid that may not be read", {on_grid}, {"grid.asc", "is not readable (Permission denied)"}};
   grid.files["grid.asc"] = std::string(good_grid);
   grid.unreadable = "grid.asc";
-  Mistake scene{"a scene that may not be read", {}, {"scene.toml", "may not be read (Permission denied)"}};
+  Mistake scene{"a scene that may not be read", {}, {"scene.toml", "is not readable (Permission denied)"}};
   scene.unreadable = "scene.toml";
   return {
       mesh,
@@ -441,10 +442,10 @@ std::vector<Mistake> files() {
        {{"thing.obj", std::string(cube_of_1000)}}},
       {"a folder as another system writes it",
        {of_mesh, {"thing.obj", "meshes\\\\thing.obj"}},
-       {"scene.toml:18:8:", "folders are parted by / here"}},
+       {"scene.toml:18:8:", "separate folders with /"}},
       {"a format that is not read",
        {of_mesh, {"thing.obj", "thing.step"}},
-       {"scene.toml:15:1: thing.step: '.step' is no mesh format that is read: expected .obj"},
+       {"scene.toml:15:1: thing.step: '.step' is not a mesh format that tubefoot reads: expected .obj"},
        2,
        {{"thing.step", "ISO-10303-21;\n"}}},
       {"cells without data that the grid does not declare",
@@ -491,10 +492,10 @@ std::vector<Mistake> tables() {
        {"run", "SCENE", "-o", "OUT"}},
       of_track("headings that can only be radians", with(",90,", ",1.5708,"),
                {"track.csv: heading_deg looks like radians"}, 0),
-      of_track("a workbook", "PK\x03\x04 and more", {"this is a workbook of a spreadsheet: save it as CSV"}),
+      of_track("a workbook", "PK\x03\x04 and more", {"this is a spreadsheet workbook: save it as CSV"}),
       of_track("UTF-16", std::string("\xFF\xFEt\0i\0m\0e\0", 10), {"this is UTF-16"}),
       of_track("dates", with("\n0,", "\n2024-01-01T00:00:00,"),
-               {"track.csv:2:1: time_s is '2024-01-01T00:00:00'", "seconds in one count"}),
+               {"track.csv:2:1: time_s is '2024-01-01T00:00:00'", "write seconds as one number"}),
       of_track("an empty cell", with("10,3,0,3,90", "10,3,0,3,"),
                {"track.csv:3:10: heading_deg is ''", "empty"}),
       of_track("times in milliseconds", with("\n10,", "\n10000,"),
@@ -517,14 +518,15 @@ std::vector<Mistake> command_lines() {
     return command;
   };
   return {
-      of_command("a tolerance of 50 %", run({"--tolerance", "0.5"}),
-                 {"'0.5' alone is a relative error of 50 %", "0.5dB", "or 50% if that is meant"}),
+      of_command(
+          "a tolerance of 50 %", run({"--tolerance", "0.5"}),
+          {"'0.5' without a unit is a relative error of 50 %", "0.5dB", "or 50% for this relative error"}),
       of_command("a tolerance of 50 %, advise", {"advise", "SCENE", "--tolerance", "0.5"},
-                 {"'0.5' alone is a relative error of 50 %"}),
+                 {"'0.5' without a unit is a relative error of 50 %"}),
       of_command("a tolerance in percent without its sign", run({"--tolerance", "5"}),
-                 {"'5' alone is a relative error of 500 %", "5dB", "5%"}),
+                 {"'5' without a unit is a relative error of 500 %", "5dB", "5%"}),
       of_command("rays for the tube engine", run({"--rays", "1000"}),
-                 {"--rays is a setting of the ray engine, and this run's is tube: add --engine ray"}),
+                 {"--rays is a setting of the ray engine, but this run uses tube: add --engine ray"}),
       of_command("rays a beam for the tube engine", run({"--rays-per-beam", "10"}),
                  {"--rays-per-beam is a setting"}),
       of_command("a sampling for the tube engine", run({"--sampling", "random"}),
@@ -539,7 +541,7 @@ std::vector<Mistake> command_lines() {
       of_command("a ping that is not there", {"audit", "SCENE", "--pings", "5"},
                  {"the sensor has pings 0 to 0"}),
       of_command("a format that is not written", {"footprints", "SCENE", "--sensor", "camera", "-o", "x.shp"},
-                 {"the ending chooses the format"}),
+                 {"unknown suffix"}),
   };
 }
 TEST(Mistakes, CommandLines) { expect_answers(command_lines()); }

@@ -66,7 +66,7 @@ class TurningKind : public SensorKind {
 
   void add_keys(TomlSection<SensorDescription>& section) const override {
     using S = TurningKeys;
-    section.kind<S>("kind", name(),
+    section.kind<S>("kind", name(), "A turning beam.",
                     {field("frequency_khz", &S::frequency_khz, {.ranges = {frequency}}),
                      field("steps", &S::steps, {.ranges = {{.lo = 1, .hi = 4096}}}),
                      field("sector_deg", &S::sector_deg, {.ranges = {sector(180, true)}}),

@@ -124,9 +124,9 @@ TEST_F(RunOutputs, TellWritingBeforeAndAfter) {
   for (const auto& file : std::filesystem::directory_iterator(folder / "out"))
     bytes += static_cast<double>(file.file_size());
   EXPECT_LE(bytes, 1e6 * std::stod(disk[1].str()));
-  EXPECT_THAT(outcome.err, ContainsRegex("writing will take about [0-9.]+ s, and the disk"));
+  EXPECT_THAT(outcome.err, ContainsRegex("writing will take about [0-9.]+ s; the disk"));
   EXPECT_THAT(outcome.out,
-              ContainsRegex("simulation [0-9.]+ s \\([0-9.e+]+ pings a second\\), writing [0-9.]+ s"));
+              ContainsRegex("simulation [0-9.]+ s \\([0-9.e+]+ pings per second\\), writing [0-9.]+ s"));
   EXPECT_THAT(run({"--quiet", "--pictures", "none"}).err, Not(HasSubstr("writing")));
 }
 

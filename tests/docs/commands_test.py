@@ -54,7 +54,7 @@ INSTEAD = {
         "200 pings of a scene that is shortened here",
         f"{PROGRAM} coverage scenes/survey/scene.toml --pings 0:1 -o out/coverage"),
     "tubefoot run scenes/wellhead/scene.toml -o reference --reference --tolerance 1e-9": (
-        "minutes; docs/howto-reference.md runs a small scene so",
+        "minutes; docs/reference-results.md runs a small scene so",
         f"{PROGRAM} run scenes/chart/sphere-on-plane.toml -o out/reference --reference --tolerance 1e-9"),
     "tubefoot advise scenes/wellhead/scene.toml --tolerance 0.5dB": (
         "minutes", "tubefoot advise scenes/chart/flat-bed.toml --tolerance 0.5dB"),
@@ -71,7 +71,7 @@ MADE_ELSEWHERE = {
     "out/drift.png": "make track-study",
 }
 # Pages whose Python is run by tests of their own.
-PYTHON_ELSEWHERE = {"docs/python.md", "docs/echo-file.md", "docs/footprints.md", "docs/commands.md"}
+PYTHON_ELSEWHERE = {"docs/python.md", "docs/output-files.md", "docs/footprints.md", "docs/command-reference.md"}
 
 failures = []
 

@@ -134,7 +134,7 @@ class InABrowser(unittest.TestCase):
         self.assertIn("struct GridPoint", self.page.js("return document.getElementById('gridpoint').textContent"))
 
     def test_a_phone_shows_pages_in_its_width(self):
-        for name in ["index.html", "docs/physics.html", "docs/gallery.html", "docs/scene-file.html", "docs/architecture.html",
+        for name in ["index.html", "docs/physics.html", "docs/gallery.html", "docs/scene-keys.html", "docs/architecture.html",
                      "api/python.html", "api/src-engine-echo.html", "validation/atlas.html"]:
             self.open(name, 390, 844)
             self.assertLessEqual(self.page.js("return document.documentElement.scrollWidth"), 390, name)
@@ -213,7 +213,7 @@ class WrongSites(unittest.TestCase):
         "docs/architecture.md": "# Architecture\n\n## Modules\n\n| module | content | may include |\n|---|---|---|\n"
                          "| `geometry/numbers` | numbers | |\n\n```math\n\\frac{1}{2}\n```\n",
         "geometry/numbers/point.hpp": "namespace tubefoot {\n\n/// A point.\nstruct Point {\n  int x = 0;\n};\n\n}  // namespace tubefoot\n",
-        "docs/packaging.md": "# Packages\n\n## A program of your own\n",
+        "docs/installation.md": "# Packages\n\n## A program of your own\n",
         "docs/examples/own-sonar/main.cpp": "int main() {}\n",
         "python/tubefoot/__init__.py": '"""A module."""\n__all__ = []\n',
     }

@@ -272,9 +272,10 @@ TEST_F(Exchange, TellsWhatCannotGoOut) {
       "0.005\n[sea_surface]\nheight_m = 20\n";
   folder.write("scene.toml", scene);
   const std::string said = done({"export", name("scene.toml"), "--to", "obj", "-o", name("obj")});
-  for (const char* what : {"scattering law 'sediment'", "beam patterns", "sea surface", "no sonars"})
+  for (const char* what :
+       {"scattering model 'sediment'", "beam patterns", "sea surface", "cannot describe sonars"})
     EXPECT_THAT(said, HasSubstr(what));
-  EXPECT_THAT(bytes_of(folder / "obj/README.txt"), HasSubstr("scattering law 'sediment'"));
+  EXPECT_THAT(bytes_of(folder / "obj/README.txt"), HasSubstr("scattering model 'sediment'"));
 }
 
 TEST_F(Exchange, RefusesPingsAndSensorsThatAreNotThere) {

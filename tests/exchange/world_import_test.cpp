@@ -86,7 +86,7 @@ TEST_F(Worlds, FindFramesByName) {
   ASSERT_EQ(scene.objects.size(), 2);
   EXPECT_EQ(scene.objects[1].placed.position_m, glm::dvec3(1, 1, 5));
   EXPECT_THAT(scene.noticed, Contains(HasSubstr("relative to 'nowhere'")));
-  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'d' left out")));  // they depend on each other
+  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'d' is left out")));  // they depend on each other
 }
 
 TEST_F(Worlds, ReadShapesAndTellWhatTheyDoNot) {
@@ -177,8 +177,8 @@ TEST_F(Worlds, ReadSonarsInTheEnginesWords) {
   EXPECT_EQ(scene.sensors[0].own.position_m, glm::dvec3(1, 0, 5));
   EXPECT_EQ(key(1, "spacing"), "\"distance\"");
   EXPECT_EQ(std::stod(key(1, "horizontal_deg")), 90);
-  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'flat' left out")));
-  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'imu' left out")));
+  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'flat' is left out")));
+  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'imu' is left out")));
 }
 
 TEST_F(Worlds, LeaveOutBodiesWithoutSizeAndSaySo) {
@@ -188,8 +188,8 @@ TEST_F(Worlds, LeaveOutBodiesWithoutSizeAndSaySo) {
     <static name='ball' type='sphere'><dimensions radius='0.5'/><material name='Mud'/></static>)");
   ASSERT_EQ(scene.objects.size(), 1u);
   EXPECT_EQ(scene.objects[0].name, "ball");
-  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'dot' left out: not all of its lengths are above 0")));
-  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'sheet' left out: not all of its lengths are above 0")));
+  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'dot' is left out: all of its lengths must be above 0")));
+  EXPECT_THAT(scene.noticed, Contains(HasSubstr("'sheet' is left out: all of its lengths must be above 0")));
 }
 
 TEST_F(Worlds, ReadStonefishDown) {
@@ -220,8 +220,8 @@ TEST_F(Worlds, ReadStonefishDown) {
       fmt::format("[{}, ", -30 + std::atan(std::tan(ten) * -15 / 16) * 180 / std::numbers::pi);
   EXPECT_THAT(scene.sensors[0].keys,
               Contains(testing::Pair("beam_angles_deg", testing::StartsWith(first.substr(0, 12)))));
-  for (const char* told : {"even in tangent in each of 4 views", "'imu' left out", "its body is left out",
-                           "1000 m wide", "material 'Mud'"})
+  for (const char* told : {"equidistant beams are assumed in each of 4 views", "'imu' is left out",
+                           "its body is left out", "it is 1000 m wide", "material 'Mud'"})
     EXPECT_THAT(scene.noticed, Contains(HasSubstr(told)));
 }
 
@@ -234,7 +234,7 @@ TEST_F(Worlds, SayWhereTheyAreWrong) {
   EXPECT_THAT(refusal("<urdf/>"), HasSubstr("begins with <urdf>"));
   EXPECT_THAT(refusal(world("")), HasSubstr("no geometry"));
   EXPECT_THAT(refusal(world(model(box, "<pose>1 2 x 0 0 0</pose>"))),
-              HasSubstr("bad.sdf:3:17: <pose> is '1 2 x 0 0 0': 'x' is no number"));
+              HasSubstr("bad.sdf:3:17: <pose> is '1 2 x 0 0 0': 'x' is not a number"));
   for (const char* pose :
        {"1 2 3", "1 2 3 4 5 6 7", "1e300 0 0 0 0 0", "nan 0 0 0 0 0", "inf 0 0 0 0 0", "1e999 0 0 0 0 0"})
     EXPECT_THAT(refusal(world(model(box, std::string("<pose>") + pose + "</pose>"))),
@@ -321,7 +321,7 @@ TEST_F(Worlds, KeysOfOursAreNumbersAndWords) {
                             "kind='imaging' trajectory='other'"}) {
     const ImportedScene scene = sdf(sonar(std::string("name='s' ") + wrong));
     EXPECT_TRUE(scene.sensors.empty()) << wrong;
-    EXPECT_THAT(scene.noticed, Contains(HasSubstr("sonar 's' left out"))) << wrong;
+    EXPECT_THAT(scene.noticed, Contains(HasSubstr("sonar 's' is left out"))) << wrong;
   }
 }
 

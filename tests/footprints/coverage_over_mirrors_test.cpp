@@ -148,7 +148,7 @@ TEST_F(CoverageOverMirrors, NobodyReceivesWhatOneFanSendsToAnother) {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     double received_m2 = 0;  // each path once; footprints may overlap
     for (const auto& row : csv_rows(file))
-      if (std::stod(row.at("energy_j")) > 0 && row.at("mirrors_home") == "0")
+      if (std::stod(row.at("energy_j")) > 0 && row.at("rx_reflections") == "0")
         received_m2 += std::stod(row.at("area_m2"));
     EXPECT_LE(all.seen_m2, received_m2 * (1 + 1e-6)) << beginning;
     EXPECT_GT(all.seen_m2, 0.5 * received_m2) << beginning;
@@ -162,7 +162,7 @@ TEST_F(CoverageOverMirrors, ExactCornersOfOtherOrdersAreRefused) {
   const Outcome outcome =
       run_program({"footprints", file.string(), "--sensor", "side", "-o", (folder / "f.txt").string()});
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, testing::HasSubstr("'only_order' leaves out paths of order 1"));
+  EXPECT_THAT(outcome.err, testing::HasSubstr("'only_order' excludes paths of order 1"));
   EXPECT_FALSE(std::filesystem::exists(folder / "f.txt"));
 }
 

@@ -98,7 +98,7 @@ TEST(CoverageRun, LayersAndTablesAgreeAndCloseInRationals) {
     EXPECT_NEAR(facet.seen_m2, facet.area_m2 * facet.seen.convert_to<double>(), 1e-12);
   }
   ASSERT_GT(facets.size(), 100u);
-  EXPECT_THAT(outcome.out, HasSubstr(fmt::format("closes         {0} facets of {0}", facets.size())));
+  EXPECT_THAT(outcome.out, HasSubstr(fmt::format("closure        {0} of {0} facets", facets.size())));
 
   std::map<GIntBig, Rational> sums, seen;
   GIntBig most = 0;
@@ -233,7 +233,7 @@ TEST(CoverageRun, WhatHasNoCoverageIsRefused) {
   for (const char* name : {"c.shp", "c.gpkg.zip", "c.GPKG"}) {
     const Outcome outcome = cover(folder / "scene.toml", folder / name);
     EXPECT_EQ(outcome.exit_code, 2);
-    EXPECT_THAT(outcome.err, HasSubstr(".gpkg, .csv"));
+    EXPECT_THAT(outcome.err, HasSubstr(".gpkg or .csv"));
   }
 }
 
@@ -259,7 +259,7 @@ TEST(CoverageRun, ASectorThatMeetsNothingGivesEmptyTables) {
                                                 "position_m = [6, 0.3, 0.5]", "position_m = [16, 0.3, 0.5]")),
             folder / "out");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("closes         0 facets of 0"));
+  EXPECT_THAT(outcome.out, HasSubstr("closure        0 of 0 facets"));
   EXPECT_TRUE(fs::exists(folder / "out/coverage.gpkg"));
 }
 

@@ -59,7 +59,7 @@ Polygons read(const std::filesystem::path& file) {
     std::istringstream words(line);
     std::string word;
     words >> word;
-    if (word == "shot") receiver = false;
+    if (word == "transmission") receiver = false;
     if (word == "receiver") receiver = true;
     if (word == "tube") {
       words >> tube;

@@ -161,10 +161,10 @@ TEST(FootprintChoice, LeavesOutWhatFootprintsAreNot) {
   const std::string mirrors = "[sea_surface]\nheight_m = 10\nloss_db = 1\n[paths]\norder = 2\n";
   const Outcome mirrored = outcome_of(box_scene("", mirrors), "camera.txt");
   EXPECT_EQ(mirrored.exit_code, 0) << mirrored.err;
-  EXPECT_THAT(mirrored.err, HasSubstr("exact corners are those of paths of order 1"));
+  EXPECT_THAT(mirrored.err, HasSubstr("exact corners cover paths of order 1 only"));
   const Outcome twice = outcome_of(box_scene("", mirrors + "scatterings = 2\npatch_m = 2\n"), "camera.csv");
   EXPECT_EQ(twice.exit_code, 0) << twice.err;
-  EXPECT_THAT(twice.err, HasSubstr("footprints are those of what is scattered once"));
+  EXPECT_THAT(twice.err, HasSubstr("footprints contain single scattering only"));
 }
 
 // A seabed in z = 0 (facets 0, 1) under a plate in z = 1 (facets 2, 3), from 5 m. Similar triangles give
@@ -425,7 +425,7 @@ TEST(GeoreferencedFootprints, LieWhereTheSceneDoes) {
   ASSERT_EQ(lat_lon.importFromEPSG(4326), OGRERR_NONE);
   for (OGRSpatialReference* crs : {&utm, &lat_lon}) crs->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   EXPECT_TRUE(map->GetLayer(0)->GetSpatialRef()->IsSame(&utm));
-  EXPECT_THAT(map->GetLayer(0)->GetMetadataItem("DESCRIPTION"), HasSubstr("scene's CRS"));
+  EXPECT_THAT(map->GetLayer(0)->GetMetadataItem("DESCRIPTION"), HasSubstr("CRS of the scene"));
   const std::unique_ptr<OGRCoordinateTransformation> to_utm(
       OGRCreateCoordinateTransformation(&lat_lon, &utm));
   std::map<GIntBig, OGREnvelope3D> uprights;  // of features without plan area

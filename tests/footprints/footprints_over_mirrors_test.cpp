@@ -83,9 +83,9 @@ TEST_P(FootprintsOverMirrors, SumToTheEchoesOfTheirOrder) {
     std::map<double, double> by_mirrors;
     for (const Row& row : rows.rows) {
       EXPECT_EQ(row.at("path_order"), order);
-      EXPECT_EQ(row.at("mirrors_out") + row.at("mirrors_home") + 1, order);
+      EXPECT_EQ(row.at("tx_reflections") + row.at("rx_reflections") + 1, order);
       EXPECT_LE(row.at("slant_range_min_m"), row.at("slant_range_max_m"));
-      by_mirrors[row.at("mirrors_out")] += row.at("energy_j");
+      by_mirrors[row.at("tx_reflections")] += row.at("energy_j");
     }
     EXPECT_EQ(by_mirrors.size(), order == 3 ? 1u : std::size_t(order)) << "over the surface, once each way";
     EXPECT_EQ(std::ranges::count_if(all.rows, [&](const Row& row) { return row.at("path_order") == order; }),
@@ -114,16 +114,16 @@ TEST(FootprintsOverTheSurface, LieOnTheSeabedAtTheRangesOfTheImages) {
     const glm::dvec3 at(row.at("centroid_east_m"), row.at("centroid_north_m"), row.at("centroid_up_m")),
         apex(0.1, 0.2, 1), image(0.1, 0.2, 5);
     EXPECT_NEAR(at.z, 0, 1e-5);
-    const double tx = glm::distance(at, row.at("mirrors_out") > 0 ? image : apex),
-                 rx = glm::distance(at, row.at("mirrors_home") > 0 ? image : apex);
+    const double tx = glm::distance(at, row.at("tx_reflections") > 0 ? image : apex),
+                 rx = glm::distance(at, row.at("rx_reflections") > 0 ? image : apex);
     EXPECT_LE(row.at("slant_range_min_m"), (tx + rx) / 2 + 1e-6);
     EXPECT_GE(row.at("slant_range_max_m"), (tx + rx) / 2 - 1e-6);
     EXPECT_NEAR(std::sin(row.at("grazing_deg") * std::numbers::pi / 180) * tx,
-                row.at("mirrors_out") > 0 ? 5 : 1, 1e-5);
+                row.at("tx_reflections") > 0 ? 5 : 1, 1e-5);
     double azimuth = std::atan2(at.x - apex.x, at.y - apex.y) * 180 / std::numbers::pi;
     if (azimuth < 0) azimuth += 360;
     EXPECT_NEAR(row.at("azimuth_deg"), azimuth, 1e-4);
-    ways.insert({row.at("mirrors_out"), row.at("mirrors_home")});
+    ways.insert({row.at("tx_reflections"), row.at("rx_reflections")});
   }
   EXPECT_EQ(ways, (std::set<std::pair<double, double>>{{0, 0}, {0, 1}, {1, 0}, {1, 1}}));
 }

@@ -111,7 +111,7 @@ TEST_F(ImportRefusals, OptionsWithoutAnObjectAreRefused) {
   refused("a.npz", npz, {"--topic", "/sonar"}, "NPZ");
   refused("a.png", png, {"--topic", "/sonar"}, "picture");
   refused("a.nc", bytes_of(like), {"--topic", "/sonar"}, "netCDF");
-  refused("a.npy", picture(), {"--range-origin", "edges"}, "no ranges");
+  refused("a.npy", picture(), {"--range-origin", "edges"}, "needs ranges");
   // The assumption of a profile is not an option of the user.
   const std::string at = folder.write("a.npy", picture()).string();
   EXPECT_EQ(import({at, at}, {"--profile", "oceansim", "--order", "beam-first"}).exit_code, 0);
@@ -318,7 +318,7 @@ TEST_F(Again, OriginalsThatAreNotWhatTheyWereAreRefused) {
     folder.write("candidate.originals/" + file, bytes);
   };
   write(name, picture(40));
-  refused("is not what it was");
+  refused("has changed: its bytes do not have the hash");
   fs::remove(originals / name);
   refused(name);
   write(name, picture(30));

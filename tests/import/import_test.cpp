@@ -225,7 +225,7 @@ TEST_F(Import, NumbersThatAreNoneOfTheirScaleAreRefused) {
     EXPECT_THAT(refusal(picture.npy(), {"--scale", scale}), HasSubstr("has nan at row 1, column 2"));
   EXPECT_THAT(refusal(picture.npy(), {"--scale", "loud"}), HasSubstr("--scale 'loud'"));
   EXPECT_THAT(refusal(picture.npy(), {"--scale", "db:-1"}), HasSubstr("db:REFERENCE"));
-  EXPECT_THAT(refusal(picture.npy(), {}), HasSubstr("--scale says what"));
+  EXPECT_THAT(refusal(picture.npy(), {}), HasSubstr("--scale must name the kind"));
 }
 
 TEST_F(Import, WrongOrderIsFoundByTheTruth) {
@@ -242,12 +242,12 @@ TEST_F(Import, WrongOrderIsFoundByTheTruth) {
     options.push_back("--strict");
     EXPECT_THAT(refusal(picture.npy(), options), HasSubstr(words));
   };
-  warned(Picture(truth).flip_beams(), "mirrored: corr 1.00 against");
+  warned(Picture(truth).flip_beams(), "mirrored: corr 1.00 instead of");
   warned(Picture(truth).flip_beams(), "use --flip-beams");
   warned(Picture(truth).flip_range(), "use --flip-range");
   warned(Picture(truth).flip_range().flip_beams(), "use --flip-beams --flip-range");
   warned(Picture(truth), "use --no-flip-beams", {"--flip-beams"});
-  warned(Picture(truth).each([](double) { return 0; }), "silent where the truth has echoes");
+  warned(Picture(truth).each([](double) { return 0; }), "no echoes where the reference has some");
   // Values unrelated to the scene.
   std::size_t k = 0;
   warned(Picture(truth).each([&](double) { return double(++k * 7919 % 101); }), "is it the same scene");
@@ -261,7 +261,8 @@ TEST_F(Import, AnotherScaleIsReportedAndNeverRefuses) {
   const Words words = {"--scale", "energy", "--strict"};
   const Outcome outcome = import_file("picture.npy", roots.npy(), words);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("warning: as --scale amplitude has it"), HasSubstr("corr 1.00")));
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("warning: with --scale amplitude the pictures agree better"),
+                                 HasSubstr("corr 1.00")));
   EXPECT_THAT(attribute("import_warnings"), HasSubstr("--scale amplitude"));
   EXPECT_THAT(import_file("picture.npy", Picture(truth).npy(), words).err, Not(HasSubstr("--scale")));
   std::filesystem::remove(out);
@@ -277,13 +278,13 @@ TEST_F(Import, AnOutputModelBringsTheReferenceToItsMeasure) {
   const std::string output_model = folder / "recipe.toml";
   std::ofstream(output_model) << "[[steps]]\nstep = \"amplitude\"\n";
   const Outcome without = import_file("picture.npy", roots.npy(), {"--scale", "energy"});
-  EXPECT_THAT(without.err, HasSubstr("as --scale amplitude has it"));
+  EXPECT_THAT(without.err, HasSubstr("with --scale amplitude the pictures agree better"));
   const std::vector<double> written = read_echoes(out).energy;
   const Outcome with =
       import_file("picture.npy", roots.npy(), {"--scale", "energy", "--output-model", output_model});
   EXPECT_EQ(with.exit_code, 0);
   EXPECT_THAT(with.err, Not(HasSubstr("warning"))) << with.out;
-  EXPECT_THAT(with.out, AllOf(HasSubstr("in the measure of"), HasSubstr("corr 1.00")));
+  EXPECT_THAT(with.out, AllOf(HasSubstr("in the units of"), HasSubstr("corr 1.00")));
   EXPECT_EQ(read_echoes(out).energy, written);
   // The import also detects a wrong order here, and reports an invalid output model.
   EXPECT_THAT(import_file("picture.npy", Picture(roots).flip_beams().npy(),
@@ -314,7 +315,7 @@ TEST_F(Import, WhatLooksLikeNothingDoesNotHold) {
   picture.each([&](double) { return double(++k * 7919 % 101); });
   const Outcome outcome = import_file("picture.npy", picture.npy(), {"--scale", "energy"});
   EXPECT_THAT(outcome.err, HasSubstr("is it the same scene"));
-  EXPECT_THAT(outcome.out, AllOf(HasSubstr("what is assumed: corr "), Not(HasSubstr("holds"))));
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("the assumed reading: corr "), Not(HasSubstr("holds"))));
 }
 
 TEST_F(Import, RangesByTheirEdgesAreFound) {
@@ -326,7 +327,8 @@ TEST_F(Import, RangesByTheirEdgesAreFound) {
       value = (value + picture.values[(s - 1) * picture.columns + b]) / 2;
     }
   const Outcome outcome = import_file("picture.npy", picture.npy(), {"--scale", "energy"});
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("+0.5"), HasSubstr("half a sample"), HasSubstr("--ranges 1.9")));
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("+0.5"), HasSubstr("edges of bins are used as centres"),
+                                 HasSubstr("--ranges 1.9")));
 }
 
 TEST_F(Import, EquidistantBeamsAreFound) {
@@ -341,7 +343,7 @@ TEST_F(Import, EquidistantBeamsAreFound) {
   // Relative to equiangular beams these are other bins. `compare` rejects them, unless they are resampled.
   const Outcome other =
       import_file("picture.npy", picture.npy(), {"--scale", "energy", "--azimuths", "tangent"});
-  EXPECT_THAT(other.err, HasSubstr("'compare' will refuse them"));
+  EXPECT_THAT(other.err, HasSubstr("'compare' will reject them"));
   EXPECT_EQ(run_program({"compare", reference().file, out}).exit_code, 2);
   const Outcome resampled =
       import_file("picture.npy", picture.npy(), {"--scale", "energy", "--azimuths", "tangent", "--resample"});
@@ -569,7 +571,7 @@ TEST_F(Import, WhatCannotBeIsRefused) {
   EXPECT_THAT(refusal(picture, {"--scale", "energy", "--ranges", "5:2"}), HasSubstr("--ranges '5:2'"));
   EXPECT_THAT(refusal(picture, {"--scale", "energy", "--azimuths", "x"}), HasSubstr("--azimuths 'x'"));
   EXPECT_THAT(refusal(picture, {"--scale", "energy", "--sensor", "other"}), HasSubstr("no sensor 'other'"));
-  EXPECT_THAT(refusal("", {"--scale", "energy"}), HasSubstr("holds no numbers"));
+  EXPECT_THAT(refusal("", {"--scale", "energy"}), HasSubstr("contains no numbers"));
   const Outcome onto_itself =
       run_program({"import", folder.write("own.nc", "x").string(), "--like", reference().file, "-o",
                    (folder / "own.nc").string(), "--scale", "energy"});

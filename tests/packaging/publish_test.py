@@ -63,9 +63,9 @@ for name, job in jobs.items():
         hold(not publishes or "refs/tags/v" in guard, f"job {name} publishes what no tag asks for")
 
 # The Debians that packages are built for are those that the documents promise.
-words = (SOURCES / "docs/packaging.md").read_text()
+words = (SOURCES / "docs/installation.md").read_text()
 for debian in debians:
-    hold(f"Debian {debian}" in words, f"docs/packaging.md does not know Debian {debian}")
+    hold(f"Debian {debian}" in words, f"docs/installation.md does not know Debian {debian}")
 
 lines = (SOURCES / "packaging/Containerfile").read_text().replace("\\\n", " ").splitlines()
 steps = [line.split(None, 1) for line in lines if line and not line.startswith("#")]

@@ -203,7 +203,7 @@ TEST(SceneDrawing, ObjectsAreDrawnWhereTheyAreAndBuriedOnesAreReported) {
   EXPECT_NEAR(crate.bottom, 7, 2 * pixel);
   EXPECT_THAT(svg, HasSubstr(">crate</text>"));
   EXPECT_THAT(svg, HasSubstr("&lt;chest&gt; (buried)</text>"));
-  EXPECT_THAT(svg, HasSubstr("object under the bed"));
+  EXPECT_THAT(svg, HasSubstr("object below the seabed"));
 }
 
 TEST(SceneDrawing, WhatIsNotReceivedIsNotDrawnAsReceived) {
@@ -228,7 +228,7 @@ TEST(SceneDrawing, ASensorBesideTheTerrainIsDrawnWithItAndTheWayBetween) {
   EXPECT_THAT(svg, HasSubstr("3 km to the terrain"));
   EXPECT_THAT(svg, HasSubstr("no terrain in this section"));
   EXPECT_THAT(svg, HasSubstr(">terrain</text>"));
-  const ReadPanel all(svg, "Plan of all"), near(svg, "Plan near");
+  const ReadPanel all(svg, "Plan of the scene"), near(svg, "Plan near");
   EXPECT_NEAR(all.sensors(svg)[0].x, 3020, all.metres_a_pixel());
   EXPECT_NEAR(near.sensors(svg)[0].x, 3020, near.metres_a_pixel());
   EXPECT_LT(near.metres_a_pixel(), 0.1);

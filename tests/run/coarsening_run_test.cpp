@@ -79,15 +79,16 @@ TEST_F(CoarseningRun, TellsWhatItChangesAndChangesLittle) {
     EXPECT_EQ(coarse.at("facets_before"), given.at("facets"));
     EXPECT_EQ(coarse.at("facets"), stats.at("facets"));
     EXPECT_LT(coarse.at("facets"), coarse.at("facets_before"));
-    const double share = coarse.at("largest_move").at("of_what_is_told_apart"),
+    const double share = coarse.at("largest_move").at("of_resolution"),
                  turn_deg = coarse.at("turn").at("largest_deg");
     EXPECT_LE(share, tolerance);
     EXPECT_GT(share, 0.5 * tolerance);
     EXPECT_LE(coarse.at("largest_move").at("m"), tolerance * 6.0 / 40);
     EXPECT_LE(turn_deg, glm::degrees(std::sqrt(tolerance)) * (1 + 1e-6));
     EXPECT_NEAR(coarse.at("change_of_energy").at("largest"), std::sin(glm::radians(2 * turn_deg)), 1e-9);
-    EXPECT_THAT(told, HasSubstr(fmt::format("coarsened: {} facets for {};", coarse.at("facets").get<int>(),
-                                            coarse.at("facets_before").get<int>())));
+    EXPECT_THAT(told,
+                HasSubstr(fmt::format("coarsened: {} facets instead of {};", coarse.at("facets").get<int>(),
+                                      coarse.at("facets_before").get<int>())));
     EXPECT_EQ(NetcdfReader(output() / "echoes.nc").number("/", "coarsened"), tolerance);
     const std::vector<double> here = energies();
     double apart = 0;
@@ -213,23 +214,23 @@ TEST_F(CoarseningRun, IsRefusedWhereFacetsMatter) {
     Words words;
     const char* reason;
   } cases[] = {
-      {scene, {"--reference", "--tolerance", "1e-3"}, "that is of the facets as they are given"},
-      {scene, {"--binning", "centroid"}, "that takes a footprint for its centroid"},
-      {scene, {"--tolerance", "10%"}, "settings are held against the facets as they are given"},
-      {bending + scene, {}, "rays that bend are traced facet by facet"},
-      {scattering + scene, {}, "sound that scatters on comes from facets as from points"},
+      {scene, {"--reference", "--tolerance", "1e-3"}, "this output refers to the facets of the scene"},
+      {scene, {"--binning", "centroid"}, "less accurate with merged facets"},
+      {scene, {"--tolerance", "10%"}, "settings are tested on the facets of the scene"},
+      {bending + scene, {}, "refraction adapts the facets itself"},
+      {scattering + scene, {}, "second scattering treats facets as points"},
       {materials + ripples + "[relief]\nmode = \"offline\"\ncell_m = 0.2\n" + rolling_seabed + place + camera,
        {},
-       "facets that relief was refined into"},
+       "cannot merge facets that relief has refined"},
       {materials + ripples + "[relief]\nmode = \"online\"\ncell_m = 0.5\ntolerance = 0.5\n" + rolling_seabed +
            place + camera,
        {},
-       "facets that relief was refined into"},
+       "cannot merge facets that relief has refined"},
       {materials + rolling_seabed + place +
            "[[sensors]]\nname = \"sonar\"\nkind = \"interferometric\"\nrange_max_m = 10\nsamples = 8\n"
            "along_track_deg = 3\nfrequency_khz = 100\nbaseline_m = 0.05\n",
        {},
-       "phases tell apart far less"},
+       "phases resolve much less"},
   };
   for (const auto& [text, words, reason] : cases) {
     SCOPED_TRACE(reason);

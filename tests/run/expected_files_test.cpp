@@ -74,7 +74,7 @@ TEST_F(Expected, WindowsThatNoFormatHoldsAreReportedByCheckAndOnceByRun) {
   const std::string what = "no DIDSON or ARIS file is written for 'camera'";
   EXPECT_EQ(checked.exit_code, 0);
   EXPECT_THAT(checked.err, HasSubstr(what));
-  EXPECT_THAT(checked.err, HasSubstr("nearest window_start_m is 2.94"));
+  EXPECT_THAT(checked.err, HasSubstr("choose a window_start_m of 2.94"));
   EXPECT_THAT(ran.err, HasSubstr(what));
   EXPECT_EQ(ran.err.find(what), ran.err.rfind(what)) << "once";
   EXPECT_LT(ran.err.find(what), ran.err.find("pings 1/1")) << "before the run";

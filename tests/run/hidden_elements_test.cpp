@@ -95,7 +95,7 @@ TEST_F(HiddenElements, InTheWaterMayBeAnywhere) {
 TEST_F(HiddenElements, InABoxAreReportedWithTheirNumberAndPing) {
   EXPECT_THAT(said({{0, 0, 5}, {5, 5, 1}, {5.5, 5, 1}}),
               AllOf(HasSubstr("scene.toml:7"),
-                    HasSubstr("receiver 1 of sensor 'tail' is inside object 'crate' at ping 3"),
+                    HasSubstr("receiver 1 of sensor 'tail' is inside the closed object 'crate' at ping 3"),
                     HasSubstr("t = 1.500 s, east 5.000, north 5.000, up 1.000 m"),
                     HasSubstr("move it out ('receivers_m', 'lever_arm_m', or the trajectory)")));
   EXPECT_THAT(said({{0, 0, 5}}, {5.9, 4.1, 1.9}),

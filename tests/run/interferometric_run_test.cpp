@@ -229,7 +229,7 @@ position_m = [0, 0, 0.9]
 [[sensors]]
 name = "swath"
 kind = "interferometric"
-staff_tilt_deg = 0
+receiver_pair_tilt_deg = 0
 baseline_m = 2
 range_min_m = 2
 range_max_m = 20
@@ -353,7 +353,8 @@ TEST(InterferometricRun, OverMirrorsAShortReceiverPairIsOneReceiver) {
 }
 
 TEST(InterferometricRun, OverMirrorsReceiversHaveNoMoreInCommonThanEither) {
-  const Channels both(short_scene("interferometric", surface, "baseline_m = 0.02\nstaff_tilt_deg = 20\n"));
+  const Channels both(
+      short_scene("interferometric", surface, "baseline_m = 0.02\nreceiver_pair_tilt_deg = 20\n"));
   ASSERT_FALSE(both.energy.empty());
   double turned = 0;
   for (std::size_t k = 0; k < both.energy.size(); ++k) {
@@ -366,7 +367,7 @@ TEST(InterferometricRun, OverMirrorsReceiversHaveNoMoreInCommonThanEither) {
 
 TEST(InterferometricRun, AReceiverPairOverTheSurfaceIsRefused) {
   const SceneRun run(short_scene("interferometric", replaced(surface, "height_m = 4", "height_m = 0.005"),
-                                 "baseline_m = 0.02\nstaff_tilt_deg = 0\n"));
+                                 "baseline_m = 0.02\nreceiver_pair_tilt_deg = 0\n"));
   EXPECT_EQ(run.outcome.exit_code, 2);
   EXPECT_NE(run.outcome.err.find("the receiver pair of sensor 'swath' is 0.005 m above the sea surface"),
             std::string::npos)
@@ -383,7 +384,7 @@ std::string gradient(double per_s) {
 TEST(InterferometricRun, ATransmitterBesideItsReceiverPairByNothingIsInItsMiddle) {
   // Facets with refracted rays keep 0.1 dB.
   for (const auto& [water, tolerance] : {std::pair(still_water(), 1e-4), std::pair(gradient(2), 0.02)}) {
-    const std::string receiver_pair = "baseline_m = 0.02\nstaff_tilt_deg = 20\n";
+    const std::string receiver_pair = "baseline_m = 0.02\nreceiver_pair_tilt_deg = 20\n";
     expect_near(
         Channels(short_scene("interferometric", water, receiver_pair + "receiver_arm_m = [1e-5, 0, 0]\n")),
         Channels(short_scene("interferometric", water, receiver_pair)), tolerance);
@@ -392,7 +393,7 @@ TEST(InterferometricRun, ATransmitterBesideItsReceiverPairByNothingIsInItsMiddle
 
 TEST(InterferometricRun, ATransmitterBesideItsReceiverPairInIsovelocityWaterThatIsReportedAsLayers) {
   const std::string receiver_pair =
-      "baseline_m = 0.02\nstaff_tilt_deg = 20\nreceiver_arm_m = [0.5, 0.2, -0.8]\n";
+      "baseline_m = 0.02\nreceiver_pair_tilt_deg = 20\nreceiver_arm_m = [0.5, 0.2, -0.8]\n";
   expect_near(Channels(short_scene("interferometric", gradient(1e-7), receiver_pair)),
               Channels(short_scene("interferometric", "[water]\nsound_speed_m_s = 1500\n", receiver_pair)),
               1e-3);
@@ -412,8 +413,9 @@ double time_between(Place a, Place b) {
 
 constexpr double receiver_pair_m = 0.02, receiver_pair_first_m = 12, receiver_pair_sample_m = 0.05;
 std::string far_scene(double tilt_deg, const std::string& more) {
-  std::string text = short_scene("interferometric", gradient(Place::g),
-                                 fmt::format("baseline_m = 0.02\nstaff_tilt_deg = {}\n{}", tilt_deg, more));
+  std::string text =
+      short_scene("interferometric", gradient(Place::g),
+                  fmt::format("baseline_m = 0.02\nreceiver_pair_tilt_deg = {}\n{}", tilt_deg, more));
   text = replaced(text, "range_min_m = 5", "range_min_m = 12");
   text = replaced(text, "samples = 80", "samples = 260");
   text = replaced(text, "along_track_deg = 1", "along_track_deg = 0.2");

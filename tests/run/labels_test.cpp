@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-// Tests labels, which attribute each energy to objects and materials (docs/labels.md). Shares add up to the
-// energies for each engine, and means agree with closed forms.
+// SPDX-License-Identifier: GPL-3.0-or-later Tests labels, which attribute each energy to objects and
+// materials (docs/output-files.md). Shares add up to the energies for each engine, and means agree with
+// closed forms.
 #include "run/labels.hpp"
 
 #include <fmt/format.h>
@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "fixtures/every_feature.hpp"
@@ -299,8 +300,8 @@ TEST_F(LabelsOf, TheFileHasItAndTheFolderPictures) {
   const auto scene = folder.write("scene.toml", still_life), out = folder / "out", plain = folder / "plain";
   const Outcome outcome = run_program({"run", scene.string(), "-o", out.string(), "--labels"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("camera-truth-0000.png"));
-  EXPECT_TRUE(names_below(out).contains("camera-truth-0000.png"));
+  EXPECT_THAT(outcome.out, HasSubstr("camera-labels-0000.png"));
+  EXPECT_TRUE(names_below(out).contains("camera-labels-0000.png"));
   const NetcdfReader file(out / "echoes.nc");
   EXPECT_EQ(file.dimensions("/", "object_share"), "ping,object,beam,sample");
   EXPECT_EQ(file.dimensions("/", "material_share"), "ping,material,beam,sample");
@@ -315,7 +316,7 @@ TEST_F(LabelsOf, TheFileHasItAndTheFolderPictures) {
   ASSERT_EQ(run_program({"run", scene.string(), "-o", plain.string()}).exit_code, 0);
   const std::vector<std::string> before = NetcdfReader(plain / "echoes.nc").variables("/");
   EXPECT_THAT(before, testing::Not(testing::Contains("object_share")));
-  EXPECT_FALSE(names_below(plain).contains("camera-truth-0000.png"));
+  EXPECT_FALSE(names_below(plain).contains("camera-labels-0000.png"));
 }
 
 // Several sensors, of few beams and many, each in its group.
@@ -337,8 +338,20 @@ TEST_F(LabelsOf, EverySensorHasItsOwn) {
       EXPECT_NEAR(sum, energy[cell] > 0 ? 1 : 0, 1e-14) << group << cell;
     }
   }
-  for (const char* picture : {"camera-truth-0000.png", "side-truth.png", "below-truth.png"})
+  for (const char* picture : {"camera-labels-0000.png", "side-labels.png", "below-labels.png"})
     EXPECT_TRUE(names_below(out).contains(picture)) << picture;
+}
+
+TEST(RequestOfLabels, IsReadFromItsPresentAndItsFormerName) {
+  RunRequest request = request_of(RunDescription());
+  request.labels = true;
+  nlohmann::ordered_json settings = json_of(request);
+  EXPECT_EQ(settings.at("labels"), true);
+  EXPECT_TRUE(request_of(settings, request_of(RunDescription())).labels);
+  settings.erase("labels");
+  EXPECT_FALSE(request_of(settings, request_of(RunDescription())).labels);
+  settings["truth"] = true;  // files of version 0.1
+  EXPECT_TRUE(request_of(settings, request_of(RunDescription())).labels);
 }
 
 // --- beam patterns: labels use only directions near the peak
@@ -589,7 +602,7 @@ TEST_F(LabelsOf, TheFileNamesTheLevelOfItsLabels) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const NetcdfReader file(out / "echoes.nc");
   EXPECT_THAT(file.text("/", "long_name", "object_label"),
-              HasSubstr("within 12 dB of its pattern's two-way peak"));
+              HasSubstr("within 12 dB of the two-way peak of its pattern"));
   for (const auto& [words, why] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--label-level", "12"}, "add --labels"},
            {{"--labels", "--label-level", "0"}, "--label-level 0: expected decibels"},

@@ -123,13 +123,13 @@ TEST(LaterArrivalsRun, AreNotMissedWhereNoPathGoesOverTheSurface) {
   const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err.find("several rays"), std::string::npos) << outcome.err;
-  EXPECT_EQ(outcome.err.find("turned over"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("inverted"), std::string::npos) << outcome.err;
   EXPECT_EQ(nlohmann::json::parse(bytes_of(folder / "out/stats.json")).at("refraction").at("branches"),
             "every ray, out and home along any two, with 1 turning point at most");
   const Outcome footprints =
       run_program({"footprints", file.string(), "--sensor", "beam", "-o", (folder / "f.csv").string()});
   ASSERT_EQ(footprints.exit_code, 0) << footprints.err;
-  EXPECT_THAT(footprints.err, HasSubstr("footprints are of the first to arrive"));
+  EXPECT_THAT(footprints.err, HasSubstr("footprints use the first arrival only"));
 }
 
 // A separate receiver uses only the first eigenray, and the run reports this.
@@ -139,7 +139,7 @@ TEST(LaterArrivalsRun, SeparateReceiversSayWhatTheyLack) {
   const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("several rays, with 1 turning point at most"));
-  EXPECT_THAT(outcome.err, HasSubstr("follows the first arrival only"));
+  EXPECT_THAT(outcome.err, HasSubstr("computes the first arrival only"));
 }
 
 // Random rays meet the same eigenray branches.

@@ -55,7 +55,7 @@ TEST(MeshRun, CheckCountsWhatIsLeftOutAndListsNames) {
       "4\n");
   const Outcome outcome = check(folder, scene_of("m.obj", "[objects.materials]\nhull = \"steel\"\n"));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("m.obj: 1 faces of less than three corners are no facets: left out"));
+  EXPECT_THAT(outcome.err, HasSubstr("m.obj: 1 faces have fewer than three corners and are left out"));
   EXPECT_THAT(outcome.out,
               AllOf(ContainsRegex("names in thing +facets +material"), ContainsRegex("hull +2 +steel"),
                     ContainsRegex("rope +1 +sand"), ContainsRegex("\nsteel +2 ")));
@@ -98,7 +98,7 @@ TEST(MeshRun, AModelWithoutAxesIsRefusedWithTheWayOut) {
   const Outcome refused = check(folder, scene_of("m.3ds"));
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.err,
-              AllOf(HasSubstr("scene.toml:5:1: "), HasSubstr("m.3ds: says not which of its axes is up"),
+              AllOf(HasSubstr("scene.toml:5:1: "), HasSubstr("m.3ds: does not define its vertical axis"),
                     HasSubstr("'up'"), HasSubstr("'unit_m'")));
   const Outcome taken = check(folder, scene_of("m.3ds", "up = \"z\"\nunit_m = 0.5\n"));
   EXPECT_EQ(taken.exit_code, 0) << taken.err;

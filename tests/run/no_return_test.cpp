@@ -102,11 +102,11 @@ TEST(NoReturn, IsNotExpectedUnderAMirror) {
 TEST(SeabedPlacement, IsWhereThingsWerePut) {
   // Cubes of a metre over a seabed at -7 m: height of their middle above the seabed, and the report.
   const std::vector<std::pair<double, std::string>> cubes{
-      {-2, "buried: its top is 1.5 m below the bed"},
-      {-0.5 - 1e-3, "buried: its top is 0.001 m below the bed"},
-      {-0.25, "in the bed: from 0.75 m below it to 0.25 m above"},
-      {0.5, "on the bed"},
-      {2.75, "2.25 m above the bed"}};
+      {-2, "buried: its top is 1.5 m below the seabed"},
+      {-0.5 - 1e-3, "buried: its top is 0.001 m below the seabed"},
+      {-0.25, "partly buried: from 0.75 m below the seabed to 0.25 m above"},
+      {0.5, "on the seabed"},
+      {2.75, "2.25 m above the seabed"}};
   std::string text = lambert_material("sand", -27) + flat_terrain(20, 20, "centre_m = [100, 0, -7]\n");
   for (std::size_t k = 0; k < cubes.size(); ++k)
     text += fmt::format("[[objects]]\nname = \"cube {}\"\nshape = \"box\"\nposition_m = [{}, 1.3, {}]\n", k,
@@ -158,13 +158,13 @@ TEST(NoReturn, IsExpectedOverEveryKindOfSurface) {
     const auto up = expected_no_returns(*survey(water, relief, more, -40, 4), request);
     ASSERT_EQ(up.size(), 1U);
     EXPECT_THAT(up.front().warning, HasSubstr("degrees up"));
-    EXPECT_THAT(up.front().warning, HasSubstr(" m over the terrain"));
+    EXPECT_THAT(up.front().warning, HasSubstr(" m above the terrain"));
     const auto far = expected_no_returns(*survey(water, relief, more, 40, 40), request);
     ASSERT_EQ(far.size(), 1U);
-    EXPECT_THAT(far.front().warning, HasSubstr("its range window is 40 to 50 m"));
+    EXPECT_THAT(far.front().warning, HasSubstr("its range gate is 40 to 50 m"));
     const std::vector<SeabedPlacement> box = placements(*survey(water, relief, more, 40, 4));
     ASSERT_EQ(box.size(), 1U);
-    EXPECT_THAT(box.front().words, HasSubstr("in the bed: from 0.2"));
+    EXPECT_THAT(box.front().words, HasSubstr("partly buried: from 0.2"));
   }
 }
 

@@ -132,13 +132,13 @@ TEST_F(Parts, ThatWereKilledGoOn) {
       fs::resize_file(file(2, 2), fs::file_size(file(2, 2)) - 7);
     }
     expect_refused("part 2 of 2");
-    EXPECT_THAT(part(2, 2).err, HasSubstr("add --resume to go on with it"));
+    EXPECT_THAT(part(2, 2).err, HasSubstr("add --resume to continue"));
     const Outcome other = part(2, 2, {"--resume", "--arithmetic", "filtered"});
     EXPECT_EQ(other.exit_code, 2);
     EXPECT_THAT(other.err, HasSubstr("arithmetic = \"fixed\", not \"filtered\""));
     const Outcome again = part(2, 2, {"--resume"});
     ASSERT_EQ(again.exit_code, 0) << again.err;
-    EXPECT_THAT(again.err, HasSubstr("going on after "));
+    EXPECT_THAT(again.err, HasSubstr("continuing after "));
     EXPECT_EQ(part(2, 2, {"--resume"}).exit_code, 0) << "it is whole";
     const Outcome joined = join();
     ASSERT_EQ(joined.exit_code, 0) << joined.err;
@@ -148,12 +148,12 @@ TEST_F(Parts, ThatWereKilledGoOn) {
 }
 
 TEST_F(Parts, ThatAreNotAllThereAreRefused) {
-  expect_refused("there is no part of a run beside");
+  expect_refused("there are no shards for");
   all_parts(3);
   fs::remove(file(2, 3));
   expect_refused("of 3 parts 2 is missing");
   fs::copy_file(file(1, 3), file(2, 3));
-  expect_refused("says that it is part 1 of 3");
+  expect_refused("contains shard 1 of 3");
   fs::remove(file(2, 3));
   fs::copy_file(file(1, 3), file(1, 4));
   expect_refused("parts of a run in 3 and of one in 4");
@@ -214,10 +214,10 @@ TEST_F(Parts, NeedSettingsThatDoNotDependOnTheMachine) {
   };
   refused({"--shard", "1/2", "--tolerance", "10%"}, "tubefoot advise");
   for (const char* word : {"0/2", "3/2", "1", "1/", "/2", "1/2/3", "1/x", "01/2", "-1/2", "1/10001"})
-    refused({"--shard", word}, "expected a part and how many there are");
+    refused({"--shard", word}, "expected the number of the shard and the number of shards");
   Surroundings surroundings;
   surroundings.before = {"/usr/bin/env", "OMPI_COMM_WORLD_SIZE=2", "OMPI_COMM_WORLD_RANK=0"};
-  EXPECT_THAT(run(results, {"--shard", "1/2"}, surroundings).err, HasSubstr("mpirun shares a run"));
+  EXPECT_THAT(run(results, {"--shard", "1/2"}, surroundings).err, HasSubstr("mpirun divides one run"));
   EXPECT_EQ(names(), (std::set<std::string>{"scene.toml", "thing.obj"}));
 }
 

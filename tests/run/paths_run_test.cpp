@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-// Tests whole runs with paths over mirrors and with second scattering (docs/paths.md), in isovelocity and
-// in stratified water.
+// SPDX-License-Identifier: GPL-3.0-or-later Tests whole runs with paths over mirrors and with second
+// scattering (docs/environment.md), in isovelocity and in stratified water.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -364,8 +363,10 @@ TEST(PathsRun, SaysWhatItCannotDo) {
       "specular_loss_db = 6\n[[objects]]\nname = \"box\"\nshape = \"box\"\nmaterial = \"bed\"\n"
       "size_m = [3, 1, 6]\nposition_m = [0, 12, -17]\n";
   std::string inclined = refracted(scene(surface), 0.5);
-  EXPECT_THAT(error_of(inclined.insert(inclined.find("[[terrain]]"), box)),
-              HasSubstr("'bed' mirrors where it is not level, and an inclined mirror's image"));
+  EXPECT_THAT(
+      error_of(inclined.insert(inclined.find("[[terrain]]"), box)),
+      HasSubstr(
+          "'bed' is a mirror on facets that are not horizontal, and refracted rays over an inclined mirror"));
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ ReferenceOutcome run_small(const std::string& more, const std::vector<std::strin
 
 TEST(ReferenceRun, SaysThatTheToleranceIsKept) {
   const auto [outcome, stats] = run_small("", {"--reference", "--quiet"});
-  EXPECT_THAT(outcome.out, HasSubstr("every energy within 1e-09 of its bin, certified"));
+  EXPECT_THAT(outcome.out, HasSubstr("certified; the relative bound of each energy is at most 1e-09"));
   EXPECT_EQ(stats["bins_over_tolerance"], 0);
   EXPECT_EQ(stats["tolerance"], 1e-9);
   EXPECT_LE(stats["worst_bound_over_asked"], 1.0);

@@ -27,7 +27,7 @@ TEST(RefractedReferenceRun, HoldsTheClosedFormWithinTheTolerance) {
     const std::string scene = scene_in(gradient(g, absorption));
     const Checkpoint run(scene, {"--reference", "--tolerance", "2e-3"});
     ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
-    EXPECT_THAT(run.outcome.out, HasSubstr("every energy within 0.002"));
+    EXPECT_THAT(run.outcome.out, HasSubstr("the relative bound of each energy is at most 0.002"));
     EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
     const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"), ordinary = echoes_of(scene);
     for (std::size_t k = 0; k < echoes.samples; ++k) {
@@ -292,7 +292,7 @@ TEST(RefractedReferenceRun, SaysThatOneRayAloneIsFollowed) {
   const Checkpoint run(scene_of(texture, gradient(-0.5)), {"--reference", "--tolerance", "3e-2"});
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   EXPECT_THAT(run.stats.at("refraction").at("branches").get<std::string>(),
-              HasSubstr("in references, tubefoot follows the first arrival only"));
+              HasSubstr("in references, tubefoot computes the first arrival only"));
 }
 
 }  // namespace

@@ -101,7 +101,7 @@ TEST(RefractionRun, TheGapThatIsRequestedIsKept) {
     EXPECT_LE(largest_travel_path_error_m(folder, requested), gap);
     const Outcome check = run_program({"check", (folder / "scene.toml").string()});
     EXPECT_EQ(check.exit_code, 0) << check.err;
-    EXPECT_THAT(check.out, HasSubstr("of where they are seen, asked: "));
+    EXPECT_THAT(check.out, HasSubstr(", requested: "));
   }
 }
 
@@ -319,8 +319,8 @@ TEST(RefractionRun, CheckAndPatternsKnowTheSpeedAtTheSonar) {
   const auto file = folder.write("scene.toml", scene_in(gradient(-1)));
   const Outcome outcome = run_program({"check", file.string()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("refracts: profile \"gradient\""));
-  EXPECT_THAT(outcome.out, HasSubstr("1500.00 m/s where it is first"));
+  EXPECT_THAT(outcome.out, HasSubstr("stratified: profile \"gradient\""));
+  EXPECT_THAT(outcome.out, HasSubstr("sound speed 1500.00 m/s at the first position"));
 }
 
 TEST(RefractionRun, WhatCannotBeHadIsRefused) {
@@ -333,7 +333,7 @@ TEST(RefractionRun, WhatCannotBeHadIsRefused) {
   const std::string plain = scene_in(gradient(-1));
   refused(replaced(replaced(plain, "lambert_db = -27", "lambert_db = -27\nspecular_loss_db = 6"),
                    "[trajectory]", std::string(cube) + "[trajectory]"),
-          "mirrors where it is not level");
+          "is a mirror on facets that are not horizontal");
   refused(replaced(plain, "position_m = [0, 0, 10]", "position_m = [0, 0, 21]"), "above the sea surface");
 }
 

@@ -326,7 +326,7 @@ TEST(ReliefRun, RefusesWhatCannotBe) {
   EXPECT_THAT(refused("[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = "
                       "1\nprofile_bottom_m = 12\nsurface_height_m = 8\n" +
                       replaced(scene, "lambert_db = -25", "lambert_db = -25\nspecular_loss_db = 10")),
-              AllOf(HasSubstr("mirrors where it is not level"), HasSubstr("scene.toml:")));
+              AllOf(HasSubstr("is a mirror on facets that are not horizontal"), HasSubstr("scene.toml:")));
 }
 
 }  // namespace

@@ -94,16 +94,15 @@ TEST(RoundObjects, CheckTellsHowRoundTheyAre) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.out;
   };
-  EXPECT_THAT(
-      told("shape = \"sphere\"\n", 100),
-      HasSubstr(
-          "ball: facets have the curved surface's area and are within 750 um of it (a sixteenth of what 's' "
-          "tells apart, 0.012 m of range)"));
+  EXPECT_THAT(told("shape = \"sphere\"\n", 100),
+              HasSubstr("ball: the facets have the area of the curved surface and are within 750 um of it (a "
+                        "sixteenth of what 's' "
+                        "tells apart, 0.012 m of range)"));
   EXPECT_THAT(told("shape = \"cylinder\"\nchord_error_m = 0.004\n", 100),
               HasSubstr("are within 4 mm of it (as the scene says)"));
   EXPECT_THAT(told("shape = \"cone\"\n", 1), HasSubstr("are within 20 mm of it (a fiftieth of the radius)"));
   EXPECT_THAT(told("shape = \"sphere\"\n", 10000),
-              HasSubstr("are within 300 um of it (the finest that is made unasked"));
+              HasSubstr("are within 300 um of it (the finest default, coarser than"));
 }
 
 }  // namespace

@@ -179,7 +179,7 @@ TEST_F(SelectionRun, SaysWhichPingsAndBeamsItHas) {
   // Five of twenty tubes are traced, and the other tubes of the same tube runs.
   EXPECT_THAT(names_below(folder / "part"),
               ElementsAre(".tubefoot-files", "echoes.nc", "scene.png", "stats.json"));
-  EXPECT_THAT(stats.at("warnings")[0].get<std::string>(), HasSubstr("only some of its beams"));
+  EXPECT_THAT(stats.at("warnings")[0].get<std::string>(), HasSubstr("selects some of its beams"));
 }
 
 TEST_F(SelectionRun, LooksIntoTheTubesOfItsBeamsOnly) {
@@ -225,7 +225,7 @@ TEST_F(SelectionRun, RefusesWhatThereIsNot) {
   refused({"--pings", "-1"}, {"--pings"});
   refused({"--beams", "4"}, {"--beams '4'", "sensor 'side' has beams 0 to 1"});
   refused({"--sensor", "far", "--beams", "20"}, {"--beams '20'", "sensor 'far' has beams 0 to 19"});
-  refused({"--beams", ""}, {"--beams names no beam"});
+  refused({"--beams", ""}, {"--beams selects no beam"});
   refused({"--beams", "1,,2"}, {"--beams '1,,2'"});
 }
 
@@ -277,12 +277,13 @@ TEST_F(SelectionRun, IsShownFromItsFirstPingOn) {
   };
   const Outcome first = view({});
   EXPECT_EQ(first.exit_code, 0) << first.err;
-  EXPECT_THAT(first.out, AllOf(HasSubstr("sensor 'tilted'"), Not(HasSubstr("is not the footprints'"))));
+  EXPECT_THAT(first.out,
+              AllOf(HasSubstr("sensor 'tilted'"), Not(HasSubstr("does not come from the direct echoes"))));
   EXPECT_EQ(view({"--pings", "4"}).exit_code, 0);
   const Outcome absent = view({"--pings", "2:3"});
   EXPECT_EQ(absent.exit_code, 2);
-  EXPECT_THAT(absent.err, HasSubstr("has pings 3:4 of each sensor only"));
-  EXPECT_THAT(view({"--sensor", "near"}).err, HasSubstr("does not hold"));
+  EXPECT_THAT(absent.err, HasSubstr("contains pings 3:4 of each sensor only"));
+  EXPECT_THAT(view({"--sensor", "near"}).err, HasSubstr("does not contain"));
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ void expect_refused(const std::string& text, const std::vector<std::string>& wor
 
 TEST(SensorPlace, OnASeabedAnEdgeOrAVertexIsRefused) {
   expect_refused(scene("[1, 3, 0]"),
-                 {"lies exactly on a facet of 'terrain' at ping 0", "a millimetre will do"});
+                 {"lies exactly on a facet of 'terrain' at ping 0", "by a millimetre or more"});
   expect_refused(scene("[0, 3, 0]"), {"lies exactly on an edge of 'terrain'"});
   expect_refused(scene("[0, 0, 0]"), {"lies exactly on a vertex of 'terrain'"});
 }
@@ -93,7 +93,7 @@ TEST(SensorPlace, InThePlaneOfAFacetButNotOnItIsAPlaceLikeAnother) {
 TEST(NarrowBeams, BelowWhatDirectionsTellApartAreRefused) {
   for (const char* sensor : {"beams = 4\nhorizontal_deg = 4e-7\n", "beams = 4\nhorizontal_deg = 3.9e-5\n",
                              "beams = 4096\nhorizontal_deg = 0.04\n"})
-    expect_refused(scene("[0, 0, 3]", sensor), {"degrees, and directions are resolved to 6e-8 degrees only",
+    expect_refused(scene("[0, 0, 3]", sensor), {"degrees, but the resolution of directions is 6e-8 degrees",
                                                 "at least 1e-05 degrees", "fewer beams"});
   std::string thin = scene("[0, 0, 3]");
   thin.replace(thin.find("vertical_deg = 20"), 17, "vertical_deg = 1e-7");

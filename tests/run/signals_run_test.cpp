@@ -391,7 +391,7 @@ TEST_F(SignalRefusals, SayWhatIsWrongAndWhatToDo) {
   for (const char* pixels : {"picture_m = [-1e7, -1e7, 1e7, 1e7]\npixel_m = 1e-4\n",
                              "picture_m = [0, 0, 0.01, 0.01]\n", "picture_m = [0, 0, 0.04, 9]\n"})
     EXPECT_THAT(said(scene("pings = 2\nproducts = [\"aperture\"]\n" + std::string(pixels), at_rest)),
-                HasSubstr("pixels, must be 2 x 2 or more, and 4194304 at most"))
+                HasSubstr("pixels, but the picture must have 2 x 2 or more, and 4194304 at most"))
         << pixels;
   // Absurd pulse lengths and sampling rates are reported with the keys of the array.
   for (const char* length : {"1e-9", "1e-300"})
@@ -400,17 +400,18 @@ TEST_F(SignalRefusals, SayWhatIsWrongAndWhatToDo) {
                 HasSubstr("too short for 27000 Hz"));
   EXPECT_THAT(said(replaced(scene("sampling_frequency_khz = 10000\n", at_rest), "range_max_m = 11",
                             "range_max_m = 100000")),
-              HasSubstr("samples at 10000 kHz, 65536 are the most"));
+              HasSubstr("samples at 10000 kHz, but the limit is 65536"));
   // Scatterer fields that are too dense for the available time, or beyond the range of the lattice, are
   // rejected at once, with the position.
   const std::string dense = "[scatterers]\nspacing_m = 0.0001\n";
   EXPECT_THAT(
       said(replaced(scene("receivers = 1\n", at_rest + dense, 60), "range_max_m = 11", "range_max_m = 60")),
-      AllOf(HasSubstr("scene.toml:"), HasSubstr("scatterers 0.0001 m apart"), HasSubstr("'spacing_m' of")));
+      AllOf(HasSubstr("scene.toml:"), HasSubstr("scatterers at a spacing of 0.0001 m"),
+            HasSubstr("'spacing_m' of")));
   EXPECT_THAT(
       said(replaced(scene("", "[trajectory]\nkind = \"fixed\"\nposition_m = [900000, 0, 0]\n" + dense),
                     "[0.3, 6, -6]", "[900000.3, 6, -6]")),
-      AllOf(HasSubstr("scene.toml:"), HasSubstr("wider spacing")));
+      AllOf(HasSubstr("scene.toml:"), HasSubstr("larger spacing")));
   EXPECT_THAT(
       said(scene("stop_and_hop = false\npings = 2\nping_interval_s = 0.5\n",
                  "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 0]\nend_m = [1, 0, 0]\nspeed_m_s = 2\n")),

@@ -102,7 +102,8 @@ TEST(MemoryAtHand, IsWhatTheMachineHasOrLess) {
   } catch (const InputError& error) {
     EXPECT_THAT(
         error.what(),
-        testing::MatchesRegex("scene.toml:3:4: two facets need .* GB of memory, .* are at hand: take one"));
+        testing::MatchesRegex(
+            "scene.toml:3:4: two facets would need .* GB of memory, but only .* are available: take one"));
   }
 }
 

@@ -135,7 +135,7 @@ TEST(SnappedAreas, AreWarnedOfForTerrain) {
   SceneDescription d = pond();
   d.terrains[0] = terrain(FlatTerrain{1e-5, 1e-5, {0, 0, -10}, 0});
   d.terrains[0].name = "speck";
-  EXPECT_THAT(load_scene(d).report.warnings, Contains(HasSubstr("'speck': the grid, whose unit is")));
+  EXPECT_THAT(load_scene(d).report.warnings, Contains(HasSubstr("'speck': the grid with its unit of")));
 }
 
 TEST(SnappedAreas, AreKeptByTheFinerGridThatTheWarningNames) {
@@ -297,7 +297,7 @@ TEST(LoadScene, KeepsEveryFacetOfABadMeshAndSaysSo) {
   EXPECT_EQ(scene.report.mesh.degenerate_facets, 1u);
   EXPECT_EQ(scene.report.mesh.duplicate_facets, 1u);
   EXPECT_THAT(scene.report.warnings, Contains(HasSubstr("1 facets have no area")));
-  EXPECT_THAT(scene.report.warnings, Contains(HasSubstr("1 facets lie exactly")));
+  EXPECT_THAT(scene.report.warnings, Contains(HasSubstr("1 facets coincide with an earlier facet")));
 }
 
 TEST(LoadScene, AnErrorInAFileNamesTheSceneToo) {
@@ -395,7 +395,7 @@ TEST(LoadScene, NamesThatReferToNothingAreRefused) {
   EXPECT_THAT([&] { load_scene(d); }, ThrowsMessage<InputError>(HasSubstr("no trajectory named 'pas'")));
   d = pond();
   d.trajectories.resize(2);
-  EXPECT_THAT([&] { load_scene(d); }, ThrowsMessage<InputError>(HasSubstr("names no trajectory")));
+  EXPECT_THAT([&] { load_scene(d); }, ThrowsMessage<InputError>(HasSubstr("has no 'trajectory'")));
 }
 
 TEST(LoadScene, TheWholeRealGridKeepsItsFacetsAndItsPlace) {

@@ -191,7 +191,7 @@ TEST(Waypoints, AWayTooShortToTakeTimeIsRefused) {
       [&] {
         read_waypoints({file, 0.5}, {});
       },
-      ThrowsMessage<InputError>(AllOf(HasSubstr("short.csv:6:1: "), HasSubstr("a way between"))));
+      ThrowsMessage<InputError>(AllOf(HasSubstr("short.csv:6:1: "), HasSubstr("a distance between"))));
 }
 
 TEST(Waypoints, WithoutTimesAreReachedAtTheSpeedThatIsGiven) {
@@ -207,13 +207,13 @@ TEST(Waypoints, WithoutTimesAreReachedAtTheSpeedThatIsGiven) {
       [&] {
         read_waypoints({timed, 2.0}, {});
       },
-      ThrowsMessage<InputError>(HasSubstr("both say when")));
+      ThrowsMessage<InputError>(HasSubstr("both define the times")));
   const auto still = folder.write("still.csv", "east_m,north_m,up_m,heading_deg\n0,0,0,0\n0,0,0,0\n");
   EXPECT_THAT(
       [&] {
         read_waypoints({still, 2.0}, {});
       },
-      ThrowsMessage<InputError>(AllOf(HasSubstr("still.csv:3:1: "), HasSubstr("a way between"))));
+      ThrowsMessage<InputError>(AllOf(HasSubstr("still.csv:3:1: "), HasSubstr("a distance between"))));
 }
 
 TEST(Waypoints, AreDividedWhereTheirLineChanges) {

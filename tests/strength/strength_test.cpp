@@ -70,15 +70,15 @@ TEST(StrengthWarnings, OpenCrowdedAndCoarse) {
   EXPECT_THAT(too_small_for(box_facets({{1, 1, 1}}, {}), 500, 1500).value_or(""),
               HasSubstr("0.58 wavelengths across at 500 Hz"));
   EXPECT_FALSE(too_small_for(box_facets({{1, 1, 1}}, {}), 1000, 1500));
-  EXPECT_THAT(warnings_of(sphere, 100e3, 1500), ElementsAre(HasSubstr("stand off the curved surface")));
+  EXPECT_THAT(warnings_of(sphere, 100e3, 1500), ElementsAre(HasSubstr("deviate from a curved surface")));
   EXPECT_THAT(warnings_of(box_facets({{1, 1, 1}}, {}), 1e6, 1500), IsEmpty());
   sphere.triangles.pop_back();
   EXPECT_THAT(warnings_of(sphere, 1e3, 1500), ElementsAre(HasSubstr("the mesh is open: 3 of its")));
   ComponentMesh box = box_facets({{1, 1, 1}}, {});
   box.triangles.push_back(box.triangles[0]);
-  EXPECT_THAT(warnings_of(box, 1e3, 1500), ElementsAre(HasSubstr("have more than two facets")));
+  EXPECT_THAT(warnings_of(box, 1e3, 1500), ElementsAre(HasSubstr("belong to more than two facets")));
   EXPECT_THAT(warnings_of(box_facets({{100, 10, 10}}, {}), 10e6, 1500),
-              ElementsAre(HasSubstr("phases are off")));
+              ElementsAre(HasSubstr("phase errors")));
   // The result is the same for formats that repeat corners for each facet.
   ComponentMesh random_triangles;
   for (const auto& t : box_facets({{1, 1, 1}}, {}).triangles) {
@@ -191,15 +191,16 @@ TEST(StrengthBounds, AreHeldAgainstTheTolerance) {
   EXPECT_NEAR(held.worst_ratio, 1, 1e-12);  // of 2
   EXPECT_EQ(held.most_m, 0.5);
   EXPECT_EQ(held.most_grid, 1);
-  EXPECT_THAT(in_words(held, table), HasSubstr("every length within 0.01 of itself"));
+  EXPECT_THAT(in_words(held, table), HasSubstr("the bound of each length is at most 0.01 of the length"));
   // 1e-4 counts as 0.1, of which 0.01 is 0.001.
   table.bound_m[2] = 0.003;
   table.bound_m[1] = 0.011;
   held = bounds_held(table);
   EXPECT_EQ(held.over, 2U);
   EXPECT_NEAR(held.worst_ratio, 3, 1e-12);
-  EXPECT_THAT(in_words(held, table), HasSubstr("2 of 4 lengths have wider bounds than 0.01; the widest is 3 "
-                                               "times what was asked, at elevation 5, azimuth 90, 1000 Hz"));
+  EXPECT_THAT(in_words(held, table),
+              HasSubstr("2 of 4 lengths have wider bounds than 0.01; the widest is 3 "
+                        "times the requested bound, at elevation 5, azimuth 90, 1000 Hz"));
   table.bound_m[3] = std::numeric_limits<double>::infinity();
   EXPECT_THAT(in_words(bounds_held(table), table), HasSubstr("the widest is inf times"));
   // A direction without echo and without open samples does not count.
@@ -246,17 +247,19 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
   EXPECT_THAT(
       run_program({"strength", line.string(), "--frequencies", "10kHz", "-o", (folder / "line.csv").string()})
           .err,
-      HasSubstr("anything of it seen"));
+      HasSubstr("no facet is visible"));
   EXPECT_THAT(
       run("--frequencies 100kHz --elevations 0 --azimuths 0 -o " + (folder / "edge.csv").string()).err,
-      HasSubstr("anything of it seen"));
-  EXPECT_THAT(good.err, testing::Not(HasSubstr("anything of it seen")));
+      HasSubstr("no facet is visible"));
+  EXPECT_THAT(good.err, testing::Not(HasSubstr("no facet is visible")));
   // Certified results that keep the tolerance and that do not.
   const std::string plate = "--frequencies 100kHz --elevations 90 --azimuths 0 --reference ";
   const auto kept = run(plate + "-o " + (folder / "kept.csv").string());
   EXPECT_EQ(kept.exit_code, 0) << kept.err;
-  EXPECT_THAT(kept.out,
-              AllOf(HasSubstr("reference: every length within 0.001 of itself"), HasSubstr("bounds")));
+  EXPECT_THAT(
+      kept.out,
+      AllOf(HasSubstr("reference: certified; the bound of each length is at most 0.001 of the length"),
+            HasSubstr("bounds")));
   EXPECT_THAT(run(plate + "--tolerance 1e-12 -o " + (folder / "wide.csv").string()).out,
               HasSubstr("1 of 1 lengths have wider bounds than 1e-12"));
   for (const char* wrong : {"1", "1e-13", "nan", "0.1dB"})

@@ -40,7 +40,7 @@ TEST(Tolerance, OtherTextIsRefusedWithWhatWasExpected) {
       ADD_FAILURE() << "taken: '" << text << "'";
     } catch (const std::invalid_argument& error) {
       EXPECT_THAT(error.what(),
-                  testing::HasSubstr("'" + std::string(text) + "' is no tolerance: write 0.1dB"));
+                  testing::HasSubstr("'" + std::string(text) + "' is not a tolerance: expected 0.1dB"));
     }
 }
 
@@ -53,7 +53,7 @@ TEST(Tolerance, LargeOnesNeedAUnit) {
       ADD_FAILURE() << "taken: " << said;
     } catch (const std::invalid_argument& error) {
       EXPECT_THAT(error.what(),
-                  testing::HasSubstr("'" + std::string(text) + "' alone is a relative error of "));
+                  testing::HasSubstr("'" + std::string(text) + "' without a unit is a relative error of "));
       EXPECT_THAT(error.what(), testing::HasSubstr(std::string(text) + "dB"));
     }
   }

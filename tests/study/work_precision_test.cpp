@@ -4,11 +4,14 @@
 
 #include "study/work_precision.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
+#include <set>
+#include <string>
 
 #include "fixtures/test_folder.hpp"
 #include "study/chart_page.hpp"
@@ -159,13 +162,29 @@ TEST(ChartPage, LinearAxesHoldNegativeNumbers) {
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
+// The chart has ten engines.
+TEST(ChartPage, SeriesDifferInColourAndInLineOrMarker) {
+  Diagram diagram;
+  diagram.scale = Scale::linear;
+  constexpr std::size_t count = 12;
+  for (std::size_t s = 0; s < count; ++s)
+    diagram.series.push_back({fmt::format("series {}", s), "", {{0, double(s)}, {1, double(s)}}, true});
+  const std::string svg = to_svg(diagram);
+  std::set<std::string> colours;
+  for (std::size_t s = 0; s < count; ++s) colours.insert(series_colour(s));
+  EXPECT_EQ(colours.size(), count);
+  for (const std::string& colour : colours) EXPECT_NE(svg.find(colour), std::string::npos);
+  for (const char* part : {"<circle", "<polygon", "stroke-dasharray=\"7 3\"", "stroke-dasharray=\"2 2.5\""})
+    EXPECT_NE(svg.find(part), std::string::npos) << part;
+}
+
 TEST(ChartPage, DrawsWhatItIsGivenAndEscapesNames) {
   auto trials = ladder("rays <random> & \"co\"", 3, -0.5);
   trials.push_back(exact(0.01, 0));
   const std::string svg = to_svg(work_precision_plot("bed", trials, ErrorMeasure::l1));
   EXPECT_NE(svg.find("rays &lt;random&gt; &amp; &quot;co&quot;"), std::string::npos);
   EXPECT_NE(svg.find("order -0.50 in rays"), std::string::npos);
-  EXPECT_NE(svg.find("the reference's own bound"), std::string::npos);
+  EXPECT_NE(svg.find("bound of the reference"), std::string::npos);
   EXPECT_NE(svg.find("fill=\"white\" stroke=\"#d55e00\""), std::string::npos) << "below the bound: hollow";
   EXPECT_EQ(svg.find("inf"), std::string::npos);
   EXPECT_EQ(svg.find("nan"), std::string::npos);

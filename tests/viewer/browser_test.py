@@ -176,7 +176,7 @@ class Viewer(unittest.TestCase):
         ping, beam, sample = oracle.place(cell)
         energy = oracle.energy[oracle.pings[ping], beam, sample]
         text = self.page.element("chosen").text
-        self.assertIn(f"beam {beam}, sample {sample}", text)
+        self.assertIn(f"beam {beam}, range bin {sample}", text)
         if energy > 0:
             levels = [float(t) for t in re.findall(r"(-?[\d.]+) dB\b", text)[:2]]
             for level in levels:  # of the pixel, and of its footprints' sum
@@ -389,7 +389,7 @@ class Viewer(unittest.TestCase):
         self.assertIn("within 60 ms", said)
         self.click_cell(page.js("return tubefootView.cellOf(0, 10, 60)"))
         self.assertRegex(page.element("chosen").text, r"cycle\s+2 of 0 to 3")
-        self.assertRegex(page.element("chosen").text, r"fired\s+40.0 ms in")
+        self.assertRegex(page.element("chosen").text, r"transmitted\s+after 40.0 ms")
         # At rest there is nothing to explain.
         scene.write_text(text.replace('kind = "line"\nstart_m = [0, -1, 2.5]\nend_m = [0, 1, 2.5]',
                                       'kind = "fixed"\nposition_m = [0, -1, 2.5]'))

@@ -214,7 +214,7 @@ TEST(ViewedPings, AreAsManyAsFit) {
     view_of(*lines, 0, PingRange{0, 4}, limits);
     FAIL() << "one footprint too many";
   } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("ask for --pings 0:3"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("use --pings 0:3"));
   }
   limits.footprints = 10;
   EXPECT_THROW(view_of(*lines, 0, PingRange{0, 4}, limits), UsageError);
@@ -343,7 +343,7 @@ TEST(ViewedPings, SayWhyTheirCyclesDiffer) {
   const auto moving = open_survey(read_scene_file(folder.write("moving.toml", rough_scene("", cycles))));
   const ViewData view = view_of(*moving, 0, PingRange{0, 0});
   ASSERT_EQ(view.transmissions.size(), 3u);
-  EXPECT_THAT(view.stripes, testing::HasSubstr("12 beams in 3 cycles, one after another within 100 ms"));
+  EXPECT_THAT(view.stripes, testing::HasSubstr("12 beams in 3 cycles within 100 ms"));
   const SensorPings& pings = moving->sensors[0];
   const double way_m =
       glm::distance(pings.transmission_pose(0, 0).position_m, pings.transmission_pose(0, 2).position_m);

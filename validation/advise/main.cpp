@@ -109,37 +109,29 @@ int run(const std::filesystem::path& page, const std::vector<std::filesystem::pa
     try {
       rows += study(scene, tally);
     } catch (const std::exception& error) {  // the data is not in the repository
-      left_out.push_back(fmt::format("- left out: {}", error.what()));
+      left_out.push_back(fmt::format("- omitted: {}", error.what()));
       fmt::print(stderr, "{}\n", left_out.back());
     }
-    fmt::print(stderr, "{}: {} of {} advices hold, {} within {} times\n", scene.string(), tally.hold,
-               tally.advices, tally.near, allowed_ratio);
+    fmt::print(stderr, "{}: {} of {} recommendations hold, {} are within {} times\n", scene.string(),
+               tally.hold, tally.advices, tally.near, allowed_ratio);
   }
   std::ofstream out(page);
   out << fmt::format(
-      "# What advice is worth\n\nWritten by `make advise-study`. `tubefoot advise`, asked with its defaults, "
-      "then its "
-      "choice run on at most {} pings of each sensor\nthat it has not seen; where a sensor has none left, in "
-      "{} other "
-      "places and directions nearby. *Cheapest* is the one that takes\nthe fewest seconds there of all that "
-      "hold there: "
-      "tubes with their three binnings, and stratified, sobol, adaptive, regular and column rays in\nsteps "
-      "of 1.25 up "
-      "to the "
-      "cost of exact "
-      "cuts. It is chosen with hindsight, so chance may favour it. Seconds are the processor's, of "
-      "one\nthread, both "
-      "measured in "
-      "turns.\n\n**{} of {} advices hold; {} take at most {} times the cheapest's time; the worst {:.2f} "
-      "times.**\n{}{}{}\n"
-      "| scene | tolerance | advised | predicted | measured | ms a ping | cheapest | its error | ms a ping | "
-      "ratio |\n"
-      "|---|---|---|---|---|---|---|---|---|---|\n{}",
+      "# Accuracy of recommendations\n\n`make advise-study` writes this page. It runs `tubefoot advise` with "
+      "its defaults, and then the recommended\nsetting on at most {} other pings of each sensor. A sensor "
+      "without other pings uses {} other positions and\ndirections nearby. *Cheapest* is the setting with "
+      "the fewest seconds on these pings that satisfies the\ntolerance: tubes with their three binnings, and "
+      "stratified, sobol, adaptive, regular and column rays in\nsteps of 1.25 up to the cost of exact cuts. "
+      "This choice uses the results, so chance can favour it. Seconds are\nprocessor time of one thread, "
+      "measured alternately.\n\n**{} of {} recommendations hold; {} take at most {} times as long as the "
+      "cheapest setting; the worst ratio is {:.2f}.**\n{}{}{}\n| scene | tolerance | recommended | predicted "
+      "| measured | ms per ping | cheapest | its error | ms per ping | ratio "
+      "|\n|---|---|---|---|---|---|---|---|---|---|\n{}",
       unseen_pings, UnseenPings::moved_places, tally.hold, tally.advices, tally.near, allowed_ratio,
       tally.worst, left_out.empty() ? "" : "\n", fmt::join(left_out, "\n"), left_out.empty() ? "" : "\n",
       rows);
   if (!out.flush()) {
-    fmt::print(stderr, "{} cannot be written\n", page.string());
+    fmt::print(stderr, "cannot write {}\n", page.string());
     return 1;
   }
   fmt::print("wrote {}\n", page.string());

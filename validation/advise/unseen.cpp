@@ -56,7 +56,7 @@ UnseenPings::UnseenPings(const SceneDescription& scene, const std::vector<Looked
   }
   for (int place = 0; place < moved_places; ++place)
     places_.push_back(std::make_unique<TrialScene>(moved(scene, place), choice, std::nullopt));
-  what_ = fmt::format("{} other places", moved_places);
+  what_ = fmt::format("{} other positions", moved_places);
 }
 
 Trial UnseenPings::run(EngineSetting setting, int repeats) {

@@ -47,7 +47,7 @@ FacetMesh facets_near(FacetMesh mesh, const TubeSet& tubes, std::uint32_t tube) 
 std::vector<Traits::Surface_3> mapped_triangles(const FacetMesh& mesh, GridPoint apex) {
   const auto mapped = [&](VertexId v) {
     const GridPoint p = mesh.vertices[v] - apex;
-    if (p.y <= 0) throw std::invalid_argument("a facet of the view is not wholly ahead of the apex");
+    if (p.y <= 0) throw std::invalid_argument("a facet of the view is not completely ahead of the apex");
     const Number x = p.x, y = p.y, z = p.z;
     return Kernel::Point_3(z / y, x / y, -1 / y);
   };

@@ -145,7 +145,7 @@ void run(double reach_m, int most_elements, bool direct) {
   place.model.material = scene.mesh.material;
   place.model.path.tx.apex_m = apex;
   place.seen = visible_polygons(history, place.model);
-  fmt::print("survey scene, {} m: {} polygons, {:.0f} m2, {:.2f} s for the sight\n", reach_m,
+  fmt::print("survey scene, {} m: {} polygons, {:.0f} m2, {:.2f} s for the common visibility\n", reach_m,
              place.seen.patches.size(), place.seen.area_m2(), visibility_s);
 
   ChannelSignals signals;
@@ -192,7 +192,7 @@ void run(double reach_m, int most_elements, bool direct) {
     }
   };
   if (!direct) return;
-  beside_direct(flat_seabed(apex), "a flat bed of 40 m x 20 m");
+  beside_direct(flat_seabed(apex), "a flat seabed of 40 m x 20 m");
   // One polygon in 16, because the direct sum takes equally long for each polygon.
   Place some = place;
   some.seen.patches.clear();

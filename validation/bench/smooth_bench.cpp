@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cost of signals of smooth surfaces (docs/smooth-surfaces.md). Measures processor seconds for an array over
+// Cost of signals of smooth surfaces (validation/signals.md). Measures processor seconds for an array over
 // a sphere and over the wreck of the survey scene. Compares them with the exact pulse along every edge.
 //
 //     tubefoot_smooth_bench [elements] [elements of the exact pulse]
@@ -78,7 +78,7 @@ void measure(const char* what, VisiblePolygons seen, int elements, int exact_ele
         exact.push_back(row[k] * phasor(2 * pi * carrier_hz * times[k]));
     }
   });
-  fmt::print("  the pulse along all edges: {:.4f} s an element\n", exact_s / exact_elements);
+  fmt::print("  the pulse along all edges: {:.4f} s per element\n", exact_s / exact_elements);
   for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
     ChannelSignals signals;
     const double all_s =

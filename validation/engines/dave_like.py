@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A multibeam sonar from a depth camera, as DAVE (nps_uw_multibeam_sonar) describes it.
 
-Follows github.com/Field-Robotics-Lab/nps_uw_multibeam_sonar and W.-S. Choi et al., "Physics-based modelling and simulation
-of multibeam echosounder perception", Frontiers in Robotics and AI 2021: every pixel of one depth camera is a scatterer of
-random phase, its amplitude from incidence, area and spreading; a bin is the modulus of the sum; gain, at most 255. Its
-picture: numbers of the message as NPY, sample-major, and the beams run the other way than its list of directions says.
-Left out: beam pattern and the shape of the pulse in frequency.
+Sources: github.com/Field-Robotics-Lab/nps_uw_multibeam_sonar, and W.-S. Choi et al., "Physics-based modelling and
+simulation of multibeam echosounder perception", Frontiers in Robotics and AI 2021. Every pixel of one depth camera is a
+scatterer with a random phase. Its amplitude depends on incidence, area and spreading. A bin is the modulus of the sum with
+a gain, and at most 255. The picture has the numbers of the message as NPY, sample-major, with the beams in the reverse order
+of its list of directions. Not included: beam pattern, and the shape of the pulse in frequency.
 """
 import numpy as np
 
@@ -49,9 +49,9 @@ def recipe(scene, sonar):
 
 
 def known(scene, sonar, truth):
-    return [Known("mirror", None, "", "beams run the other way than the list of directions says"),
+    return [Known("mirror", None, "", "beams in the reverse order of the list of directions"),
             tangent(sonar, 1), fan_edge_scallop(scene, sonar, 1), near_shadow(scene, sonar, truth),
             Known("8-bits", None, "levels", "8-bit numbers"),
-            Known("clamped", None, "% of the lit bins", "the loudest 0.5 % are all 255"),
-            Known("level", None, "dB", "gain to taste", may=True),
-            Known("speckle", None, "of the energy", "phases", may=True)]
+            Known("clamped", None, "% of the bins with an echo", "the largest 0.5 % are all 255"),
+            Known("level", None, "dB", "arbitrary gain", may=True),
+            Known("speckle", None, "of the energy", "random phases", may=True)]

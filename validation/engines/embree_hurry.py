@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Embree as ray engines in a hurry use it.
+"""Embree in a simple ray engine.
 
-Follows no one simulator but what several have in common: one ray for each beam and elevation step from the beam's middle
-(OceanSim's point cloud, github.com/umfieldrobotics/OceanSim; Open3D's RaycastingScene tutorial), scene and rays as floats,
-the first hit's range rounded to the nearest bin number, the mean of strength x cos(incidence) of a bin's hits, the whole
-over its largest, 8 bits. Rays and tree are Embree's (hurried_rays.cpp). Its picture: PNG, rows are ranges with the nearest
-first, columns azimuths from port.
+This engine does not reproduce a single simulator, but properties of several: one ray per beam and elevation step from the
+middle of the beam (point cloud of OceanSim, github.com/umfieldrobotics/OceanSim; RaycastingScene tutorial of Open3D), scene
+and rays in floats, the range of the first hit rounded to the nearest bin number, the mean of strength x cos(incidence) over
+the hits of a bin, division by the largest bin, and 8 bits. Embree computes rays and tree (hurried_rays.cpp). The picture is
+PNG with ranges in rows, nearest first, and azimuths from port in columns.
 """
 import ctypes
 
@@ -14,7 +14,7 @@ import numpy as np
 import pictures
 from known import Known
 
-TITLE = "Embree in a hurry"
+TITLE = "Embree in a simple ray engine"
 PICTURE = "rays.png"
 ELEVATIONS = 1024
 IDEAL = None
@@ -58,6 +58,6 @@ def recipe(scene, sonar):
 
 
 def known(scene, sonar, truth):
-    return [Known("half-sample", 0.5, "samples", "bins numbered by rounding: what is in a bin's nearer half goes there, the rest on"),
+    return [Known("half-sample", 0.5, "samples", "rounded bin numbers: echoes in the farther half of a bin go to the next bin"),
             Known("8-bits", None, "levels", "8-bit picture"),
-            Known("level", None, "dB", "normalised by its own largest bin, which is one of few rays", may=True)]
+            Known("level", None, "dB", "normalised by its own largest bin, which has few rays", may=True)]

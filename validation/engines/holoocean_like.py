@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Leaves of an octree instead of surfaces, as HoloOcean describes its imaging sonar.
 
-Follows E. Potokar et al., "HoloOcean: realistic sonar simulation", IROS 2022, and the sensor's pages at
-byu-holoocean.github.io/holoocean-docs (octree, imaging-sonar-sensor): the world is cubes of size OctreeMin that a surface
-goes through, each with a normal; leaves whose cosine of incidence is positive are sorted into bins of azimuth and elevation
-(ElevationBins: ten a degree), from near to far; in each bin all but the first cluster is in shadow, a cluster ending where
-the next leaf is farther by more than ShadowEpsilon (four leaves); a leaf returns R^2 cos; a bin of the picture is the mean
-of its leaves, and then noise: multiplicative normal, additive Rayleigh. Its picture: NPY of floats, (frames,) RangeBins x
-AzimuthBins, nearest first, from port. Left out: multipath, the exponential noise of ranges, materials beyond R^2 = mu.
+Sources: E. Potokar et al., "HoloOcean: realistic sonar simulation", IROS 2022, and the pages about the sensor at
+byu-holoocean.github.io/holoocean-docs (octree, imaging-sonar-sensor). The world consists of cubes of size OctreeMin that a
+surface intersects, each with a normal. Leaves with a positive cosine of incidence are sorted into bins of azimuth and
+elevation (ElevationBins: ten per degree), from near to far. In each bin, all leaves after the first cluster are in shadow. A
+cluster ends where the distance to the next leaf exceeds ShadowEpsilon (four leaves). A leaf returns R^2 cos. A bin of the
+picture is the mean of its leaves, with multiplicative normal and additive Rayleigh noise. The picture is NPY of floats,
+(frames,) RangeBins x AzimuthBins, nearest first, from port. Not included: multipath, the exponential noise of ranges, and
+materials beyond R^2 = mu.
 """
 import numpy as np
 
@@ -128,11 +129,11 @@ def known(scene, sonar, truth):
     if len(bed):
         lowest = -sonar.directions(0.0, -sonar.height / 2)[2]
         moved = -OCTREE_MIN / 2 / lowest / sonar.step
-        result.append(Known("sample-shift", float(moved), "samples", "the bed lies half a leaf higher: its near edge moves by so much, "
-                            "objects by less, ends of shadows the other way", within=1.0))
-    result += [Known("range-scale", None, "of the range", "the other part of the same", may=True),
+        result.append(Known("sample-shift", float(moved), "samples", "the seabed is half a leaf too high: its near edge moves by this distance, "
+                            "objects by less, and ends of shadows in the opposite direction", within=1.0))
+    result += [Known("range-scale", None, "of the range", "second effect of the same cause", may=True),
                Known("scalloped-edge", float(OCTREE_MIN * np.cos(sonar.height) / sonar.step), "samples",
-                     "the bed's near edge goes along rows of leaves", may=True, within=1.0),
-               Known("blur", None, "bins", "leaves lie up to half a leaf off", may=True),
-               Known("shadow-sides", 0.5, "beams", "one leaf in a bin of azimuth and elevation hides all behind it", may=True)]
+                     "the near edge of the seabed follows rows of leaves", may=True, within=1.0),
+               Known("blur", None, "bins", "leaves are displaced by up to half a leaf", may=True),
+               Known("shadow-sides", 0.5, "beams", "one leaf in a bin of azimuth and elevation hides the whole bin behind it", may=True)]
     return result

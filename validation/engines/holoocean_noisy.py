@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same leaves with noise: four frames, each multiplied by normal noise and with Rayleigh's added.
+"""The same leaves with noise: four frames, each with multiplicative normal noise and additive Rayleigh noise.
 
-Follows holoocean_like.py, with MultSigma and AddSigma as the imaging sonar's page has them.
+Source: holoocean_like.py, with MultSigma and AddSigma from the page about the imaging sonar.
 """
 import numpy as np
 
@@ -33,4 +33,4 @@ def known(scene, sonar, truth):
     echo = (mean.sum(axis=0)[lit] / seen.sum(axis=0)[lit]).mean()
     floor = add_sigma(scene) * np.sqrt(np.pi / 2)
     return holoocean_like.known(scene, sonar, truth) + [
-        Known("noise", float(10 * np.log10(floor / echo)), "dB re the mean echo", "Rayleigh's mean, which is never 0", within=0.25)]
+        Known("noise", float(10 * np.log10(floor / echo)), "dB re the mean echo", "mean of the Rayleigh noise, which is above 0", within=0.25)]

@@ -20,7 +20,7 @@ class Known:
 def tangent(sonar, views):
     """Beams even in the tangent: how far they are off at most, in beams."""
     off = np.abs(depth_buffer.column_azimuths(sonar, views) - sonar.azimuth).max() / sonar.width
-    return Known("tangent-spacing", float(off), "beams at most", f"{views} camera{'s' * (views > 1)}, columns even in the tangent",
+    return Known("tangent-spacing", float(off), "beams at most", f"{views} camera{'s' * (views > 1)}, columns equidistant in the tangent",
                  may=bool(off < 0.08))
 
 
@@ -28,14 +28,14 @@ def fan_edge_scallop(scene, sonar, views):
     """Nothing where no flat bed is; else how far the near edge of a flat bed is off, crest to trough, in samples: a camera's lower side is a plane, and not
     a cone of even elevation."""
     if scene.area[np.abs(scene.normal[:, 2]) > 0.999].sum() < 100:
-        return Known("scalloped-edge", None, "samples", "the lower side of a camera's view is a plane", may=True)
+        return Known("scalloped-edge", None, "samples", "the lower side of a camera view is a plane", may=True)
     depth = sonar.apex[2]
     local = np.concatenate([depth_buffer.column_azimuths(sonar, views)[k * sonar.beams // views:(k + 1) * sonar.beams // views]
                             - middle for k, (middle, _) in enumerate(depth_buffer.views_of(sonar, views))])
     lower = np.arctan(np.tan(sonar.height / 2) * np.cos(local))
     true_range, its_range = (-depth / sonar.directions(sonar.azimuth, -angle)[:, 2] for angle in (sonar.height / 2, lower))
     off = (its_range - true_range) / sonar.step
-    return Known("scalloped-edge", float(off.max() - off.min()), "samples", "the lower side of a camera's view is a plane",
+    return Known("scalloped-edge", float(off.max() - off.min()), "samples", "the lower side of a camera view is a plane",
                  may=bool(off.max() - off.min() < 0.5), within=0.5)
 
 
@@ -44,9 +44,9 @@ def near_shadow(scene, sonar, truth):
     near = [name for k, name in enumerate(scene.objects)
             if np.linalg.norm(scene.triangles[scene.owner == k].mean(axis=(0, 1)) - sonar.apex) < sonar.edges[0]]
     if not near:
-        return Known("near-clipping", 0, "bins", "nothing stands nearer than the picture", may=True)
+        return Known("near-clipping", 0, "bins", "no object is nearer than the picture", may=True)
     shadow = (truth() == 0) & (truth(without=near) > 0)
     beams, samples = shadow.shape
     around = np.pad(shadow, ((1, 1), (2, 2)))
     inside = np.all([around[i:i + beams, j:j + samples] for i in range(3) for j in range(5)], axis=0)
-    return Known("near-clipping", float(inside.sum()), "bins", f"{', '.join(near)}: cut away by the near plane, or not looked for")
+    return Known("near-clipping", float(inside.sum()), "bins", f"{', '.join(near)}: the near plane removes these objects, or the engine does not search for them")

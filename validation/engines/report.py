@@ -4,7 +4,7 @@ import importlib
 import math
 import shutil
 
-VERDICTS = ("found", "found, size off", "missed", "nothing to find", "found all the same")
+VERDICTS = ("found", "found, size off", "missed", "nothing to find", "found although 0")
 
 
 def verdict(known, finding):
@@ -12,7 +12,7 @@ def verdict(known, finding):
     if finding is None:
         return "nothing to find" if known["may"] or known["size"] == 0 else "missed"
     if known["size"] == 0:
-        return "found all the same"
+        return "found although 0"
     if known["size"] is None:
         return "found"
     off = abs(finding["size"] - known["size"])
@@ -71,17 +71,17 @@ def section(name, scenes, shown):
     lines = [f"## {engine.TITLE}", "", about[0].replace("\n", " "), "", about[1].replace("\n", " ") if len(about) > 1 else "", "",
              "```text", f"validation/engines/run.py build/release/tubefoot build/release/tubefoot_hurried_rays.so out/engines --engine {name}",
              "```", ""]
-    lines += ["| scene | L1 | RMS | empty where lit | lit where shadow | overlap of shadows | L1 as joules | law as joules |",
+    lines += ["| scene | L1 | RMS | missing echoes | echoes in shadows | overlap of shadows | L1 as energies | range dependence as energies |",
               "|---|---|---|---|---|---|---|---|"]
     for scene, result in scenes.items():
         own, joules = result["own"], result.get("joules")
         lines.append(f"| {scene} | {own['l1_error']:.3g} | {own['rms_db_error']:.2f} dB | {own['empty_where_lit']} of {own['lit_bins']} | "
                      f"{own['lit_where_shadow']} of {own['shadow_bins']} | {own['shadow_overlap']:.3f} | "
                      + (f"{joules['l1_error']:.3g} | r^{joules['fit']['range_exponent']:+.2f} |" if joules else "- | - |"))
-    lines += ["", f"Imported with `{next(iter(scenes.values()))['import']['options']}`. What import itself says against that, beside the truth in this measure:", "",
-              "| scene | said |", "|---|---|"]
+    lines += ["", f"Imported with `{next(iter(scenes.values()))['import']['options']}`. Warnings of `tubefoot import` against the reference in these units:", "",
+              "| scene | warnings |", "|---|---|"]
     lines += [f"| {scene} | {'; '.join(result['import']['said']) or 'nothing'} |" for scene, result in scenes.items()]
-    lines += ["", "| scene | known by construction | its size | said | |", "|---|---|---|---|---|"]
+    lines += ["", "| scene | known by construction | size | finding | |", "|---|---|---|---|---|"]
     for scene, result in scenes.items():
         pairs, others = matched(result)
         for known, finding in pairs:
@@ -93,7 +93,7 @@ def section(name, scenes, shown):
         for finding in others:
             lines.append(f"| {scene} | nothing | | {said(finding)}: {finding['words']} | **not explained** |")
     if shown in scenes:
-        lines += ["", f"![truth in its measure, its picture, and their ratio](pictures/engine-{name.replace('_', '-')}.png)"]
+        lines += ["", f"![reference in the units of the engine, picture of the engine, and their ratio](pictures/engine-{name.replace('_', '-')}.png)"]
     return lines + [""]
 
 
@@ -101,7 +101,7 @@ def write_page(page, results, folder, shown):
     template = (page.parent / "engines" / "page.md").read_text()
     counts, unexplained = count(results)
     table = ["| verdict | known faults |", "|---|---|"] + [f"| {name} | {counts[name]} |" for name in VERDICTS]
-    table += [f"| said, and nothing known explains it | {unexplained} |", ""]
+    table += [f"| finding without a known cause | {unexplained} |", ""]
     body = []
     for name, scenes in results.items():
         body += section(name, scenes, shown)

@@ -42,7 +42,7 @@ def without_objects(text, names):
 
 
 def of_solid_angles(text):
-    """docs/output-models.md: every material scatters by the cosine of incidence, and nothing is absorbed."""
+    """docs/engine-validation.md: every material scatters by the cosine of incidence, and nothing is absorbed."""
     text = re.sub(r"^lambert_db = .*$", 'law = "gsab"\noblique_db = 0\noblique_exponent = 1\nunbounded = true', text, flags=re.M)
     return re.sub(r"^absorption_db_per_km = .*$", "absorption_db_per_km = 0", text, flags=re.M)
 
@@ -128,7 +128,7 @@ def run_engine(name, scene_folder, truth, tools, folder, quick):
         started = time.monotonic()
         engine.render(scene, sonar, folder / engine.PICTURE, tools)
     except ImportError as error:
-        print(f"left out: {name}: {error} (packages.txt names what Debian has)", flush=True)
+        print(f"omitted: {name}: {error} (see packages.txt for the packages of Debian)", flush=True)
         return None
     seconds = time.monotonic() - started
     candidate, recipe = folder / "echoes.nc", folder / "recipe.toml"
@@ -157,12 +157,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program", type=lambda word: pathlib.Path(word).resolve())
     parser.add_argument("hurried_rays", type=lambda word: pathlib.Path(word).resolve(), help="tubefoot_hurried_rays.so")
-    parser.add_argument("folder", type=lambda word: pathlib.Path(word).resolve(), help="is made anew")
-    parser.add_argument("--scene", type=pathlib.Path, action="append", help="folders with scene.toml (default: yard, three of the pack)")
+    parser.add_argument("folder", type=lambda word: pathlib.Path(word).resolve(), help="output folder, which is replaced")
+    parser.add_argument("--scene", type=pathlib.Path, action="append", help="folders with scene.toml (default: yard and three scenes of the suite)")
     parser.add_argument("--engine", action="append", choices=ENGINES, help="(default: all)")
-    parser.add_argument("--results", type=pathlib.Path, help="write what was found into this JSON file")
-    parser.add_argument("--page", type=pathlib.Path, help="and as this page, its pictures beside it in pictures/")
-    parser.add_argument("--quick", action="store_true", help="only in the engine's own measure, without --ideal")
+    parser.add_argument("--results", type=pathlib.Path, help="write the results into this JSON file")
+    parser.add_argument("--page", type=pathlib.Path, help="write this page, with its pictures in the folder pictures/")
+    parser.add_argument("--quick", action="store_true", help="only in the units of the engine, without --ideal")
     asked = parser.parse_args()
     scenes, engines = asked.scene or SCENES, asked.engine or ENGINES
     shutil.rmtree(asked.folder, ignore_errors=True)

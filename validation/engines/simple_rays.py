@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rays in Python that count their hits, as simple_sonar_simulator does.
+"""Rays in Python that count their hits, as in simple_sonar_simulator.
 
-Follows github.com/bottad/simple_sonar_simulator (sonar_sim/sonar_simulator.py), with VTK's cell locator where that has
-trimesh's: azimuths and elevations are the lower edges of their bins, from -fov/2 on without the last; a hit adds 1 over the
-number of elevations, whatever its incidence; ranges count from 0; the picture over its largest bin, times 255, cut off to
-whole numbers. Its picture: PNG, rows are ranges from 0, column 0 is starboard-most (azimuths count to port).
+Source: github.com/bottad/simple_sonar_simulator (sonar_sim/sonar_simulator.py), with the cell locator of VTK instead of
+that of trimesh. Azimuths and elevations are the lower edges of their bins, from -fov/2 without the last edge. A hit adds 1
+divided by the number of elevations, at any incidence. Ranges begin at 0. The picture is divided by its largest bin,
+multiplied by 255 and truncated to whole numbers. It is PNG with ranges from 0 in rows, and the starboard-most beam in
+column 0 (azimuths increase to port).
 """
 import functools
 
@@ -80,9 +81,9 @@ def known(scene, sonar, truth):
     rows = exact.sum(axis=1) > 0
     kept, weights = cut.sum(axis=1)[rows] / exact.sum(axis=1)[rows], exact.sum(axis=1)[rows]
     law = np.polyfit(np.log(sonar.slant_range[rows]), np.log(np.maximum(kept, 1e-3)), 1, w=np.sqrt(weights))[0]
-    return [Known("range-law", float(law), "power of range", "whole numbers cut off take most where there are few hits",
+    return [Known("range-law", float(law), "power of range", "truncation to whole numbers removes most of the energy of bins with few hits",
                   may=bool(abs(law) < 0.1), within=0.5),
-            Known("beam-shift", -0.5, "beams", "rays at the starboard edge of each beam, where its middle is meant"),
-            Known("8-bits", None, "levels", "8-bit picture, of whole counts"),
-            Known("level", None, "dB", "over its own largest bin; values are cut off to whole numbers", may=True),
+            Known("beam-shift", -0.5, "beams", "rays at the starboard edge of each beam instead of its middle"),
+            Known("8-bits", None, "levels", "8-bit picture of whole counts"),
+            Known("level", None, "dB", "divided by its own largest bin, with values truncated to whole numbers", may=True),
             Known("shadow-sides", None, "beams", "", may=True)]

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A forward-looking sonar in a rasteriser, as Stonefish describes and publishes it.
 
-Follows github.com/patrykcieslak/stonefish (class FLS; Library/shaders/sonarInput.frag, sonarOutput*.comp,
-sonarPostprocess.comp): a few cameras side by side share the fan's beams; a sample is range and restitution x
-cos(incidence); the gain times the mean over the samples of a bin; a 5 x 5 Gaussian of one bin; clamped to 0..1, 8 bits.
-Its picture: PNG, width is beams from port, height bins, and row 0 is the farthest. Left out: noise, and the pattern over
-several columns of samples a beam (one is taken here, as by default).
+Source: github.com/patrykcieslak/stonefish (class FLS; Library/shaders/sonarInput.frag, sonarOutput*.comp,
+sonarPostprocess.comp). A few adjacent cameras share the beams of the fan. A sample has a range and the restitution
+multiplied by cos(incidence). A bin is the mean of its samples multiplied by the gain. A 5 x 5 Gaussian of one bin, limits of
+0 to 1 and 8 bits follow. The picture is PNG. Its columns are beams from port, its rows are bins, and row 0 is the farthest.
+Not included: noise, and the pattern over several columns of samples per beam (here one column, the default).
 """
 import numpy as np
 

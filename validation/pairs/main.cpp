@@ -96,11 +96,10 @@ std::string page(const TestFolder& folder) {
   const std::size_t of_scene = chosen.size();
   chosen.insert(chosen.end(), of_runs.begin(), of_runs.end());
   std::string text =
-      "# What combinations cost\n\nWritten by `make pairs` (`validation/pairs/`). Processor time of a ping "
-      "of a "
-      "small scene with two\nfeatures of the [table](../docs/abilities.md), over the sum of the times with "
-      "one of "
-      "them each (one thread, medians of rounds in\nturns). Empty: refused.\n\n|  |";
+      "# Cost of combinations\n\n`make pairs` (`validation/pairs/`) writes this page. Each value is the "
+      "processor time of a ping of a small scene with two\nfeatures of the [table](../docs/limits.md), "
+      "divided by the sum of the times with one feature each (one thread, medians\nof alternating rounds). "
+      "An empty cell is an impossible combination.\n\n|  |";
   for (std::size_t a = 0; a < of_scene; ++a) text += fmt::format(" {} |", name_of(chosen[a]));
   text += "\n|---|";
   for (std::size_t a = 0; a < of_scene; ++a) text += "---:|";
@@ -125,8 +124,10 @@ std::string page(const TestFolder& folder) {
     fmt::print("{}\n", name_of(chosen[b]));
     std::fflush(stdout);
   }
-  return text + fmt::format("\nOf {} pairs {} cost more than twice their parts; the most is {:.2f}.\n",
-                            measured, above, largest);
+  return text +
+         fmt::format(
+             "\nOf {} pairs, {} cost more than twice the sum of their parts; the largest ratio is {:.2f}.\n",
+             measured, above, largest);
 }
 
 }  // namespace

@@ -110,16 +110,13 @@ void sound_channel(std::vector<Figure>& figures) {
 
 std::string page(const std::vector<Figure>& figures) {
   std::string text =
-      "# A second opinion on rays\n\n"
-      "Figures of independent ray codes, as they were published (BELLHOP's standard cases; USML's comparison "
-      "with GRAB), beside\n"
-      "tubefoot's. Those codes march along a ray in steps; tubefoot joins exact arcs, so what is left is "
-      "mostly theirs:\n"
-      "[physics.md](../docs/physics.md) pins tubefoot's own figures by closed forms, to many more digits. "
-      "`make rays` writes this\n"
-      "page; the test `Rays.SecondOpinion` fails where a figure is farther off than the last column.\n\n"
-      "| water | what | tubefoot | published | code | difference | allowed "
-      "|\n|---|---|---|---|---|---|---|\n";
+      "# Comparison with other ray codes\n\nThe table compares published figures of independent ray codes "
+      "(standard cases of BELLHOP; comparison of USML with GRAB)\nwith those of tubefoot. These codes "
+      "advance along a ray in steps, but tubefoot joins exact arcs, so most of the\ndifference is theirs. "
+      "[physics.md](../docs/energies.md) tests the figures of tubefoot with closed forms, to many "
+      "more\ndigits. `make rays` writes this page; the test `Rays.SecondOpinion` fails if a difference is "
+      "larger than the last column.\n\n| water | quantity | tubefoot | published | code | difference | "
+      "allowed |\n|---|---|---|---|---|---|---|\n";
   for (const Figure& f : figures) {
     const auto shown = [&](double value, int more) {
       return f.published < 0.01 ? fmt::format("{:.{}e}", value, 5 + more)
@@ -144,7 +141,7 @@ int run(const char* file) {
   } else {
     std::ofstream out(file);
     out << text;
-    if (!out.flush()) throw std::runtime_error(fmt::format("{}: cannot be written", file));
+    if (!out.flush()) throw std::runtime_error(fmt::format("cannot write {}", file));
   }
   return std::all_of(figures.begin(), figures.end(), [](const Figure& f) { return f.holds(); }) ? 0 : 1;
 }

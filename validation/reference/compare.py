@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Holds a candidate's echoes against a reference, as `tubefoot compare` does (docs/compare.md), without tubefoot.
+"""Compares the echoes of a candidate with a reference, as `tubefoot compare` does, without tubefoot.
 
     compare.py REFERENCE CANDIDATE [--json]   two files of echoes: netCDF or NumPy's .npy (ping, beam, sample)
-    compare.py PACK RESULTS [--json]          a reference pack (v1 or v2) and a folder of results: of scene NAME the
-                                              file NAME.npy, NAME.nc, NAME/energy.npy or NAME/echoes.nc
+    compare.py SUITE RESULTS [--json]         a benchmark suite (v1 or v2) and a folder of results; the result of scene
+                                              NAME is NAME.npy, NAME.nc, NAME/energy.npy or NAME/echoes.nc
 
-Of a pack it says which classes agree, and what is wrong in the others. Energies in a unit of your own: --relative.
-Needs NumPy, and netCDF4 for netCDF. Exit codes: 0 compared, and all agree; 3 some classes differ; 2 cannot compare."""
+For a suite, compare.py prints which scenes agree, and which measures of the others exceed their limits. With --relative,
+energies may be in any one unit. The program needs NumPy, and netCDF4 for netCDF files. Exit status: 0 all scenes agree;
+3 some scenes differ; 2 the files cannot be compared."""
 import argparse
 import json
 import pathlib
@@ -24,13 +25,13 @@ class Refused(Exception):
     """The two files cannot be compared; the message says why and what to do."""
 
 
-# Of an energy density. Files of version 0.1 and earlier say J and mean J/m^2.
+# Units of energy density. Files of version 0.1 and earlier say J and mean J/m^2.
 ENERGY_UNITS = "J m-2", "J"
 
 
 def values_of(file, sensor, name, dimensions, *units):
     if name not in sensor.variables:
-        raise Refused(f"{file}: there is no variable '{name}'")
+        raise Refused(f"{file}: no variable '{name}'")
     variable = sensor[name]
     if variable.dimensions != dimensions:
         raise Refused(f"{file}: '{name}' has dimensions {variable.dimensions}, not {dimensions}")
@@ -38,7 +39,7 @@ def values_of(file, sensor, name, dimensions, *units):
         raise Refused(f"{file}: '{name}' must have units '{units[0]}', not '{getattr(variable, 'units', None)}'")
     values = np.ma.filled(variable[:].astype(np.float64), np.nan)
     if not np.all(np.isfinite(values)):
-        raise Refused(f"{file}: '{name}' has values that are missing or not finite: write zeros where there is no echo")
+        raise Refused(f"{file}: '{name}' has missing or infinite values: write zeros into samples without an echo")
     return values
 
 
@@ -46,9 +47,10 @@ def array_in(path):
     try:
         energy = np.load(path, allow_pickle=False)
     except (OSError, ValueError, EOFError) as error:
-        raise Refused(f"{path}: cannot be read: {error}") from error
+        raise Refused(f"{path}: cannot read the file: {error}") from error
     if energy.ndim != 3 or energy.dtype.kind != "f":
-        raise Refused(f"{path}: is {energy.ndim}-dimensional {energy.dtype}, not floats by ping, beam and sample")
+        raise Refused(f"{path}: expected floating-point numbers with the dimensions ping, beam and sample, but the array has "
+                      f"{energy.ndim} dimensions and the type {energy.dtype}")
     return energy.astype(np.float64)
 
 
@@ -57,7 +59,7 @@ def sensors_of(path):
     if str(path).endswith(".npy"):
         energy = array_in(path)
         if not np.all(np.isfinite(energy)) or np.any(energy < 0):
-            raise Refused(f"{path}: has values that are negative or not finite: write zeros where there is no echo")
+            raise Refused(f"{path}: has negative values or values that are not finite: write zeros into samples without an echo")
         return {"sensor": {"energy": energy, "range": None, "azimuth": None, "bound": None}}, ""
     try:
         import netCDF4
@@ -67,7 +69,7 @@ def sensors_of(path):
     try:
         file = netCDF4.Dataset(path)
     except OSError as error:
-        raise Refused(f"{path}: cannot be read: {error}") from error
+        raise Refused(f"{path}: cannot read the file: {error}") from error
     sensors = {}
     with file:
         for sensor in list(file.groups.values()) or [file]:
@@ -86,28 +88,28 @@ def sensors_of(path):
 
 def check(reference, candidate):
     if reference["energy"].shape != candidate["energy"].shape:
-        raise Refused(f"the reference has {reference['energy'].shape} pings, beams and samples, the candidate "
-                      f"{candidate['energy'].shape}: compute the same")
+        raise Refused(f"the reference has {reference['energy'].shape} pings, beams and samples, but the candidate has "
+                      f"{candidate['energy'].shape}: use the numbers of the reference")
     if reference["range"] is None or candidate["range"] is None:
-        return  # an array says no more than its shape
+        return  # an array has a shape only
     ranges = reference["range"]
     step = ranges[1] - ranges[0] if len(ranges) > 1 else ranges[0]
     if np.any(np.abs(candidate["range"] - ranges) > SAMPLE_SHARE * step):
-        raise Refused("'slant_range' differs by more than 1 % of a sample: use the reference's range samples")
+        raise Refused("'slant_range' differs by more than 1 % of a sample: use the range samples of the reference")
     turn = (candidate["azimuth"] - reference["azimuth"] + 180) % 360 - 180
     if np.any(np.abs(turn) > AZIMUTH_TOLERANCE_DEG):
-        raise Refused("'beam_azimuth' differs by more than 0.001 degree: use the reference's beams in its order")
+        raise Refused("'beam_azimuth' differs by more than 0.001 degree: use the beams of the reference in the same order")
 
 
-def ratio(part, whole, candidate_total, if_both_silent):
-    """None where the reference is silent and the candidate is not."""
+def ratio(part, whole, candidate_total, if_both_zero):
+    """Returns None if the reference is 0 and the candidate is not."""
     if whole > 0:
         return part / whole
-    return None if candidate_total > 0 else if_both_silent
+    return None if candidate_total > 0 else if_both_zero
 
 
 def first_return_errors(ranges, reference, candidate, threshold):
-    """Of every beam of every ping: its first lit sample, candidate minus reference."""
+    """The first sample with an echo of each beam of each ping, candidate minus reference."""
     lit_r, lit_c = (e.reshape(-1, e.shape[-1]) > threshold for e in (reference, candidate))
     in_r, in_c = lit_r.any(axis=1), lit_c.any(axis=1)
     both = np.flatnonzero(in_r & in_c)
@@ -151,11 +153,11 @@ def errors_of(name, reference, candidate, worst=5):
         "first_return": first_return_errors(ranges, r, c, threshold),
         "within_bound": None, "worst_bins": []}
     if bound is not None:
-        heard, off = (r > 0) | (c > 0), difference.sum()
+        received, off = (r > 0) | (c > 0), difference.sum()
         errors["within_bound"] = {
             "bound_l1": ratio(bound.sum(), total_r, bound.sum(), 0.0),
             "share_of_difference": np.minimum(difference, bound).sum() / off if off > 0 else 1.0,
-            "share_of_bins": (heard & (difference <= bound)).sum() / heard.sum() if heard.any() else 1.0}
+            "share_of_bins": (received & (difference <= bound)).sum() / received.sum() if received.any() else 1.0}
     for k in np.argsort(-difference, axis=None, kind="stable")[:worst]:
         ping, beam, sample = (int(i) for i in np.unravel_index(k, r.shape))
         at = ping, beam, sample
@@ -170,7 +172,7 @@ def errors_of(name, reference, candidate, worst=5):
 # ---- Packs: what a scene's class is judged by. Each measure is a value and its standard error.
 
 def parts_of(scene, r, c):
-    """Reference, candidate and range of plates, where beams hold one range each; else of blocks of samples."""
+    """Energies of reference and candidate, and their ranges: per plate if each beam has one range, else per block of samples."""
     ranges, by_beam = scene["range"], r.sum(axis=0)
     lit = by_beam.sum(axis=1) > 0
     mean = (by_beam @ ranges)[lit] / by_beam[lit].sum(axis=1)
@@ -178,7 +180,7 @@ def parts_of(scene, r, c):
     if np.all(spread < 0.03 * mean):
         of_beam = by_beam.sum(axis=1)
         parts = []
-        for first, end in groups(lit):  # of beams that the plate fills: edges are a matter of sampling
+        for first, end in groups(lit):  # of beams that the plate fills: at edges, the sampling decides
             filled = [k for k in range(first, end) if of_beam[k] > 0.98 * of_beam[first:end].max()]
             parts.append((r[:, filled].sum(), c[:, filled].sum(), (by_beam[filled] @ ranges).sum() / of_beam[filled].sum()))
     else:
@@ -188,16 +190,16 @@ def parts_of(scene, r, c):
     return np.array([part for part in parts if part[1] > 0]).reshape(-1, 3)
 
 
-def law_fit(scene, r, c, of_range):
+def range_fit(scene, r, c, of_range):
     """ln(c / r) = a + b of_range(range): a, b and their standard errors."""
     parts = parts_of(scene, r, c)
     if len(parts) < 3:
-        return 0.0, 0.0, np.inf, np.inf  # nothing that a law could be told from
+        return 0.0, 0.0, np.inf, np.inf  # too few points for a fit
     return fit(np.stack([np.ones(len(parts)), of_range(parts[:, 2])], axis=1), np.log(parts[:, 1] / parts[:, 0]))
 
 
 def fit(design, values):
-    """Least squares of two terms: both, and their standard errors."""
+    """Least-squares fit of two terms: the terms and their standard errors."""
     solution, _, _, _ = np.linalg.lstsq(design, values, rcond=None)
     left = values - design @ solution
     variance = left @ left / max(len(values) - design.shape[1], 1) * np.linalg.inv(design.T @ design)
@@ -205,14 +207,14 @@ def fit(design, values):
 
 
 def groups(lit):
-    """[first, end) of runs of beams."""
+    """[first, end) of each run of adjacent beams."""
     steps = np.flatnonzero(np.diff(np.concatenate([[False], lit, [False]]).astype(int)))
     return list(zip(steps[::2], steps[1::2]))
 
 
 def gain_db(scene, r, c):
-    """At 1 m, where a law of range is wrong, too."""
-    a, b, error, _ = law_fit(scene, r, c, np.log)
+    """Gain in dB; at 1 m if the power of range is wrong."""
+    a, b, error, _ = range_fit(scene, r, c, np.log)
     parts = parts_of(scene, r, c)
     if len(parts) == 0:
         return -np.inf, 0.0
@@ -222,18 +224,18 @@ def gain_db(scene, r, c):
 
 
 def range_exponent(scene, r, c):
-    _, b, _, error = law_fit(scene, r, c, np.log)
+    _, b, _, error = range_fit(scene, r, c, np.log)
     return (b, error) if np.isfinite(error) else (np.inf, 0.0)
 
 
 def db_per_km(scene, r, c):
-    _, b, _, error = law_fit(scene, r, c, lambda x: x)
+    _, b, _, error = range_fit(scene, r, c, lambda x: x)
     scale = -1000 * 10 / (2 * np.log(10))  # there and back
     return (b * scale, error * abs(scale)) if np.isfinite(error) else (np.inf, 0.0)
 
 
 def beams_off(scene, r, c):
-    """How far things are from their beams, in beams: the largest of a smooth curve over the fan (shift, scale, bend)."""
+    """Displacement of posts in beams: the largest value of a smooth curve over the fan (shift, scale, bend)."""
     by_beam = [x.sum(axis=(0, 2)) for x in (r, c)]
     runs = groups(by_beam[0] > 0)
     borders = [0] + [(a[1] + b[0]) // 2 for a, b in zip(runs, runs[1:])] + [len(by_beam[0])]
@@ -260,13 +262,13 @@ def bounces_db(scene, r, c):
 
 
 def ratio_db(r, c, part):
-    """How much of a part there is, against the rest; 60 dB stand for none, or for nothing else."""
+    """Energy of a part relative to the rest, in dB; limited to 60 dB if one of the two is 0."""
     shares = [max(x[part].sum(), 1e-300) / max(x[~part].sum(), 1e-300) for x in (r, c)]
     return np.clip(10 * np.log10(shares[1] / shares[0]), -60.0, 60.0)
 
 
 def lit_in_shadow(scene, r, c):
-    """Share of energy where the reference is silent, neighbours included."""
+    """Share of the energy in bins that are 0 in the reference, as are their neighbours."""
     near = r > 0
     for axis in (1, 2):
         near = near | np.roll(near, 1, axis) | np.roll(near, -1, axis)
@@ -274,14 +276,14 @@ def lit_in_shadow(scene, r, c):
 
 
 def edges_off(scene, r, c):
-    """Share of bins that only one of both has lit."""
+    """Share of bins with an echo that have no echo in the other file."""
     threshold = LIT_SHARE_OF_MEAN * r[r > 0].mean()
     both, either = np.sum((r > threshold) & (c > threshold)), np.sum((r > threshold) | (c > threshold))
     return 1 - both / either, 0.0
 
 
 def samples_moved(scene, r, c):
-    """Mean way that a beam's energy would have to go along range, in samples."""
+    """Mean distance by which the energy of a beam would have to move along range, in samples."""
     r, c = (x.reshape(-1, x.shape[-1]) for x in (r, c))
     total, theirs = r.sum(axis=1), c.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -291,14 +293,14 @@ def samples_moved(scene, r, c):
 
 
 def coarse_l1(scene, r, c):
-    """Relative L1 error of blocks of 4 beams and 8 samples, in which sampling noise has mostly gone."""
+    """Relative L1 error of blocks of 4 beams and 8 samples, in which most sampling noise averages out."""
     beams, samples = np.arange(0, r.shape[1], 4), np.arange(0, r.shape[2], 8)
     blocks = [np.add.reduceat(np.add.reduceat(x, beams, axis=1), samples, axis=2) for x in (r, c)]
     return np.abs(blocks[1] - blocks[0]).sum() / r.sum(), 0.0
 
 
 def pings_off(scene, r, c):
-    """By how many pings a ping is another's."""
+    """Difference between the number of a ping and that of the most similar ping of the reference."""
     r, c = (x / np.maximum(x.sum(axis=(1, 2), keepdims=True), 1e-300) for x in (r, c))
     nearest = [np.abs(r - ping).sum(axis=(1, 2)).argmin() for ping in c]
     return float(np.abs(np.array(nearest) - np.arange(len(r))).max()), 0.0
@@ -306,14 +308,14 @@ def pings_off(scene, r, c):
 
 MEASURES = {f.__name__: f for f in (gain_db, range_exponent, db_per_km, beams_off, side_lobes_db, bounces_db, lit_in_shadow,
                                     edges_off, samples_moved, coarse_l1, pings_off)}
-FIRST = "range-law"  # what is wrong in it is taken off the others, so that they tell what else is
+FIRST = "range-law"  # its gain and power of range are removed from the other scenes, which then show other errors
 
 
 def pack_scenes(pack):
-    """Of every scene with an answer: its name, echoes, and what scene.json says that measures need."""
+    """Name and echoes of each scene with an answer, and the content of scene.json that measures need."""
     folders = sorted((pack / "answers").glob("*/energy.npy")) or sorted(pack.glob("*/echoes.nc"))
     if not folders:
-        raise Refused(f"{pack}: has no answers: neither answers/NAME/energy.npy (v2) nor NAME/echoes.nc (v1)")
+        raise Refused(f"{pack}: found no answers: expected answers/NAME/energy.npy (v2) or NAME/echoes.nc (v1)")
     for file in sorted(folders, key=lambda file: (file.parent.name != FIRST, file.parent.name)):
         name = file.parent.name
         if file.suffix == ".nc":
@@ -328,10 +330,10 @@ def pack_scenes(pack):
             azimuth = np.array(scene["beams"]["axes_deg"])
             unknown = scene["limits"].keys() - MEASURES.keys()
         except (OSError, ValueError, KeyError, TypeError) as error:
-            raise Refused(f"{pack}/scenes/{name}/scene.json: is not a pack's: {error!r}") from error
+            raise Refused(f"{pack}/scenes/{name}/scene.json: not a scene of a benchmark suite: {error!r}") from error
         if unknown:
-            raise Refused(f"{pack}: {name} is judged by {', '.join(sorted(unknown))}, which is not known here: take the "
-                          "compare.py that came with the pack")
+            raise Refused(f"{pack}: unknown measure {', '.join(sorted(unknown))} of scene {name}: use the compare.py of this "
+                          "suite")
         bound = file.parent / "bound.npy"
         yield name, {"energy": array_in(file), "range": scene["range"], "azimuth": azimuth,
                      "bound": array_in(bound) if bound.exists() else None}, scene
@@ -344,17 +346,17 @@ def result_of(results, name):
         return None
     sensors, _ = sensors_of(found[0])
     if len(sensors) != 1:
-        raise Refused(f"{found[0]}: has {len(sensors)} sensors, the scene has one")
+        raise Refused(f"{found[0]}: expected one sensor, found {len(sensors)}")
     return next(iter(sensors.values()))
 
 
 def judged(scene, r, c, relative):
-    """Measures of a scene by name: value, standard error, limit and whether it is kept."""
+    """Measures of a scene by name: value, standard error, limit, and whether the value is within the limit."""
     found = {}
     for name, limit in scene["limits"].items():
         value, error = MEASURES[name](scene, r, c)
         kept = bool(abs(value) - 2 * error <= limit) or relative and name == "gain_db"
-        value = float(value) if np.isfinite(value) else None  # nothing to tell it from
+        value = float(value) if np.isfinite(value) else None  # too few samples for an estimate
         found[name] = {"value": value, "standard_error": float(error), "limit": limit, "kept": kept}
     return found
 
@@ -384,7 +386,7 @@ def compare_pack(pack, results, relative):
                     first = {"gain_db": gain, "range_exponent": 0.0 if law["kept"] else law["value"]}
         scenes.append(entry)
     if not scenes:
-        raise Refused(f"{results}: has no result of any scene of {pack}: name them as --help says")
+        raise Refused(f"{results}: found no result of any scene of {pack}: --help lists the file names")
     return {"taken_off": first, "missing": missing, "scenes": scenes}
 
 
@@ -402,9 +404,9 @@ def print_pack(report):
             error = f" +- {measure['standard_error']:.2g}" if measure["standard_error"] > 0 else ""
             value = "unknown" if measure["value"] is None else f"{measure['value']:+.4g}"
             print(f"    {name:<15} {value}{error} (at most {measure['limit']:g})"
-                  + ("" if measure["kept"] else f": wrong in {entry['tests']}"))
+                  + ("" if measure["kept"] else f": error in {entry['tests']}"))
     if report["taken_off"]:
-        print("taken off all other scenes: {gain_db:+.2f} dB and r^{range_exponent:+.3f}, as found in ".format(**report["taken_off"])
+        print("removed from all other scenes: {gain_db:+.2f} dB and r^{range_exponent:+.3f}, found in ".format(**report["taken_off"])
               + FIRST)
     if report["missing"]:
         print("no result of: " + ", ".join(report["missing"]))
@@ -414,11 +416,11 @@ def print_pack(report):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Hold a candidate's echoes against a reference.")
-    parser.add_argument("reference", help="file of echoes, or folder of a reference pack")
+    parser = argparse.ArgumentParser(description="Compare the echoes of a candidate with a reference.")
+    parser.add_argument("reference", help="file of echoes, or folder of a benchmark suite")
     parser.add_argument("candidate", help="file of echoes, or folder of results")
     parser.add_argument("--json", action="store_true", help="print all measures, named as tubefoot compare names them")
-    parser.add_argument("--relative", action="store_true", help="of a pack: energies may be in any one unit")
+    parser.add_argument("--relative", action="store_true", help="for a suite: accept energies in any one unit")
     options = parser.parse_args()
     if pathlib.Path(options.reference).is_dir():
         report = compare_pack(pathlib.Path(options.reference), pathlib.Path(options.candidate), options.relative)
@@ -428,14 +430,14 @@ def main():
             print_pack(report)
         sys.exit(3 if any(entry.get("agrees") is False for entry in report["scenes"]) else 0)
     if options.relative:
-        raise Refused("--relative is for packs: the first file is no folder")
+        raise Refused(f"--relative needs the folder of a suite, but {options.reference} is a file")
     (references, hash_r), (candidates, hash_c) = sensors_of(options.reference), sensors_of(options.candidate)
     if hash_r and hash_c and hash_r != hash_c:
-        raise Refused(f"scene_hash is {hash_c}, the reference's {hash_r}: compute the same scene")
-    if len(references) == len(candidates) == 1:  # whatever they are called
+        raise Refused(f"scene_hash is {hash_c}, but the reference has {hash_r}: compute the same scene")
+    if len(references) == len(candidates) == 1:  # their names may differ
         candidates = dict(zip(references, candidates.values()))
     if missing := set(references) - set(candidates):
-        raise Refused(f"{options.candidate}: there is no sensor {', '.join(sorted(missing))}")
+        raise Refused(f"{options.candidate}: no sensor {', '.join(sorted(missing))}")
     results = [errors_of(name, echoes, candidates[name]) for name, echoes in references.items()]
     if options.json:
         print(json.dumps({"sensors": results}, indent=2, default=lambda number: number.item()))

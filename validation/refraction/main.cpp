@@ -46,12 +46,13 @@ int run(const std::filesystem::path& scene, const std::filesystem::path& picture
   opposite.water.gradient_per_s = 1.5;
   opposite.water.profile_bottom_m = 25;
   Diagram diagram;
-  diagram.title = "A flat bed, as a multibeam finds it with straight rays";
-  diagram.x_label = "east, m";
-  diagram.y_label = "up, m";
+  diagram.title = "Soundings of a flat seabed, computed with straight rays";
+  diagram.x_label = "east (m)";
+  diagram.y_label = "up (m)";
   diagram.scale = Scale::linear;
-  diagram.series = {soundings_in("even water", even), soundings_in("the scene's water", layered),
-                    soundings_in("faster below", opposite)};
+  diagram.series = {soundings_in("isovelocity water", even),
+                    soundings_in("thermocline of the scene", layered),
+                    soundings_in("sound speed rises with depth", opposite)};
   write_png_of_svg(to_svg(diagram), picture);
   return 0;
 }

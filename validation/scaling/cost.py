@@ -74,7 +74,7 @@ def series(quick):
     hidden = lambda n: scene(more=WALL + BEHIND.format(side=12, middle=15, cell=12 / math.sqrt(n / 2)))
     counts = [1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6]
     return {
-        "seen": ("bed facets, by the size of cells", [2, 1, 0.5, 0.3, 0.2, 0.1, 0.06, 0.04][:6 if quick else 8],
+        "seen": ("seabed facets, by cell size", [2, 1, 0.5, 0.3, 0.2, 0.1, 0.06, 0.04][:6 if quick else 8],
                  lambda cell: scene(cell_m=cell)),
         "outside": ("facets outside the fan", some(counts + [3e6]), outside),
         "hidden": ("facets in the fan, hidden by a wall", some(counts), hidden),

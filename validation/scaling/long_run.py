@@ -88,8 +88,8 @@ def main():
                   + f" | {run.files_mb:.0f} |", flush=True)
         times = [row[0] for row in run.rows]
         lines = {"anonymous": (times, [row[1] for row in run.rows], {"line"}),
-                 "pages of files": (times, [row[2] for row in run.rows], {"line"}),
-                 "files are written from here on": ([run.writing] * 2, [0, max(max(row[1:]) for row in run.rows)],
+                 "file pages": (times, [row[2] for row in run.rows], {"line"}),
+                 "start of writing": ([run.writing] * 2, [0, max(max(row[1:]) for row in run.rows)],
                                                     {"line", "dashes", "thin"})}
         highest = 1.9 * max(max(peak) for peak in peaks[sonar])
         panels.append(plot.panel(f"{sonar}, {most} pings: {run.store_mb:.0f} MB of energies", "seconds", "memory, MB",
@@ -97,7 +97,7 @@ def main():
         panels.append(plot.panel(f"{sonar}: largest memory against pings", "pings", "memory, MB", {
             name: (counts, [peak[column] for peak in peaks[sonar]])
             for name, column in (("anonymous, simulation", 0), ("anonymous, writing", 2),
-                                 ("pages of files, simulation", 1), ("pages of files, writing", 3))},
+                                 ("file pages, simulation", 1), ("file pages, writing", 3))},
             log=(True, False), limits=(None, None, 0, highest)))
     plot.sheet(figure, panels)
 

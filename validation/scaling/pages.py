@@ -13,7 +13,7 @@ PINGS, RANKS, BLOCK, SEED = 100000, (1, 10, 100, 1000), 20, 1
 LINK_BYTES_S, DISK_BYTES_S = 1.25e9, 1e9
 
 SERIES = {  # name: (title, x axis, row -> x, what a second's worth is counted in)
-    "seen": ("Footprints seen", "footprints a ping", lambda row: row["footprints"]),
+    "seen": ("Footprints seen", "footprints per ping", lambda row: row["footprints"]),
     "outside": ("Facets outside the fan", "facets of the scene", lambda row: row["facets"]),
     "hidden": ("Facets in the fan, hidden", "hidden facets", lambda row: row["value"]),
     "beams": ("Beams in the same fan", "beams", lambda row: row["value"]),
@@ -39,7 +39,7 @@ def cost_part(measured, figures):
         rows = measured[name]
         x, seconds = [x_of(row) for row in rows], [row["seconds"] for row in rows]
         milli = {"ping": seconds, "visibility": [r["visibility"] for r in rows], "echo": [r["echo"] for r in rows]}
-        panels.append(plot.panel(title, words, "ms a ping", {key: (x, [1000 * s for s in found]) for key, found in milli.items()},
+        panels.append(plot.panel(title, words, "ms per ping", {key: (x, [1000 * s for s in found]) for key, found in milli.items()},
                                  log=(name != "orders", True),
                                  limits=(None, None, None, 3000 * max(seconds))))
         orders = name == "orders"  # of which a power law says nothing
@@ -52,8 +52,8 @@ def cost_part(measured, figures):
             [[number(a), row["facets"], f"{row['footprints']:.0f}", f"{row['images']:.0f}", number(1000 * row["visibility"]),
               number(1000 * row["echo"]), number(1000 * row["seconds"])] for a, row in zip(x, rows)])]
     plot.sheet(figures / "scaling-cost.svg", panels)
-    return "\n".join([table(["varied", "over", "ms a ping", "exponent of the first three", "of the last three",
-                             "us for one more, at the end"], summary), *text])
+    return "\n".join([table(["varied", "over", "ms per ping", "exponent of the first three values", "of the last three values",
+                             "us per additional unit, at the end"], summary), *text])
 
 
 def costs_of(row, lead, ranks, cluster):
@@ -110,8 +110,8 @@ def dealing_part(found, lead, figures):
                       number(pings.max() / pings.mean(), 2), number(correlation(pings), 2),
                       number(row["store_bytes"] / 1000), number(row["sent_bytes"] / 1000), number(1e6 * costs_of(row, lead, 2, True).result),
                       number(row["load"]), number(1000 * row["write"])])
-    text = [table(["scene", "pings", "mean, ms", "deviation / mean", "largest / mean", "correlation of neighbours", "kB a ping", "kB sent",
-                   "us of rank 0 a ping", "load, s", "writing, ms a ping"], shape)]
+    text = [table(["scene", "pings", "mean, ms", "deviation / mean", "largest / mean", "correlation of adjacent pings", "kB per ping", "kB sent",
+                   "us of rank 0 per ping", "load, s", "writing, ms per ping"], shape)]
     with concurrent.futures.ProcessPoolExecutor(2) as pool:
         predicted = dict(zip(found, pool.map(scene_predictions, found.values(), [lead] * len(found))))
     rows, panels = [], []
@@ -125,12 +125,12 @@ def dealing_part(found, lead, figures):
                          *(number(max(0.0, round(seconds, 2))) for seconds in parts.values()), f"{100 * now['lead_busy']:.0f} %",
                          limit, *(number(alone / other / ranks, 2) if ranks > 1 else "-" for other in (beside, own))])
     text.append(table(["scene", "ranks", "total, s", "speed-up", "efficiency", *(f"{key}, s" for key in cases[0][1]["parts"]),
-                       "rank 0 busy", "most is lost to", "efficiency, files beside the pings",
-                       "efficiency, ranks keep and write their own"], rows))
+                       "rank 0 busy", "largest loss", "efficiency, files during the simulation",
+                       "efficiency, each rank writes its own files"], rows))
     share = {name: (numpy.arange(len(row["pings"])) / (len(row["pings"]) - 1),
                     numpy.sort(row["pings"]) / numpy.mean(row["pings"]), {"line"}) for name, row in found.items()}
-    panels.append(plot.panel("Seconds of pings, over their mean", "share of pings below", "over the mean", share))
-    for title, which in (("Predicted efficiency", None), ("..., files beside the pings", 2), ("..., ranks keep and write their own", 3)):
+    panels.append(plot.panel("Seconds of pings, relative to their mean", "share of faster pings", "relative to the mean", share))
+    for title, which in (("Predicted efficiency", None), ("..., files during the simulation", 2), ("..., each rank writes its own files", 3)):
         panels.append(plot.panel(title, "ranks", "efficiency", {
             name: (RANKS, [1, *(cases[0][1]["total"] / case[0] / (case[which] if which else case[1]["total"]) for case in cases[1:])])
             for name, cases in predicted.items()}, log=(True, False), limits=(None, None, 0, 1.05), corner="lowleft"))
@@ -141,25 +141,25 @@ def dealing_part(found, lead, figures):
 def page(measured, figures):
     lead = measured["lead"]
     return "\n".join([
-        "# What pings cost, and how runs scale: measured", "",
-        "Written by `make scaling`; [docs/scaling.md](../docs/scaling.md) says what it means. Load average of the machine as the",
-        f"measurements began and ended: {measured['load_average'][0]:.1f} and {measured['load_average'][1]:.1f}, on "
-        f"{measured['cores']} cores. Seconds of pings are the least of {measured['rounds']} interleaved rounds.", "",
-        *(["**The machine was busier than it has cores**: seconds of two ranks, of rank 0, of writing and of dealt pings are too",
-           "large, and unevenly so. Run it again when the machine is quiet.", ""]
+        "# Cost of pings and scaling of runs: measurements", "",
+        "`make scaling` writes this page; [validation/performance.md](../validation/performance.md) explains it. Load average of the machine at the start",
+        f"and at the end of the measurements: {measured['load_average'][0]:.1f} and {measured['load_average'][1]:.1f}, on "
+        f"{measured['cores']} cores. Seconds of pings are the minimum of {measured['rounds']} interleaved rounds.", "",
+        *(["**The load of the machine was larger than its number of cores**: seconds of two ranks, of rank 0, of writing and of",
+           "distributed pings are too large by different factors. Repeat the measurement on an idle machine.", ""]
           if max(measured["load_average"]) > measured["cores"] + 1 else []),
         "## A ping", "", cost_part(measured["cost"], figures),
         "## One and two ranks", "",
-        "Seconds of the simulation, least of the rounds, and what the simulation of the dealing says of them. Efficiency is the",
-        "time of one rank over twice that of two. Processor seconds are of the whole run, all ranks.", "",
+        "Seconds of the simulation (minimum of the rounds), and the predictions of the simulated distribution of pings. Efficiency is the",
+        "time of one rank divided by twice the time of two ranks. Processor seconds are those of the whole run with all ranks.", "",
         check_part(measured["ranks"], lead),
         "## Rank 0", "",
-        "Its main thread while pings come in: it takes them, answers requests, and sleeps a millisecond when there is nothing.", "",
-        table(["bytes of a ping", "as it is sent", "pings from others", "sleeps", "processor s"],
+        "The main thread of rank 0 receives pings and answers requests. It sleeps for a millisecond if there are no messages.", "",
+        table(["bytes per ping", "bytes sent", "pings from other ranks", "sleeps", "processor s"],
               [[run["bytes"], number(run["sent"]), number(run["results"]), number(run["sleeps"]), number(run["seconds"])] for run in lead["runs"]]),
-        f"That is best explained by {1e3 * lead['once']:.0f} ms a run, {1e6 * lead['message']:.0f} us a ping, "
-        f"{1e9 * lead['byte']:.2f} ns a byte as it is sent and {1e6 * lead['sleep']:.0f} us a sleep.", "",
-        f"## {PINGS} pings dealt", "",
-        f"A thread a rank. Pings: blocks of {BLOCK} neighbours drawn from the measured ones (seed {SEED}). Assumed, not measured: a",
-        f"link of {LINK_BYTES_S / 1e9:g} GB/s to rank 0, {DISK_BYTES_S / 1e9:g} GB/s of a shared disk while all ranks load.", "",
+        f"The best fit is {1e3 * lead['once']:.0f} ms per run, {1e6 * lead['message']:.0f} us per ping, "
+        f"{1e9 * lead['byte']:.2f} ns per sent byte and {1e6 * lead['sleep']:.0f} us per sleep.", "",
+        f"## Distribution of {PINGS} pings", "",
+        f"Each rank has one thread. Pings are blocks of {BLOCK} adjacent pings, drawn from the measured pings (seed {SEED}). Two values are",
+        f"assumed: a link of {LINK_BYTES_S / 1e9:g} GB/s to rank 0, and a shared disk with {DISK_BYTES_S / 1e9:g} GB/s while all ranks load.", "",
         dealing_part(measured["ranks"], lead, figures)]) + "\n"

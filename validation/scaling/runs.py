@@ -32,14 +32,14 @@ def ping_seconds(store, stats):
     """Visibility and echo seconds, [ping][2], of all pings of an open store: they are kept with each ping's energies."""
     data = store.read()
     if data[:16] != b"tubefoot pings 4":
-        raise RuntimeError(f"{store.name}: not the store that this script reads (src/run/checkpoint/ping_store.cpp)")
+        raise RuntimeError(f"{store.name}: this script does not support this checkpoint format (src/run/checkpoint/ping_store.cpp)")
     identity, units = (int.from_bytes(data[k:k + 8], "little") for k in (16, 32))
     first = -(-(48 + identity) // PAGE) * PAGE
     rows = numpy.frombuffer(data, numpy.uint8, units * UNIT_BYTES, first).reshape(units, UNIT_BYTES)
     seconds = rows[:, SECONDS_AT:SECONDS_AT + 16].copy().view(numpy.float64)
     told = [stats["seconds"][k] for k in ("visibility_of_all_pings", "echo_of_all_pings")]
     if not numpy.allclose(seconds.sum(axis=0), told, rtol=1e-6):
-        raise RuntimeError(f"{store.name}: the pings' seconds do not add up to those of stats.json; "
+        raise RuntimeError(f"{store.name}: the seconds of the pings do not add up to those of stats.json; "
                            "has PingCounts changed (src/run/checkpoint/ping_store.hpp)?")
     return seconds
 
@@ -51,7 +51,7 @@ def opened_when_there(file, process):
             return open(file, "rb")
         except FileNotFoundError:
             if process.poll() is not None:
-                raise RuntimeError(f"ended without {file.name}: {process.communicate()[1]}") from None
+                raise RuntimeError(f"the process ended without {file.name}: {process.communicate()[1]}") from None
             time.sleep(0.001)
 
 

@@ -104,7 +104,8 @@ PixelMap ground_picture(const Recording& recording, std::size_t ping, std::span<
   const RangeSamples& samples = sensor.samples();
   const double height_m = pose.position_m.z - layout.seabed_m,
                reach_m = samples.first_m + samples.count * samples.step_m;
-  if (!(height_m > 0 && reach_m > height_m)) throw std::invalid_argument("the camera sees no bed");
+  if (!(height_m > 0 && reach_m > height_m))
+    throw std::invalid_argument("the camera does not see the seabed");
   const double ground_m = std::sqrt(reach_m * reach_m - height_m * height_m);
   const double half_width_m =
       ground_m * std::sin(std::min(std::abs(sensor.beams().front().azimuth_rad), 1.5));

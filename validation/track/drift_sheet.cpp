@@ -51,7 +51,7 @@ TrackStep brightest(const PixelMap& map) {
         most = value;
         best = place_of(x, y);
       }
-  if (most < 0) throw std::invalid_argument("the camera does not see the bed 4 m ahead");
+  if (most < 0) throw std::invalid_argument("the camera does not see the seabed 4 m ahead");
   return best;
 }
 
@@ -68,7 +68,7 @@ void ring(Canvas& canvas, double x, double y, double radius) {
 
 Canvas draw_drift(const Recording& recording, const std::vector<std::vector<double>>& frames, double seabed_m,
                   const std::string& font) {
-  if (frames.size() < frames_shown) throw std::invalid_argument("a sheet of drift takes eight frames");
+  if (frames.size() < frames_shown) throw std::invalid_argument("a sheet of drift needs eight frames");
   std::vector<PixelMap> maps;
   for (std::size_t ping = 0; ping < frames_shown; ++ping)
     maps.push_back(ground_picture(recording, ping, frames[ping], {seabed_m, pixel_m}));
@@ -76,11 +76,12 @@ Canvas draw_drift(const Recording& recording, const std::vector<std::vector<doub
 
   constexpr int rows = static_cast<int>(frames_shown / in_a_row), columns = static_cast<int>(in_a_row);
   Canvas canvas(columns * (side + gap) + gap, head + rows * (side + label) + gap, palette.background, font);
-  canvas.text(gap, 26, "eight frames in a row, seen from above", title_size, palette.ink);
+  canvas.text(gap, 26, "eight consecutive frames, seen from above", title_size, palette.ink);
   canvas.text(
       gap, 58,
-      fmt::format("squares of {} m; ring: one place of the bed by the camera's true way; dots: where it was",
-                  side * pixel_m),
+      fmt::format(
+          "squares of {} m; ring: one point of the seabed, from the true track; dots: its earlier positions",
+          side * pixel_m),
       label_size, palette.faint_ink);
   std::vector<Spot> way;
   for (std::size_t ping = 0; ping < frames_shown; ++ping) {

@@ -55,18 +55,18 @@ int run(const std::filesystem::path& scene, const std::filesystem::path& picture
   for (const auto& [name, track] :
        {std::pair{"micro-texture, no speckle", &with}, {"no texture, speckle", &without}})
     fmt::print(
-        "{}: {} steps, worst error {:.3f} pixels of {} m; neighbouring frames correlate by {:.3f} to "
-        "{:.3f}\n",
+        "{}: {} steps, worst error {:.3f} pixels of {} m; correlation of adjacent frames {:.3f} to {:.3f}\n",
         name, track->shifts.size(), track->worst_pixels, pixel_m, track->least_correlation,
         track->largest_correlation);
 
   Diagram diagram;
-  diagram.title = "A camera's way, by what neighbouring frames have in common";
-  diagram.x_label = "to starboard of where the camera looks, m";
-  diagram.y_label = "ahead, m";
+  diagram.title = "Track of a camera, estimated from consecutive frames";
+  diagram.x_label = "starboard (m)";
+  diagram.y_label = "ahead (m)";
   diagram.scale = Scale::linear;
-  diagram.series = {line_of("true", with.true_steps, true), line_of("micro-texture", with.measured, false),
-                    line_of("speckle alone", without.measured, true)};
+  diagram.series = {line_of("true", with.true_steps, true),
+                    line_of("reflectivity texture", with.measured, false),
+                    line_of("speckle only", without.measured, true)};
   write_png_of_svg(to_svg(diagram), picture);
   return 0;
 }

@@ -212,10 +212,11 @@ Attribution attribute(const SceneAtHand& scene, const SensorEchoes& reference, c
   const Sensor& sensor = *scene.survey().sensors[place.sensor].sensor;
   if (path_settings(scene.survey().scene, sensor.frequency_khz()))
     attributor.notes().push_back(
-        "paths over mirrors, and what scatters twice, have no footprints: their echoes count as what the "
-        "straight path sees in their bins");
+        "paths over mirrors and second scattering have no footprints; their echoes are attributed to the "
+        "surface that the straight path sees in the same bin");
   if (sensor.has_separate_receiver())
-    attributor.notes().push_back("the receiver is apart: kinds of bins are as it sees the scene");
+    attributor.notes().push_back(
+        "the receiver is separate; the kinds of bins refer to its view of the scene");
   return attributor.done();
 }
 

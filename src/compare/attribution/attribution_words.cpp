@@ -60,18 +60,18 @@ std::string name_at(const std::vector<std::string>& names, std::size_t number) {
 
 std::string attribution_text(const std::string& sensor, const Attribution& a) {
   if (!(a.whole.error > 0)) return fmt::format("\n{}: no error to attribute\n", sensor);
-  std::string text = fmt::format("\n{}: whose the error is\n", sensor);
+  std::string text = fmt::format("\n{}: attribution of the error\n", sensor);
   for (const std::string& note : a.notes) text += fmt::format("  note: {}\n", note);
   constexpr std::size_t most_causes = 6, most_rows = 20;
-  text += table("object and kind, the largest", a.causes, a.whole, most_causes);
+  text += table("object and kind (largest)", a.causes, a.whole, most_causes);
   text += table("kind of bin", a.kinds, a.whole, most_rows);
   text += table("object", a.objects, a.whole, most_rows);
   text += table("material", a.materials, a.whole, most_rows);
   text += table("range", a.ranges, a.whole, most_rows);
   text += table("beams", a.beams, a.whole, most_rows);
   if (a.worst.empty()) return text;
-  text += fmt::format("  worst bins {:>6} {:>6} {:>7} {:>14}  {:<12} facets behind it\n", "ping", "beam",
-                      "sample", "of difference", "kind");
+  text += fmt::format("  worst bins {:>6} {:>6} {:>7} {:>14}  {:<12} facets\n", "ping", "beam", "sample",
+                      "of difference", "kind");
   for (const WorstBin& bin : a.worst) {
     std::string facets;
     for (const FacetShare& facet : std::span(bin.facets).first(std::min<std::size_t>(bin.facets.size(), 3)))

@@ -30,10 +30,9 @@ class Cutter {
     const std::size_t across = short_walls(tubes);
     const std::vector<std::vector<std::uint32_t>> stacks = stacks_of(tubes, across);
     if (columns_ % stacks.size() != 0)
-      throw std::invalid_argument(
-          fmt::format("a beam is {} tubes wide, which {} columns do not divide: ask for "
-                      "a multiple of {}",
-                      stacks.size(), columns_, stacks.size()));
+      throw std::invalid_argument(fmt::format(
+          "a beam is {} tubes wide, but {} columns are not a multiple of this number: use a multiple of {}",
+          stacks.size(), columns_, stacks.size()));
     const std::size_t parts = columns_ / stacks.size();
     for (const auto& stack : stacks) {
       for (const std::uint32_t tube : stack) cut_tube(tube, across, parts);

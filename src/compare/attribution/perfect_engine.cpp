@@ -111,7 +111,7 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
           return cut_into_columns(whole, sensor.beam_of_tube(number),
                                   static_cast<std::size_t>(sampling.columns));
         } catch (const std::invalid_argument& error) {
-          throw UsageError(fmt::format("--ideal {}x{}: of sensor '{}' {}", sampling.columns, sampling.rays,
+          throw UsageError(fmt::format("--ideal {}x{}: in sensor '{}', {}", sampling.columns, sampling.rays,
                                        sensor.description().name, error.what()));
         }
       }();
@@ -191,8 +191,8 @@ SecondMoments second_moments(const Transmissions& near, std::size_t s, std::size
 }  // namespace
 
 std::string BeamSampling::words() const {
-  return columns > 0 ? fmt::format("{} x {} rays a beam", columns, rays)
-                     : fmt::format("{} random points a beam", rays);
+  return columns > 0 ? fmt::format("{} x {} rays per beam", columns, rays)
+                     : fmt::format("{} random points per beam", rays);
 }
 
 std::optional<BeamSampling> beam_sampling(const std::string& words) {
@@ -208,7 +208,8 @@ std::optional<BeamSampling> beam_sampling(const std::string& words) {
   if (words.starts_with(points)) {
     const auto rays = number(std::string_view(words).substr(points.size()));
     if (!rays)
-      throw UsageError(fmt::format("--ideal {}: give a number of points a beam, as points:512", words));
+      throw UsageError(
+          fmt::format("--ideal {}: expected a number of points per beam, as in points:512", words));
     sampling.rays = *rays;
   } else {
     const std::size_t by = words.find('x');
@@ -217,11 +218,12 @@ std::optional<BeamSampling> beam_sampling(const std::string& words) {
                rays = number(std::string_view(words).substr(by + 1));
     if (!columns || !rays) return std::nullopt;
     if (*columns < 1 || *columns > most_columns)
-      throw UsageError(fmt::format("--ideal {}: a beam has 1 to {} columns of rays", words, most_columns));
+      throw UsageError(
+          fmt::format("--ideal {}: expected 1 to {} columns of rays per beam", words, most_columns));
     sampling = {*columns, *rays};
   }
   if (sampling.rays < 1 || sampling.rays > most_rays)
-    throw UsageError(fmt::format("--ideal {}: a beam has 1 to {} rays", words, most_rays));
+    throw UsageError(fmt::format("--ideal {}: expected 1 to {} rays per beam", words, most_rays));
   return sampling;
 }
 
@@ -236,10 +238,9 @@ EchoContents perfect_echoes(const SceneAtHand& scene, const EchoContents& refere
     sensor.energy_bound.clear();
     if (sampling.columns > 1) {
       if (!is_plain(scene.survey(), place.sensor))
-        throw UsageError(
-            fmt::format("--ideal {}x{}: the paths of sensor '{}' are not all its own rays there "
-                        "and back: ask for 1x{}, or points:N",
-                        sampling.columns, sampling.rays, sensor.name, sampling.rays));
+        throw UsageError(fmt::format(
+            "--ideal {}x{}: columns of rays cannot follow all paths of sensor '{}': use 1x{}, or points:N",
+            sampling.columns, sampling.rays, sensor.name, sampling.rays));
       run_columns(scene.survey(), place, sampling, sensor, quiet);
     } else {
       run_rays(scene.survey(), place, sampling, sensor, quiet);
@@ -256,13 +257,13 @@ double IdealShare::explained() const {
 std::string ideal_text(const IdealShare& share) {
   const auto& forecast = share.forecast;
   return fmt::format(
-      "  a perfect engine of {} would have L1 {:.3g}{} (RMS {:.3g} dB); yours has {:.3g}: sampling explains "
-      "{}\n",
+      "  a perfect engine with {} would have L1 {:.3g}{} (RMS {:.3g} dB); the candidate has {:.3g}: sampling "
+      "explains {}\n",
       share.sampling, forecast ? forecast->l1 : share.l1,
       forecast ? fmt::format(" +- {:.2g}", forecast->l1_deviation) : "",
       forecast ? forecast->rms_db : share.rms_db, share.yours_l1,
-      share.explained() == 1 ? "all of it"
-                             : fmt::format("{:.0f} %, the rest is a mistake", 100 * share.explained()));
+      share.explained() == 1 ? "the whole error"
+                             : fmt::format("{:.0f} % of the error", 100 * share.explained()));
 }
 
 nlohmann::ordered_json ideal_json(const IdealShare& share) {

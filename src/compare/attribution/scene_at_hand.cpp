@@ -32,14 +32,16 @@ SceneAtHand::SceneAtHand(const SceneDescription& scene, const EchoContents& refe
       one_sensor_(reference.sensors.size() == 1) {
   const std::string& hash = reference.provenance.scene_hash;
   if (hash.empty()) {
-    notes.push_back(fmt::format("the reference has no scene_hash: that it is of '{}' is not known", scene_));
+    notes.push_back(
+        fmt::format("the reference has no scene_hash, so it is unknown whether it belongs to '{}'", scene_));
   } else if (hash != scene.sha256) {
     if (!any_scene)
       throw InputError({reference_},
-                       fmt::format("scene_hash is {}, but '{}' has {}: name the scene that the reference was "
-                                   "computed of with --scene, or take this one all the same with --any-scene",
+                       fmt::format("scene_hash is {}, but '{}' has {}: name the scene of the reference with "
+                                   "--scene, or use this scene nevertheless with --any-scene",
                                    hash, scene_, scene.sha256));
-    notes.push_back(fmt::format("the reference is of another state of '{}' (scene_hash {})", scene_, hash));
+    notes.push_back(
+        fmt::format("the reference belongs to another version of '{}' (scene_hash {})", scene_, hash));
   }
   survey_ = open_survey(scene);
 }
@@ -51,8 +53,7 @@ SensorPlace SceneAtHand::place_of(const SensorEchoes& echoes) const {
     if (sensors[s].sensor->description().name == echoes.name) place.sensor = s;
   if (place.sensor == sensors.size() && one_sensor_ && sensors.size() == 1) place.sensor = 0;
   const auto fail = [&](const std::string& words) {
-    throw InputError({reference_}, fmt::format("sensor '{}' {}: name the scene that it was computed of with "
-                                               "--scene",
+    throw InputError({reference_}, fmt::format("sensor '{}' {}: name the scene of the reference with --scene",
                                                echoes.name, words));
   };
   if (place.sensor == sensors.size()) fail(fmt::format("is not in '{}'", scene_));
@@ -62,15 +63,15 @@ SensorPlace SceneAtHand::place_of(const SensorEchoes& echoes) const {
   if (!take_numbers(echoes.ping_number, echoes.pings, pings.times_s.size(), place.pings) ||
       !take_numbers(echoes.beam_number, echoes.beams, sensor.beams().size(), place.beams) ||
       echoes.samples != static_cast<std::size_t>(samples.count))
-    fail(fmt::format("has {} pings x {} beams x {} samples, in '{}' it has {} x {} x {}", echoes.pings,
+    fail(fmt::format("has {} pings x {} beams x {} range bins, but in '{}' it has {} x {} x {}", echoes.pings,
                      echoes.beams, echoes.samples, scene_, pings.times_s.size(), sensor.beams().size(),
                      samples.count));
   constexpr double part_of_sample = 0.01;
   for (const std::size_t k : {std::size_t{0}, echoes.samples - 1}) {
     const double middle_m = samples.first_m + (double(k) + 0.5) * samples.step_m;
     if (!(std::abs(echoes.slant_range_m.at(k) - middle_m) <= part_of_sample * samples.step_m))
-      fail(fmt::format("has slant range {} m at sample {}, in '{}' it has {} m", echoes.slant_range_m[k], k,
-                       scene_, middle_m));
+      fail(fmt::format("has slant range {} m at range bin {}, but in '{}' it has {} m",
+                       echoes.slant_range_m[k], k, scene_, middle_m));
   }
   return place;
 }

@@ -79,7 +79,7 @@ class Doctor {
     const EchoShape& shape = excerpt_.shape;
     const double total = input_total(excerpt_.reference);
     if (!(total > 0) || !(input_total(excerpt_.candidate) > 0)) {
-      if (total > 0) add("silent", 0, 0, "", "the candidate is silent where the reference has echoes");
+      if (total > 0) add("silent", 0, 0, "", "the candidate has no energy, but the reference has echoes");
       return result_;
     }
     Pictures pictures{fan_, excerpt_.reference, excerpt_.candidate, faintest_step_j(), 0};
@@ -220,49 +220,49 @@ class Doctor {
   void order() {
     const BeamOrder order = result_.alignment.warp.order;
     if (order == BeamOrder::mirrored && excerpt_.shape.beams == 2) {
-      add("swapped-ports", 1, 0, "", "the two beams are swapped: port is starboard");
+      add("swapped-ports", 1, 0, "", "the port and starboard beams are swapped");
       return;
     }
     if (order == BeamOrder::mirrored || order == BeamOrder::halves_mirrored)
-      add("mirror", 1, 0, "", "the beams run the other way: the picture is its mirror image");
+      add("mirror", 1, 0, "", "the order of the beams is reversed, so the picture is mirrored");
     if (order == BeamOrder::halves_swapped || order == BeamOrder::halves_mirrored)
-      add("swapped-ports", 1, 0, "", "the fan's two halves are swapped");
+      add("swapped-ports", 1, 0, "", "the two halves of the fan are swapped");
   }
 
   void displacement() {
     const Warp& warp = result_.alignment.warp;
     if (warp.beams != 0)
       add("beam-shift", warp.beams, error_of(WarpTerm::beams), "beams",
-          fmt::format("everything lies {:+.3f} +- {:.3f} beams ({:+.3f} degrees) beside its place",
-                      warp.beams, error_of(WarpTerm::beams), warp.beams * fan_.beam_deg()));
+          fmt::format("the picture is displaced by {:+.3f} +- {:.3f} beams ({:+.3f} degrees)", warp.beams,
+                      error_of(WarpTerm::beams), warp.beams * fan_.beam_deg()));
     if (warp.samples != 0) {
       const double error = error_of(WarpTerm::samples);
       const bool half = std::abs(std::abs(warp.samples) - 0.5) < std::max(0.12, 3 * error);
       add(half ? "half-sample" : "sample-shift", warp.samples, error, "samples",
           fmt::format(
-              "everything lies {:+.3f} +- {:.3f} samples ({:+.4f} m) behind its place{}", warp.samples, error,
-              warp.samples * fan_.sample_m(),
-              half ? ": half a sample, as where bins are taken by an edge instead of their centre" : ""));
+              "the picture is displaced by {:+.3f} +- {:.3f} range bins ({:+.4f} m) to larger ranges{}",
+              warp.samples, error, warp.samples * fan_.sample_m(),
+              half ? ", probably because edges of bins are used as centres" : ""));
     }
     // Reports the displacement relative to the position in the candidate. A displacement k there is a
     // stretch of the reference by k / (1 - k).
     const auto stretched = [](double k) { return k / (1 - k); };
     if (const double scale = stretched(warp.azimuth_scale); scale != 0)
       add("azimuth-scale", scale, error_of(WarpTerm::azimuth_scale), "of the angle",
-          fmt::format("azimuths are {:+.2f} +- {:.2f} % too large: the opening angle differs", 100 * scale,
+          fmt::format("azimuths are too large by {:+.2f} +- {:.2f} %: the opening angle differs", 100 * scale,
                       100 * error_of(WarpTerm::azimuth_scale)));
     if (const double scale = stretched(warp.range_scale); scale != 0)
       add("range-scale", scale, error_of(WarpTerm::range_scale), "of the range",
-          fmt::format("ranges are {:+.3f} +- {:.3f} % too large: another sound speed, or another window",
-                      100 * scale, 100 * error_of(WarpTerm::range_scale)));
+          fmt::format(
+              "ranges are too large by {:+.3f} +- {:.3f} %: the sound speed or the range gate differs",
+              100 * scale, 100 * error_of(WarpTerm::range_scale)));
     if (warp.tangent != 0) {
       const double most = fan_.largest_of_tangent(warp.views);
       add("tangent-spacing", warp.tangent * most, error_of(WarpTerm::tangent) * most, "beams at most",
-          fmt::format(
-              "beams are even in the tangent of their angle ({:.2f} +- {:.2f} of it), over {} view{}: up "
-              "to {:.3f} beams off",
-              warp.tangent, error_of(WarpTerm::tangent), warp.views, warp.views > 1 ? "s" : "",
-              std::abs(warp.tangent) * most));
+          fmt::format("beams are equidistant in the tangent of their angle (share {:.2f} +- {:.2f}), over {} "
+                      "view{}: their displacement reaches {:.3f} beams",
+                      warp.tangent, error_of(WarpTerm::tangent), warp.views, warp.views > 1 ? "s" : "",
+                      std::abs(warp.tangent) * most));
     }
   }
 
@@ -272,7 +272,8 @@ class Doctor {
     const double size = std::sqrt(std::max(warp.beam_blur, warp.sample_blur));
     const WarpTerm larger = warp.beam_blur > warp.sample_blur ? WarpTerm::beam_blur : WarpTerm::sample_blur;
     add("blur", size, error_of(larger) / (2 * size), "bins",
-        fmt::format("blurred by a Gaussian of {:.2f} beams and {:.2f} samples (standard deviations)",
+        fmt::format("the picture is blurred by a Gaussian of {:.2f} beams and {:.2f} range bins (standard "
+                    "deviations)",
                     std::sqrt(std::max(warp.beam_blur, 0.0)), std::sqrt(std::max(warp.sample_blur, 0.0))));
   }
 
@@ -280,11 +281,11 @@ class Doctor {
     const EnergyFit& fit = result_.alignment.fit;
     if (sure(fit.exponent.value, fit.exponent.error, least_exponent))
       add("range-law", fit.exponent.value, fit.exponent.error, "power of range",
-          fmt::format("energies follow another law of range: r^{:+.2f} +- {:.2f} beside the reference's",
+          fmt::format("energies have another range dependence: r^{:+.2f} +- {:.2f} relative to the reference",
                       fit.exponent.value, fit.exponent.error));
     if (sure(fit.gain_db.value, fit.gain_db.error, least_level_db))
       add("level", fit.gain_db.value, fit.gain_db.error, "dB",
-          fmt::format("energies are {:+.2f} +- {:.2f} dB off at {:.3g} m", fit.gain_db.value,
+          fmt::format("energies differ by {:+.2f} +- {:.2f} dB at {:.3g} m", fit.gain_db.value,
                       fit.gain_db.error, fit.middle_range_m));
   }
 
@@ -298,8 +299,9 @@ class Doctor {
       return;
     const double db = 10 * std::log10(floor.mean_j / middle);
     add("noise", db, 4.343 * floor.mean_error_j / floor.mean_j, "dB re the mean echo",
-        fmt::format("a noise floor {:.1f} dB below the mean echo, in {:.0f} % of the shadow's bins", -db,
-                    100 * floor.share_positive));
+        fmt::format(
+            "there is a noise floor {:.1f} dB below the mean echo, in {:.0f} % of the bins in shadows", -db,
+            100 * floor.share_positive));
   }
 
   void shadows(const Residual& residual) {
@@ -307,24 +309,26 @@ class Doctor {
     const auto area = [&](const char* fault, std::size_t bins, std::size_t of, const char* words) {
       if (bins < least_wrongly_lit) return;
       add(fault, static_cast<double>(bins), std::sqrt(static_cast<double>(bins)), "bins",
-          fmt::format("{}: {} bins are lit, {:.0f} % of all such shadow", words, bins,
+          fmt::format("{}: {} bins have echoes, {:.0f} % of the bins of such shadows", words, bins,
                       100 * static_cast<double>(bins) / static_cast<double>(of)));
     };
-    area("missing-shadow", lit_.behind_seen, lit_.shadows_of_seen, "shadows behind what is seen are missing");
+    area("missing-shadow", lit_.behind_seen, lit_.shadows_of_seen,
+         "shadows behind visible surfaces are missing");
     area("near-clipping", lit_.behind_unseen, lit_.shadows_of_unseen,
-         "what lies nearer than the picture begins casts no shadow");
+         "surfaces nearer than the first range bin cast no shadow");
     if (const auto range_m = near_returns_missing_to(residual))
       add("near-returns-missing", *range_m, fan_.sample_m() / 2, "m",
-          fmt::format("nothing is nearer than {:.3f} +- {:.3f} m, though there are echoes", *range_m,
-                      fan_.sample_m() / 2));
+          fmt::format(
+              "there are no echoes nearer than {:.3f} +- {:.3f} m, but the reference has nearer echoes",
+              *range_m, fan_.sample_m() / 2));
   }
 
   void edges(const Residual& residual) {
     const Scallops found = scallops(residual);
     if (found.alikeness > 4.5 && sure(found.peak_to_peak, found.error / 2, 0.3))
       add("scalloped-edge", found.peak_to_peak, found.error, "samples",
-          fmt::format("the near edge of the fan is scalloped: {:.2f} +- {:.2f} samples from crest to trough, "
-                      "neighbours alike",
+          fmt::format("the near edge of the fan is scalloped by {:.2f} +- {:.2f} range bins from crest to "
+                      "trough, similarly in adjacent beams",
                       found.peak_to_peak, found.error));
     result_.sides = shadow_sides(residual);
     result_.ends = shadow_ends(residual);
@@ -332,12 +336,12 @@ class Doctor {
                           const char* where) {
       if (offsets.edges >= 20 && sure(offsets.mean.value, offsets.mean.error, least_edge))
         add(fault, offsets.mean.value, offsets.mean.error, unit,
-            fmt::format("shadows are larger by {:+.2f} +- {:.2f} {} {} (single edges spread by {:.2f})",
-                        offsets.mean.value, offsets.mean.error, unit, where, offsets.spread));
+            fmt::format("shadows are larger by {:+.2f} +- {:.2f} {} (spread of single edges {:.2f})",
+                        offsets.mean.value, offsets.mean.error, where, offsets.spread));
     };
     if (lit_.behind_seen < least_wrongly_lit && lit_.behind_unseen < least_wrongly_lit) {
-      edge("shadow-sides", result_.sides, "beams", "at each side");
-      edge("shadow-ends", result_.ends, "samples", "at each end");
+      edge("shadow-sides", result_.sides, "beams", "beams at each side");
+      edge("shadow-ends", result_.ends, "samples", "range bins at each end");
     }
     result_.scatter = scatter(residual);
   }
@@ -345,15 +349,16 @@ class Doctor {
   void steps() {
     if (steps_.levels > 0 && steps_.levels <= 256)
       add("8-bits", static_cast<double>(steps_.levels), 0, "levels",
-          fmt::format("only {} different values{}{}", steps_.levels,
-                      *steps_.scale ? ", in even steps of " : "", steps_.scale));
+          fmt::format("the picture has only {} different values{}{}", steps_.levels,
+                      *steps_.scale ? ", in uniform steps of " : "", steps_.scale));
     else if (steps_.levels > 0)
       add("steps", static_cast<double>(steps_.levels), 0, "levels",
-          fmt::format("only {} different values", steps_.levels));
+          fmt::format("the picture has only {} different values", steps_.levels));
     if (steps_.share_at_top > 0.002)
-      add("clamped", 100 * steps_.share_at_top, 0, "% of the lit bins",
-          fmt::format("{:.2g} % of the lit bins have the largest value exactly: clamped",
-                      100 * steps_.share_at_top));
+      add("clamped", 100 * steps_.share_at_top, 0, "% of the bins with an echo",
+          fmt::format(
+              "{:.2g} % of the bins with an echo have exactly the largest value, so the values are clamped",
+              100 * steps_.share_at_top));
   }
 
   void attribution(const Residual& residual, const std::vector<double>& predicted) {
@@ -380,7 +385,8 @@ class Doctor {
     const double more = std::sqrt(std::max(0.0, result_.scatter * result_.scatter - of_ideal * of_ideal));
     if (result_.floor.deviation_j == 0 && more > 0.05 && more > 0.75 * of_ideal)
       add("speckle", more, 0.1 * of_ideal, "of the energy",
-          fmt::format("single bins scatter by {:.0f} %, a perfect engine of the same sampling by {:.0f} %",
+          fmt::format("single bins scatter by {:.0f} %, but those of a perfect engine with the same sampling "
+                      "by {:.0f} %",
                       100 * result_.scatter, 100 * of_ideal));
   }
 

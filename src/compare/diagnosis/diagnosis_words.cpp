@@ -18,8 +18,8 @@ Json json_of(const EdgeOffsets& offsets) {
 }
 
 std::string edge_line(const char* name, const EdgeOffsets& offsets, const char* unit) {
-  if (offsets.edges == 0) return fmt::format("  {:<24} none to be measured\n", name);
-  return fmt::format("  {:<24} larger by {:+.3f} +- {:.3f} {}, single ones spread by {:.3f} ({} of them)\n",
+  if (offsets.edges == 0) return fmt::format("  {:<24} no edges to measure\n", name);
+  return fmt::format("  {:<24} larger by {:+.3f} +- {:.3f} {}, spread of single edges {:.3f} ({} edges)\n",
                      name, offsets.mean.value, offsets.mean.error, unit, offsets.spread, offsets.edges);
 }
 
@@ -27,16 +27,17 @@ std::string edge_line(const char* name, const EdgeOffsets& offsets, const char* 
 
 std::vector<ErrorShare> error_shares(const Diagnosis& diagnosis) {
   std::vector<ErrorShare> shares{
-      {diagnosis.l1, "as it is"},
-      {diagnosis.l1_after_gain, "after gain and law of range"},
-      {diagnosis.l1_after_warp, "after displacement and blur, too"},
-      {diagnosis.l1_left, "without noise floor and what is wrongly lit: what is left"}};
+      {diagnosis.l1, "without corrections"},
+      {diagnosis.l1_after_gain, "after correction of gain and range dependence"},
+      {diagnosis.l1_after_warp, "also after correction of displacement and blur"},
+      {diagnosis.l1_left, "also without noise floor and false echoes (remaining error)"}};
   if (diagnosis.ideal_l1)
-    shares.push_back({*diagnosis.ideal_l1,
-                      diagnosis.l1_left <= 1.1 * *diagnosis.ideal_l1
-                          ? "a perfect engine of the same sampling: no more is left"
-                          : fmt::format("a perfect engine of the same sampling: {:.0f} % of what is left",
-                                        100 * *diagnosis.ideal_l1 / diagnosis.l1_left)});
+    shares.push_back(
+        {*diagnosis.ideal_l1,
+         diagnosis.l1_left <= 1.1 * *diagnosis.ideal_l1
+             ? "a perfect engine with the same sampling, which explains the remaining error"
+             : fmt::format("a perfect engine with the same sampling, {:.0f} % of the remaining error",
+                           100 * *diagnosis.ideal_l1 / diagnosis.l1_left)});
   return shares;
 }
 
@@ -52,16 +53,16 @@ std::string diagnosis_text(const std::string& sensor, const Diagnosis& diagnosis
   for (const ErrorShare& share : error_shares(diagnosis))
     text += fmt::format("  {:>24.4g} {}\n", share.l1, share.words);
   text +=
-      fmt::format("  single bins scatter      by {:.3g} of their energy in even areas", diagnosis.scatter);
+      fmt::format("  scatter of single bins   {:.3g} of their energy in uniform areas", diagnosis.scatter);
   if (diagnosis.scatter > 0)
-    text +=
-        fmt::format(", as of {:.3g} independent points a bin", 1 / (diagnosis.scatter * diagnosis.scatter));
-  text += "\n" + edge_line("shadows' sides", diagnosis.sides, "beams") +
-          edge_line("shadows' ends", diagnosis.ends, "samples");
+    text += fmt::format(", as with {:.3g} independent points per bin",
+                        1 / (diagnosis.scatter * diagnosis.scatter));
+  text += "\n" + edge_line("sides of shadows", diagnosis.sides, "beams") +
+          edge_line("ends of shadows", diagnosis.ends, "range bins");
   for (const LocalShift& part : diagnosis.along_fan)
     text += fmt::format(
-        "  beams {:>5} to {:<5}       off by {:+.3f} +- {:.3f} beams, {:+.3f} +- {:.3f} samples "
-        "beside the whole\n",
+        "  beams {:>5} to {:<5}       displaced by {:+.3f} +- {:.3f} beams, {:+.3f} +- {:.3f} range bins "
+        "relative to the fan\n",
         part.first_beam, part.last_beam, part.beams.value, part.beams.error, part.samples.value,
         part.samples.error);
   return text;

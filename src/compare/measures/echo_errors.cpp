@@ -17,7 +17,7 @@ void check_lengths(const EchoPair& pair) {
   if (pair.reference_j.size() != bins || pair.candidate_j.size() != bins ||
       (!pair.bound_j.empty() && pair.bound_j.size() != bins) ||
       pair.slant_range_m.size() != pair.shape.samples)
-    throw std::invalid_argument("the arrays to compare do not have the lengths of their shape");
+    throw std::invalid_argument("the lengths of the compared arrays do not match their shape");
 }
 
 double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }

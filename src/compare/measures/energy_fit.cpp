@@ -163,11 +163,13 @@ FitTerms fit_terms(const std::string& words) {
                  : word == "range"  ? &terms.range
                  : word == "offset" ? &terms.offset
                                     : nullptr;
-    if (!term) throw UsageError(fmt::format("--fit: '{}' is none of gain, range and offset", word));
+    if (!term)
+      throw UsageError(fmt::format("--fit: unknown term '{}': expected gain, range or offset", word));
     if (*term) throw UsageError(fmt::format("--fit names {} twice", word));
     *term = true;
   }
-  if (!terms.any()) throw UsageError("--fit: expected gain, range and offset, or some of them");
+  if (!terms.any())
+    throw UsageError("--fit: expected one or more of gain, range and offset, separated by commas");
   return terms;
 }
 

@@ -117,7 +117,7 @@ double lit_threshold_above(const NoiseFloor& floor, std::span<const double> ener
 std::vector<double> mean_of_frames(const EchoShape& shape, std::span<const double> energy_j,
                                    std::size_t frames) {
   if (frames == 0 || shape.pings % frames != 0)
-    throw std::invalid_argument("the frames to be averaged do not divide the pings");
+    throw std::invalid_argument("the number of averaged frames does not divide the number of pings");
   const std::size_t bins = shape.beams * shape.samples;
   std::vector<double> mean(shape.pings / frames * bins);
   for (std::size_t ping = 0; ping < shape.pings; ++ping)

@@ -1,7 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-// Applies the steps of an output model to a picture with bounds. A monotone step maps both ends of the
-// interval of a bin. A linear step (blur) transforms bounds as it transforms values. docs/output-models.md
-// lists the formulas.
+// SPDX-License-Identifier: GPL-3.0-or-later Applies the steps of an output model to a picture with bounds. A
+// monotone step maps both ends of the interval of a bin. A linear step (blur) transforms bounds as it
+// transforms values. docs/engine-validation.md lists the formulas.
 #include "compare/output_models/output_model.hpp"
 
 #include <algorithm>
@@ -56,8 +55,8 @@ void require_solid_angles(const SourcePlace& place, const BoundedPicture& pictur
   if (picture.solid_angle_sr.empty())
     throw InputError(place,
                      std::string(what) +
-                         " needs the solid angle of what each bin sees: give the "
-                         "recipe solid_angles = \"FILE.nc\" (docs/output-models.md says how to make it)");
+                         " needs the solid angle of the visible surfaces in each bin: add solid_angles = "
+                         "\"FILE.nc\" to the output model (docs/engine-validation.md describes this file)");
 }
 
 /// Returns intervals of the median solid angle of each row, over its bins with a positive solid angle, ping

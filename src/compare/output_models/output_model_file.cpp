@@ -24,41 +24,43 @@ void check_step(const OutputModelStep& step, const TomlTable& table) {
 
 const TomlSection<OutputModelStep>& step_section() {
   static const auto section =
-      TomlSection<OutputModelStep>("[[steps]]")
+      TomlSection<OutputModelStep>("[[steps]]", "Step of the output model.")
           .kind<MeanStep>("step", "mean",
+                          "Mean strength: energy per solid angle of the visible surfaces in the bin.",
                           {field("least_share", &MeanStep::least_share, {.ranges = {{.lo = 0, .hi = 1}}})})
-          .kind<CountStep>("step", "count",
+          .kind<CountStep>("step", "count", "Expected number of uniform samples in the bin.",
                            {field("points_per_sr", &CountStep::points_per_sr, {.ranges = {positive}})})
           .kind<RangeLawStep>(
-              "step", "range-law",
+              "step", "range-law", "Factor that depends on range.",
               {field("exponent", &RangeLawStep::exponent, {.ranges = {{.lo = -10, .hi = 10}}}),
                field("absorption_db_per_km", &RangeLawStep::absorption_db_per_km,
                      {.ranges = {{.lo = -100000, .hi = 100000}}})})
-          .kind<AmplitudeStep>("step", "amplitude", {})
-          .kind<DecibelStep>("step", "decibel",
+          .kind<AmplitudeStep>("step", "amplitude", "Square root.", {})
+          .kind<DecibelStep>("step", "decibel", "Level in decibels, mapped to 0 to 1.",
                              {field("low_db", &DecibelStep::low_db, {.ranges = {any_db}}),
                               field("high_db", &DecibelStep::high_db, {.ranges = {any_db}})})
-          .kind<BlurStep>("step", "blur",
+          .kind<BlurStep>("step", "blur", "Gaussian blur.",
                           {field("beams", &BlurStep::beams, {.ranges = {{.lo = 0, .hi = 100}}}),
                            field("samples", &BlurStep::samples, {.ranges = {{.lo = 0, .hi = 100}}}),
                            field("size", &BlurStep::size, {.ranges = {{.lo = 1, .hi = 501}}})})
-          .kind<NormaliseStep>("step", "normalise",
+          .kind<NormaliseStep>("step", "normalise", "Division by the largest value or by the sum.",
                                {field("by", &NormaliseStep::by, {.choices = {"largest", "sum"}}),
                                 field("over", &NormaliseStep::over, {.choices = {"image", "row", "beam"}})})
-          .kind<ClampStep>("step", "clamp",
+          .kind<ClampStep>("step", "clamp", "Limits of the value.",
                            {field("low", &ClampStep::low, {.ranges = {{.lo = 0}}}),
                             field("high", &ClampStep::high, {.ranges = {positive}})})
-          .kind<QuantiseStep>("step", "quantise",
+          .kind<QuantiseStep>("step", "quantise", "Rounding to uniform levels.",
                               {field("bits", &QuantiseStep::bits, {.ranges = {{.lo = 1, .hi = 24}}}),
                                field("full", &QuantiseStep::full, {.ranges = {positive}})})
-          .kind<GainStep>("step", "gain", {field("factor", &GainStep::factor, {.ranges = {positive}})})
+          .kind<GainStep>("step", "gain", "Constant factor.",
+                          {field("factor", &GainStep::factor, {.ranges = {positive}})})
           .check(check_step);
   return section;
 }
 
 const TomlSection<OutputModel>& output_model_section() {
   static const auto section =
-      TomlSection<OutputModel>("")
+      TomlSection<OutputModel>("", "Output model.")
           .keys({field("title", &OutputModel::title), field("solid_angles", &OutputModel::solid_angles),
                  field("solid_angle_strength_db", &OutputModel::solid_angle_strength_db,
                        {.ranges = {{.lo = -120, .hi = 40}}})})
@@ -71,13 +73,14 @@ const TomlSection<OutputModel>& output_model_section() {
 OutputModel read_output_model(const std::filesystem::path& file) {
   const SourcePlace place{file.string()};
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw InputError(place, "there is no such recipe file");
-  const std::string text = read_whole(file, place, limits::scene_file_bytes, "a recipe file (TOML text)");
-  TomlSource source{file, {}};
+  if (!std::filesystem::exists(file, error)) throw InputError(place, "no such output model");
+  const std::string text = read_whole(file, place, limits::scene_file_bytes, "an output model (TOML text)");
+  TomlSource source{file, {}, {}};
   const toml::table root = parse_toml(text, source);
   OutputModel output_model = output_model_section().read({&root, place, &source}, source);
   if (output_model.steps.empty())
-    throw InputError(place, "the recipe has no [[steps]]: add one, or compare without it");
+    throw InputError(place,
+                     "the output model has no [[steps]]: add a step, or compare without an output model");
   return output_model;
 }
 

@@ -20,7 +20,7 @@
 
 // Computes reference energies of bistatic paths in stratified water. It adds the certain energies of proven
 // shared facets and the ambiguities at both ends: tube walls, occluding edges, close facets and unproven
-// rays. See docs/reference.md, section "Of two ends".
+// rays. See docs/notes/certified-energies.md, section "Of two ends".
 namespace tubefoot {
 namespace {
 
@@ -375,7 +375,7 @@ class BistaticReference {
 
 void require_exact(const VisibilityOptions& options) {
   if (options.arithmetic == Arithmetic::plain_double)
-    throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
+    throw std::invalid_argument("certified bounds need exact arithmetic: fixed, filtered or rational");
 }
 
 /// Echo model with patterns in the directions of its path's ends.

@@ -21,7 +21,7 @@
 
 // Computes reference energies of monostatic echoes in stratified water. It integrates visible pieces of
 // proven apparent facets and adds intervals for conservative, ambiguous and unproven facets. See
-// docs/reference.md, section "Through refracting water".
+// docs/notes/certified-energies.md, section "Through refracting water".
 namespace tubefoot {
 namespace {
 
@@ -108,7 +108,7 @@ RefractedReference certify_refracted_echo(const MappedSeabed& seabed, const RayE
                                           const RangeSamples& samples, const EchoModel& model,
                                           const Echo& ordinary, double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
-    throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
+    throw std::invalid_argument("certified bounds need exact arithmetic: fixed, filtered or rational");
   const Requested requested{model,
                             certified_textures(model),
                             sample_borders_m(samples),
@@ -118,7 +118,8 @@ RefractedReference certify_refracted_echo(const MappedSeabed& seabed, const RayE
                             Ball(model.absorption_db_per_m) * log(Ball(10)) / Ball(10)};
   if (model.path.tx.facet_map.empty() &&
       std::ranges::any_of(requested.textures, [](const auto& texture) { return texture != nullptr; }))
-    throw std::invalid_argument("a micro-texture is that of where facets lie: it takes their maps");
+    throw std::invalid_argument(
+        "certified reflectivity textures of apparent facets need the maps to the true positions");
   const FacetMesh& apparent = seabed.mesh();
   const std::vector<double>& borders = requested.borders;
   const auto row = std::size_t(samples.count);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Computes reference energies of bistatic echoes in isovelocity water, for the common visibility of two
 // apexes. Cells lie between ellipses of equal path length, and integrals use CertifiedPathIntegrator. See
-// docs/reference.md, section "Two apexes".
+// docs/notes/certified-energies.md, section "Two apexes".
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -164,7 +164,8 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const BistaticHistory& history
                            const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance) {
   if (!history.bistatic.empty())
-    throw std::invalid_argument("facets that two apexes see elsewhere are not enclosed");
+    throw std::invalid_argument(
+        "there is no certified bound for facets at different apparent positions for two apexes");
   const auto textures = certified_textures(model);
   EchoModel own = model;
   BeamPatterns patterns;

@@ -15,7 +15,7 @@
 
 // Computes reference energies and products of a receiver pair in isovelocity water. Pieces that both
 // receivers see are intersected in ball arithmetic, and uncertain areas along edges are added as intervals.
-// See docs/reference.md, section "Two receivers".
+// See docs/notes/certified-energies.md, section "Two receivers".
 namespace tubefoot {
 namespace {
 
@@ -116,7 +116,8 @@ class ReceiverPairEncloser {
   bool faces(std::size_t end, const CertifiedPolygon& polygon) const {
     const Ball height = apex_over(polygon, at_m_[end]).height;
     if (height.may_be_zero())
-      throw std::invalid_argument("a receiver lies in a facet's plane, to 1e-30 m: no reference");
+      throw std::invalid_argument(
+          "a receiver lies in the plane of a facet, to within 1e-30 m, so there is no certified bound");
     return height.surely_positive();
   }
 
@@ -217,7 +218,8 @@ CertifiedEcho enclosed(const FacetMesh& mesh, const ReceiverPairHistory& history
                        std::array<const EchoModel*, 2> models, const ReceiverPairEcho& ordinary,
                        double tolerance, bool energies) {
   if (!history.bistatic_upper.empty() || !history.bistatic_lower.empty())
-    throw std::invalid_argument("facets that two apexes see elsewhere are not enclosed");
+    throw std::invalid_argument(
+        "there is no certified bound for facets at different apparent positions for two apexes");
   const auto textures = certified_textures(*models[0]);
   return refined_until_tolerance(tolerance, [&](double working, bool& coarse) {
     const std::vector<double> target = receiver_pair_targets(ordinary.upper_j, ordinary.lower_j, working);

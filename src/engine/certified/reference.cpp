@@ -17,7 +17,7 @@
 #include "geometry/steps/steps.hpp"
 
 // Computes reference energies of monostatic echoes in isovelocity water: intervals of doubles first, then
-// balls, with texture cells and beam patterns. See docs/reference.md.
+// balls, with texture cells and beam patterns. See docs/notes/certified-energies.md.
 namespace tubefoot {
 namespace {
 
@@ -219,7 +219,7 @@ std::optional<std::size_t> material_without_enclosure(
 std::vector<std::shared_ptr<const CertifiedTexture>> certified_textures(const EchoModel& model) {
   if (const auto material = material_without_enclosure(model.reflectivity))
     throw std::invalid_argument(
-        fmt::format("the micro-texture of material {} cannot be enclosed: no reference", *material));
+        fmt::format("there is no certified bound for the reflectivity texture of material {}", *material));
   std::vector<std::shared_ptr<const CertifiedTexture>> textures(model.material_mu.size());
   for (std::size_t material = 0; material < model.reflectivity.size(); ++material)
     if (model.reflectivity[material] != nullptr)
@@ -232,9 +232,9 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
                            const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance) {
   if (options.arithmetic == Arithmetic::plain_double)
-    throw std::invalid_argument("a reference needs an exact arithmetic: fixed, filtered or rational");
+    throw std::invalid_argument("certified bounds need exact arithmetic: fixed, filtered or rational");
   if (!model.path.tx.facet_map.empty())
-    throw std::invalid_argument("textures of facets that lie elsewhere than they are seen are not enclosed");
+    throw std::invalid_argument("there is no certified bound for textures of facets at apparent positions");
   const std::vector<std::shared_ptr<const CertifiedTexture>> textures = certified_textures(model);
   return refined_until_tolerance(tolerance, [&](double working, bool& coarse) {
     return enclose_echo(mesh, tree, history, options, beam_of_tube, samples, model, ordinary, tolerance,

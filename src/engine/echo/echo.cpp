@@ -32,17 +32,20 @@ void check(const BeamPatterns& patterns, const ReceiveBeams& beams, std::size_t 
 void check_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
                     const RangeSamples& samples, const EchoModel& model, Binning binning) {
   if (model.path.over_mirrors() || model.path.rx || model.path.tx.to_true != glm::dmat3(1))
-    refuse("footprints of one apex are there and back; two legs need what both apexes share");
+    refuse(
+        "footprints of one apex need equal transmit and receive legs; different legs need the common "
+        "visibility of two apexes");
   if (model.patterns == nullptr) return;
   check(*model.patterns, beams, beams.of_tube.size());
   for (const ReceiverBaseline& baseline : model.patterns->baselines)
     if (!(baseline.baseline_m >= 0 && baseline.baseline_m <= samples.first_m))
-      refuse(fmt::format("a baseline of {} m needs samples from there on, not from {} m", baseline.baseline_m,
-                         samples.first_m));
+      refuse(
+          fmt::format("a baseline of {} m needs range samples that begin at this range or later, not at {} m",
+                      baseline.baseline_m, samples.first_m));
   if (!model.patterns->baselines.empty() && binning == Binning::exact &&
       visibility.first() < visibility.end())
     refuse(
-        "footprints of one apex cannot be cut for the two receivers of a receiver pair "
+        "footprints of one apex cannot be divided for the two receivers of a receiver pair "
         "(receiver_pair_echo.hpp)");
 }
 
@@ -50,25 +53,26 @@ void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams,
                       const EchoModel& model, const Quadrature& how) {
   const std::size_t sent = history.transmit.tubes.size(), received = history.receive.tubes.size();
   if (beams.of_tube.size() != received)
-    refuse(fmt::format("the receiver has {} tubes, but {} have a beam", received, beams.of_tube.size()));
+    refuse(
+        fmt::format("the receiver has {} tubes, but {} tubes have a beam", received, beams.of_tube.size()));
   for (const std::uint32_t beam : beams.of_tube)
     if (beam >= std::uint32_t(beams.count))
-      refuse(fmt::format("a tube belongs to beam {} of {}", beam, beams.count));
+      refuse(fmt::format("a tube belongs to beam {}, but there are {} beams", beam, beams.count));
   const bool fans = !beams.fan_of_transmit_tube.empty() || !beams.fan_of_receive_tube.empty();
   if (fans && (beams.fan_of_transmit_tube.size() != sent || beams.fan_of_receive_tube.size() != received))
     refuse("fans must be given for all transmit and all receive tubes, or for none");
   if (!model.path.facet_factor.empty()) refuse("apparent facets belong to one apex, not to two");
   if (!history.bistatic.empty() && history.bistatic.size() != history.shared.facets.size())
-    refuse("the history's paired facets belong to other facets");
+    refuse("the bistatic facets of the history belong to other facets");
   if (!(how.path_tolerance > 0))
     refuse(fmt::format("a tolerance must be above 0, not {}", how.path_tolerance));
   if (model.patterns != nullptr) check(*model.patterns, beams, received);
   const double last = samples.first_m + samples.count * samples.step_m;
   if (samples.count < 1 || !(samples.first_m >= 0) || !std::isfinite(last) || !(samples.step_m > 0))
-    refuse(fmt::format(
-        "range samples need a first range that is not negative, a step above 0 and a count of one or "
-        "more, all finite; not {} m, {} m and {}",
-        samples.first_m, samples.step_m, samples.count));
+    refuse(
+        fmt::format("range samples need a first range of 0 or more, a step above 0 and a count of 1 or more, "
+                    "all finite, not {} m, {} m and {}",
+                    samples.first_m, samples.step_m, samples.count));
 }
 
 void check(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
@@ -100,7 +104,7 @@ void between_two_apexes(const CommonVisibility& visibility, const ReceiveBeams& 
 Binning binning_from_name(std::string_view name) {
   for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid})
     if (name_of(binning) == name) return binning;
-  throw std::invalid_argument(fmt::format("no binning named '{}': exact, spread or centroid", name));
+  throw std::invalid_argument(fmt::format("unknown binning '{}': expected exact, spread or centroid", name));
 }
 
 std::string_view name_of(Binning binning) {

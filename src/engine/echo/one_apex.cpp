@@ -115,7 +115,8 @@ class OneApex {
           fmt::format("the history has tube {}, but only {} tubes have a beam", tube, beams_.of_tube.size()));
     const std::uint32_t beam = beams_.of_tube[tube];
     if (beam >= std::uint32_t(beams_.count))
-      throw std::invalid_argument(fmt::format("tube {} belongs to beam {} of {}", tube, beam, beams_.count));
+      throw std::invalid_argument(
+          fmt::format("tube {} belongs to beam {}, but there are {} beams", tube, beam, beams_.count));
     return beam;
   }
   std::uint32_t tube_of(std::size_t number) const { return visibility_.footprint(number)->tube; }

@@ -294,7 +294,7 @@ ReceiverPairEcho integrated(const ReceiverPairHistory& history, const ReceiverBa
   const std::vector<double> borders = sample_borders_m(samples);
   if (!(receiver_pair.baseline_m >= 0 &&
         (receiver_pair.baseline_m <= samples.first_m || !in_the_middle(history))))
-    throw std::invalid_argument("the baseline of a receiver pair must not be longer than the nearest range");
+    throw std::invalid_argument("the baseline of a receiver pair must be at most the nearest range");
   struct Job {
     const SharedFacet *upper, *lower;
   };

@@ -12,7 +12,7 @@
 #include "geometry/steps/stop.hpp"
 
 // Reflects the ends of the channels in the mirrors of the images, and adds the signals of all scattered
-// paths and arrivals with their phases. Source: docs/signals.md, "Over mirrors".
+// paths and arrivals with their phases. Source: docs/notes/signals.md, "Over mirrors".
 
 namespace tubefoot {
 namespace {
@@ -53,13 +53,12 @@ class ImageFrame {
 void check_coherent(const PathImages& images, std::span<const SignalChannel> channels) {
   if (images.is_cut())
     throw std::invalid_argument(
-        "signals over mirrors need straight ways: in refracting water leave mirrors or signals out, or give "
-        "the "
-        "water one sound speed");
+        "signals over mirrors need straight rays: use water with a constant sound speed, or leave out "
+        "mirrors or signals");
   if (std::ranges::any_of(channels, [](const SignalChannel& channel) { return channel.has_path(); }))
     throw std::invalid_argument(
-        "signals over mirrors are of ends at rest: leave the channels' ways out, or the mirrors");
-  if (channels.empty()) throw std::invalid_argument("signals need a channel or more");
+        "signals over mirrors need ends at rest: leave out the motions of the channels, or the mirrors");
+  if (channels.empty()) throw std::invalid_argument("signals need at least one channel");
 }
 
 }  // namespace
@@ -126,8 +125,8 @@ void for_coherent_arrivals(const PathImages& images, const EchoModel& model,
       const double length = glm::length(way);
       if (!(length > 0))
         throw std::invalid_argument(
-            fmt::format("channel {} transmits and receives at one place: move one of its ends, or leave out "
-                        "the direct path",
+            fmt::format("channel {} transmits and receives at the same position: move one of its ends, or "
+                        "leave out the direct path",
                         arrival.waves.size()));
       const glm::dvec3 direction = way / length;
       arrival.waves.push_back({length, std::sqrt(loss.at(direction) * std::exp(-beta * length)) / length *
@@ -143,7 +142,7 @@ void add_arrival(const CoherentArrival& arrival, const CoherentReceiver& receive
   if (arrival.waves.size() != receiver.channels.size() || signals.channels != arrival.waves.size() ||
       signals.samples != receiver.times.count)
     throw std::invalid_argument(fmt::format(
-        "{} arrivals do not fit {} channels of {} samples, or signals of {} channels of {} samples",
+        "{} arrivals do not match {} channels of {} samples, or signals of {} channels of {} samples",
         arrival.waves.size(), receiver.channels.size(), receiver.times.count, signals.channels,
         signals.samples));
   const PulseTable table(receiver.pulse, receiver.times);
@@ -157,9 +156,9 @@ void add_arrival(const CoherentArrival& arrival, const CoherentReceiver& receive
 
 void superpose(const ChannelSignals& part, std::complex<double> factor, ChannelSignals& sum) {
   if (part.channels != sum.channels || part.samples != sum.samples || part.value.size() != sum.value.size())
-    throw std::invalid_argument(
-        fmt::format("signals of {} channels of {} samples cannot be added to those of {} of {}",
-                    part.channels, part.samples, sum.channels, sum.samples));
+    throw std::invalid_argument(fmt::format(
+        "signals of {} channels with {} samples cannot be added to signals of {} channels with {} samples",
+        part.channels, part.samples, sum.channels, sum.samples));
   for (std::size_t n = 0; n < sum.value.size(); ++n) sum.value[n] += factor * part.value[n];
 }
 

@@ -21,8 +21,8 @@
 #include "geometry/steps/steps.hpp"
 
 // Computes multiple scattering generation by generation. A patch scatters from its centroid to the receivers
-// and to the patches of the next generation, with its own exact visibility. Source: docs/paths.md, "Several
-// scatterings".
+// and to the patches of the next generation, with its own exact visibility. Source:
+// docs/notes/multiple-paths.md, "Several scatterings".
 
 namespace tubefoot {
 namespace {
@@ -92,10 +92,10 @@ class Generation {
       if (part > 0) lit->add(std::size_t(bin) + 1, part * strength, held_);
     }
     if (held_ > most_delays)
-      throw std::length_error(fmt::format(
-          "the patches of {:.3g} m that are scattered from again have more than {:.2g} delays: make patches "
-          "larger, or range samples longer",
-          scene_.settings.patch_m, most_delays));
+      throw std::length_error(
+          fmt::format("patches of {:.3g} m for second scattering have more than {:.2g} delays: use larger "
+                      "patches, or longer range bins",
+                      scene_.settings.patch_m, most_delays));
   }
 
   std::vector<Source> sources() const {

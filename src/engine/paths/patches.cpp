@@ -93,7 +93,7 @@ std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, co
     }
   if (about > most_patches)
     throw std::length_error(
-        fmt::format("patches of {:.3g} m: about {:.2g} of them, more than {:.2g}; make them larger",
+        fmt::format("patches of {:.3g} m need about {:.2g} patches, more than {:.2g}: use larger patches",
                     longest_m, about, most_patches));
   std::vector<RadiosityPatch> patches;
   std::vector<Triangle> left;

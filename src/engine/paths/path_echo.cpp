@@ -25,7 +25,8 @@
 #include "geometry/tubes/window_tubes.hpp"
 
 // Computes single scatterings between pairs of images (by footprints or by rays) and the arrivals of
-// unscattered paths. With a reference, each energy has a bound. Source: docs/paths.md, "Echoes".
+// unscattered paths. With a reference, each energy has a bound. Source: docs/notes/multiple-paths.md,
+// "Echoes".
 
 namespace tubefoot {
 namespace {
@@ -520,7 +521,8 @@ PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const KnownImages&
                    const TubeSet& receive, const ReceiveBeams& beams, const RangeSamples& samples,
                    const EchoModel& model, const PathSettings& settings) {
   if (settings.reference_tolerance && settings.scatterings > 1)
-    throw std::invalid_argument("patches that scatter on are points: what they return has no proven bound");
+    throw std::invalid_argument(
+        "second scattering treats patches as points, so there is no certified bound for its echoes");
   return PathTracer(mesh, grid_unit_m, images, receive, beams, samples, model, settings).trace();
 }
 

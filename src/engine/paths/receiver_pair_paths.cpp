@@ -20,7 +20,7 @@
 #include "geometry/steps/steps.hpp"
 
 // Computes energies and mean products of a receiver pair per order. A product combines the two receivers'
-// images over the same mirrors, with the phase of the path difference. Source: docs/paths.md,
+// images over the same mirrors, with the phase of the path difference. Source: docs/notes/multiple-paths.md,
 // "Interferometric receivers".
 
 namespace tubefoot {
@@ -330,7 +330,8 @@ ReceiverPairPathEcho receiver_pair_path_echo(const FacetMesh& mesh, const SceneT
                                              const RangeSamples& samples, const EchoModel& model,
                                              const PathSettings& settings, const PathWater* water) {
   if (settings.reference_tolerance && settings.scatterings > 1)
-    throw std::invalid_argument("patches that scatter on are points: what they return has no proven bound");
+    throw std::invalid_argument(
+        "second scattering treats patches as points, so there is no certified bound for its echoes");
   return ReceiverPairTracer(mesh, tree, grid_unit_m, options, ends, samples, model, settings, water).trace();
 }
 

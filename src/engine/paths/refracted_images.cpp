@@ -25,7 +25,7 @@
 
 // Unfolds chains of horizontal mirrors in stratified water, and maps one apparent seabed per chain. An image
 // sees this seabed through its windows, the parts of the next mirror that the previous image sees. Source:
-// docs/paths.md, "In refracting water".
+// docs/notes/multiple-paths.md, "In refracting water".
 
 namespace tubefoot {
 namespace {
@@ -212,7 +212,7 @@ void RefractedImages::find_levels(const FacetMesh& mesh) {
     if (!(reflection > 0)) continue;
     const auto [a, b, c] = heights_of(mesh, f);
     if (a != b || b != c)
-      throw std::invalid_argument("paths through refracting water are followed over level mirrors only");
+      throw std::invalid_argument("paths through stratified water need horizontal mirrors");
     double& most = levels_[a];
     most = std::max(most, reflection);
   }
@@ -230,10 +230,8 @@ bool RefractedImages::is_next(const Heights& heights, bool up_first, std::int32_
 
 RefractedImages::MirrorPath& RefractedImages::add_mirror_path(std::size_t end, const Heights& heights) {
   if (mirror_paths_.size() > most_images_)
-    throw std::length_error(
-        fmt::format("more than {} chains of level mirrors: follow fewer orders or cut "
-                    "off sooner",
-                    most_images_));
+    throw std::length_error(fmt::format(
+        "more than {} chains of horizontal mirrors: use fewer orders, or an earlier cut-off", most_images_));
   mirror_path_of_[{end, heights}] = mirror_paths_.size();
   return mirror_paths_.emplace_back(end, heights, water_, ends_[end], surface_apex_);
 }
@@ -388,10 +386,9 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
                             [&](const GridPoint& place) { return rays_to(child, place).empty(); }))
       continue;
     if (++found_ > most_images_)
-      throw std::length_error(
-          fmt::format("more than {} images of one apex, of up to {} mirrors: follow "
-                      "fewer orders or cut off sooner",
-                      most_images_, child.mirrors));
+      throw std::length_error(fmt::format(
+          "one apex has more than {} images, of up to {} mirrors: use fewer orders, or an earlier cut-off",
+          most_images_, child.mirrors));
     children.push_back(std::move(child));
   }
   return children;

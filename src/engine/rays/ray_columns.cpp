@@ -61,10 +61,10 @@ std::vector<std::vector<std::uint32_t>> grid_of(const TubeSet& tubes, std::span<
   bool is_grid = count == beam.size();
   for (const auto& row : grid) is_grid = is_grid && row.size() == grid.front().size();
   if (!is_grid)
-    throw std::invalid_argument(fmt::format(
-        "the sampling 'column' needs beams that are grids of tubes: the {} tubes of the beam that "
-        "has tube {} are none",
-        beam.size(), beam.front()));
+    throw std::invalid_argument(
+        fmt::format("the sampling 'column' needs beams that are grids of tubes, but the {} tubes of the beam "
+                    "with tube {} do not form a grid",
+                    beam.size(), beam.front()));
   return grid;
 }
 

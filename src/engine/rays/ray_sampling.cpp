@@ -49,8 +49,8 @@ std::vector<std::int64_t> drawn(const std::vector<double>& parts, std::int64_t r
 RaySampling ray_sampling_from_name(std::string_view name) {
   for (const RaySampling sampling : all_samplings)
     if (name_of(sampling) == name) return sampling;
-  throw std::invalid_argument(
-      fmt::format("there is no sampling '{}': stratified, sobol, adaptive, regular, random or column", name));
+  throw std::invalid_argument(fmt::format(
+      "unknown sampling '{}': expected stratified, sobol, adaptive, regular, random or column", name));
 }
 
 std::string_view name_of(RaySampling sampling) {
@@ -75,7 +75,7 @@ RayPlan::RayPlan(const TubeSet& tubes, const RaySettings& settings,
                  std::span<const std::uint32_t> beam_of_tube)
     : settings_(settings) {
   if (settings.sampling == RaySampling::adaptive)
-    throw std::invalid_argument("adaptive rays depend on what is met: trace_rays() plans them itself");
+    throw std::invalid_argument("trace_rays() plans adaptive rays itself, because they depend on the hits");
   const bool in_columns = settings.sampling == RaySampling::column;
   const bool by_beam = settings.per == RaySettings::Per::beam;
   patches_ = ray_patches(tubes, settings, beam_of_tube);

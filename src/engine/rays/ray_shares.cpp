@@ -22,18 +22,18 @@ std::vector<RayPatch> ray_patches(const TubeSet& tubes, const RaySettings& setti
                                   std::span<const std::uint32_t> beam_of_tube) {
   const std::size_t count = tubes.tubes.size();
   if (settings.rays < 0)
-    throw std::invalid_argument(
-        fmt::format("the number of rays must not be negative, not {}", settings.rays));
+    throw std::invalid_argument(fmt::format("the number of rays must be 0 or more, not {}", settings.rays));
   if ((settings.sampling == RaySampling::column || settings.per == RaySettings::Per::beam) &&
       beam_of_tube.size() != count)
-    throw std::invalid_argument(fmt::format("rays by beam need a beam for each of the {} tubes, not for {}",
-                                            count, beam_of_tube.size()));
+    throw std::invalid_argument(
+        fmt::format("rays per beam need a beam for each of the {} tubes, but {} tubes have a beam", count,
+                    beam_of_tube.size()));
   std::vector<RayPatch> patches;
   for (std::size_t t = 0; t < count; ++t) {
     patches.emplace_back(tubes, tubes.tubes[t]);
     if (!patches[t].is_convex())
-      throw std::invalid_argument(
-          fmt::format("tube {} is not a convex pyramid with a solid angle: no rays can be drawn from it", t));
+      throw std::invalid_argument(fmt::format(
+          "tube {} is not a convex pyramid with a solid angle, so no rays are possible in it", t));
   }
   return patches;
 }

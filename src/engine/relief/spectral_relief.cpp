@@ -112,10 +112,10 @@ std::shared_ptr<const SplineSurface> synthesise(const ReliefTile& tile, std::opt
 
 void check(const ReliefTile& tile) {
   if (!(tile.tile_m > 0 && tile.resolution_m > 0 && tile.tile_m / tile.resolution_m <= kMostNodes)) {
-    throw std::invalid_argument(fmt::format(
-        "a tile of {} m with a resolution of {} m has {:.6g} nodes along a side, expected at most {}: give a "
-        "coarser resolution_m or a smaller tile_m",
-        tile.tile_m, tile.resolution_m, std::ceil(tile.tile_m / tile.resolution_m), kMostNodes));
+    throw std::invalid_argument(
+        fmt::format("a tile of {} m with a resolution of {} m has {:.6g} nodes on a side, but the limit is "
+                    "{}: use a coarser resolution_m or a smaller tile_m",
+                    tile.tile_m, tile.resolution_m, std::ceil(tile.tile_m / tile.resolution_m), kMostNodes));
   }
 }
 

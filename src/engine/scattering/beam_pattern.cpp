@@ -57,11 +57,11 @@ std::vector<double> slopes_of(const std::vector<double>& x, const std::vector<do
 PatternTable::PatternTable(std::vector<double> angle_rad, const std::vector<double>& level_db)
     : angle_(std::move(angle_rad)) {
   if (angle_.size() < 2 || angle_.size() != level_db.size())
-    throw std::invalid_argument("a beam pattern needs two angles or more and a level for each");
+    throw std::invalid_argument("a beam pattern needs at least two angles and a level for each angle");
   for (std::size_t k = 0; k < angle_.size(); ++k)
     if (!std::isfinite(angle_[k]) || !std::isfinite(level_db[k]) || (k > 0 && !(angle_[k] > angle_[k - 1])))
       throw std::invalid_argument(
-          fmt::format("a beam pattern needs finite levels over angles that increase; entry {} does not", k));
+          fmt::format("a beam pattern needs finite levels at increasing angles; entry {} is invalid", k));
   const std::vector<double> slope = slopes_of(angle_, level_db);
   segments_.push_back({angle_.front(), {level_db.front(), 0, 0, 0}});
   for (std::size_t k = 0; k + 1 < angle_.size(); ++k) {

@@ -13,9 +13,10 @@ SurfaceProperties EchoModel::seabed(FacetId facet) const {
   if (facet >= material.size() || material[facet] >= material_mu.size())
     throw std::invalid_argument(fmt::format("facet {} has no material with a Lambert parameter", facet));
   if (!path.facet_factor.empty() && facet >= path.facet_factor.size())
-    throw std::invalid_argument(fmt::format("facet {} has no factor, others have", facet));
+    throw std::invalid_argument(fmt::format("facet {} has no factor, but other facets have one", facet));
   if (!path.tx.facet_map.empty() && facet >= path.tx.facet_map.size())
-    throw std::invalid_argument(fmt::format("facet {} has no true place, others have", facet));
+    throw std::invalid_argument(
+        fmt::format("facet {} has no true position, but other facets have one", facet));
   const double factor = path.facet_factor.empty() ? 1 : path.facet_factor[facet];
   return {factor, material_mu[material[facet]] * factor, model_of(facet), texture(facet)};
 }
@@ -25,14 +26,16 @@ void check(const EchoModel& model) {
     throw std::invalid_argument(
         fmt::format("absorption must be finite and not negative, not {} dB/m", model.absorption_db_per_m));
   if (!model.scattering.empty() && model.scattering.size() != model.material_mu.size())
-    throw std::invalid_argument(fmt::format("{} scattering laws do not fit {} materials",
-                                            model.scattering.size(), model.material_mu.size()));
+    throw std::invalid_argument(
+        fmt::format("the number of scattering models, {}, differs from the number of materials, {}",
+                    model.scattering.size(), model.material_mu.size()));
   if (!(model.pattern_tolerance >= 1e-12 && model.pattern_tolerance <= 0.01))
     throw std::invalid_argument(fmt::format(
         "the tolerance of beam patterns must be from 1e-12 to 0.01, not {}", model.pattern_tolerance));
   if (!model.reflectivity.empty() && model.reflectivity.size() != model.material_mu.size())
-    throw std::invalid_argument(fmt::format("{} materials have a Lambert parameter, but {} a texture or none",
-                                            model.material_mu.size(), model.reflectivity.size()));
+    throw std::invalid_argument(
+        fmt::format("{} materials have a Lambert parameter, but the list of textures has {} entries",
+                    model.material_mu.size(), model.reflectivity.size()));
 }
 
 double absorption_per_m(double absorption_db_per_m) { return absorption_db_per_m * std::numbers::ln10 / 10; }

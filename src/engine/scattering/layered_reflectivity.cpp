@@ -9,7 +9,7 @@ namespace tubefoot {
 
 LayeredReflectivity::LayeredReflectivity(std::vector<std::shared_ptr<const ReflectivityField>> layers)
     : layers_(std::move(layers)) {
-  if (layers_.empty()) throw std::invalid_argument("a layered texture needs a layer");
+  if (layers_.empty()) throw std::invalid_argument("a layered texture needs at least one layer");
   for (const auto& layer : layers_) cells_.insert(cells_.end(), layer->cells().begin(), layer->cells().end());
 }
 

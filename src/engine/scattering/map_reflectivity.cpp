@@ -11,11 +11,11 @@ namespace tubefoot {
 MapReflectivity::MapReflectivity(Grid grid, const Placing& placing)
     : grid_(std::move(grid)), placing_(placing) {
   if (grid_.columns == 0 || grid_.rows == 0 || grid_.values.size() != grid_.columns * grid_.rows)
-    throw std::invalid_argument("a map of reflectivity has no pixels");
+    throw std::invalid_argument("the reflectivity map has no pixels");
   const glm::dvec2 c = placing.column_m, r = placing.row_m;
   const double area = c.x * r.y - c.y * r.x;
   if (!(std::abs(area) > 1e-9 * glm::length(c) * glm::length(r) && std::isfinite(area)))
-    throw std::invalid_argument("the pixels of a map of reflectivity have no area");
+    throw std::invalid_argument("the pixels of the reflectivity map have no area");
   to_column_ = glm::dvec2(r.y, -r.x) / area;
   to_row_ = glm::dvec2(-c.y, c.x) / area;
   finest_m_ = 2 * std::min(1 / glm::length(to_column_), 1 / glm::length(to_row_));
@@ -25,12 +25,12 @@ MapReflectivity::MapReflectivity(Grid grid, const Placing& placing)
   for (const float value : grid_.values) {
     if (std::isnan(value)) continue;
     if (!(value >= 0 && std::isfinite(value)))
-      throw std::invalid_argument("a map of reflectivity has values that are negative or infinite");
+      throw std::invalid_argument("the reflectivity map has negative or infinite values");
     sum += double(value);
     ++count;
   }
   const double mean = count > 0 ? sum / double(count) : 0;
-  if (!(mean > 0)) throw std::invalid_argument("a map of reflectivity has no value above 0");
+  if (!(mean > 0)) throw std::invalid_argument("the reflectivity map has no value above 0");
   for (float& value : grid_.values) {
     value = std::isnan(value) ? 1.0f : float(double(value) / mean);
     largest_ = std::max(largest_, double(value));

@@ -18,14 +18,17 @@ constexpr std::array steepest{3.2,   6.4,   21.0,  51.0,  50.0,  60.0, 181.0, 24
 PerlinReflectivity::Settings checked(const PerlinReflectivity::Settings& s) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument(what); };
   if (!(s.wavelength_m > 0 && std::isfinite(s.wavelength_m)))
-    refuse(fmt::format("a texture's wavelength must be finite and above 0, not {} m", s.wavelength_m));
+    refuse(fmt::format("the wavelength of a texture must be finite and above 0, not {} m", s.wavelength_m));
   if (!(s.octaves >= 1 && s.octaves <= PerlinReflectivity::most_octaves))
-    refuse(fmt::format("a texture has 1 to {} octaves, not {}", PerlinReflectivity::most_octaves, s.octaves));
+    refuse(fmt::format("a texture must have 1 to {} octaves, not {}", PerlinReflectivity::most_octaves,
+                       s.octaves));
   if (!(s.persistence >= 0 && s.persistence <= 1))
-    refuse(fmt::format("a texture's persistence must be from 0 to 1, not {}", s.persistence));
+    refuse(fmt::format("the persistence of a texture must be from 0 to 1, not {}", s.persistence));
   if (!(s.depth >= 0 && s.depth * PerlinLattice::largest <= 1))
-    refuse(fmt::format("a texture's depth must be from 0 to {:.4f}, not {}: it would scatter less than none",
-                       1 / PerlinLattice::largest, s.depth));
+    refuse(
+        fmt::format("the depth of a texture must be from 0 to {:.4f}, not {}, because negative scattering is "
+                    "not possible",
+                    1 / PerlinLattice::largest, s.depth));
   return s;
 }
 

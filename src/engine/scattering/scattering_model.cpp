@@ -34,12 +34,13 @@ ScatteringModel ScatteringModel::lambert(double mu) { return gsab({.oblique = mu
 ScatteringModel ScatteringModel::gsab(const Gsab& p) {
   for (const double level : {p.specular, p.oblique, p.transition})
     if (!(level >= 0 && std::isfinite(level)))
-      refuse(fmt::format("a scattering model's levels must be finite and not negative, not {}", level));
+      refuse(fmt::format("the levels of a scattering model must be finite and not negative, not {}", level));
   for (const double width : {p.specular_width_rad, p.transition_width_rad})
     if (!(width > 0 && std::isfinite(width)))
       refuse(fmt::format("a lobe of a scattering model must have a width above 0, not {}", width));
   if (!(p.oblique_exponent >= 0 && std::isfinite(p.oblique_exponent)))
-    refuse(fmt::format("a scattering model's exponent must not be negative, not {}", p.oblique_exponent));
+    refuse(
+        fmt::format("the exponent of a scattering model must not be negative, not {}", p.oblique_exponent));
   Piece piece;
   const auto lobe = [&](double level, double width) {
     if (level > 0) piece.terms.push_back({level, 0, 1 / (2 * width * width), 0});
@@ -57,16 +58,16 @@ ScatteringModel ScatteringModel::table(std::span<const double> grazing_deg,
                                        std::span<const double> strength_db) {
   const std::size_t n = grazing_deg.size();
   if (n == 0 || n != strength_db.size())
-    refuse(
-        fmt::format("a table of backscatter needs as many levels as angles, and at least one; not {} and {}",
-                    strength_db.size(), n));
+    refuse(fmt::format(
+        "a backscatter table needs one level per angle, and at least one angle, not {} levels and {} angles",
+        strength_db.size(), n));
   for (std::size_t k = 0; k < n; ++k) {
     if (!(grazing_deg[k] > (k > 0 ? grazing_deg[k - 1] : 0) && grazing_deg[k] <= 90))
       refuse(fmt::format(
-          "grazing angles of a table must increase, above 0 and at most 90 degrees; angle {} is {}", k + 1,
-          grazing_deg[k]));
+          "the grazing angles of a table must increase, above 0 and at most 90 degrees, but angle {} is {}",
+          k + 1, grazing_deg[k]));
     if (!(strength_db[k] >= -300 && strength_db[k] <= 100))
-      refuse(fmt::format("levels of a table must be from -300 to 100 dB; level {} is {}", k + 1,
+      refuse(fmt::format("the levels of a table must be from -300 to 100 dB, but level {} is {}", k + 1,
                          strength_db[k]));
   }
   const auto incidence = [&](std::size_t k) {
@@ -82,7 +83,8 @@ ScatteringModel ScatteringModel::table(std::span<const double> grazing_deg,
   for (std::size_t k = n - 1; k-- > 0;) {
     const double to = incidence(k);
     if (!(to > at))
-      refuse(fmt::format("grazing angles {} and {} of a table are too near to each other", k + 1, k + 2));
+      refuse(
+          fmt::format("the grazing angles {} and {} of a table are too close to each other", k + 1, k + 2));
     add(to, {from_db(strength_db[k + 1]),
              (strength_db[k] - strength_db[k + 1]) * std::numbers::ln10 / 10 / (to - at)});
   }

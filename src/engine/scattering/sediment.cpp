@@ -44,13 +44,13 @@ const std::vector<std::string_view>& sediment_names() {
 const SedimentBackscatter& sediment_backscatter(std::string_view name, double frequency_khz) {
   for (const SedimentBackscatter& table : tables)
     if (table.name == name && table.frequency_khz == frequency_khz) return table;
-  throw std::invalid_argument(fmt::format(
-      "no backscatter of '{}' at {} kHz: there are tables at 20 and 300 kHz", name, frequency_khz));
+  throw std::invalid_argument(
+      fmt::format("no backscatter of '{}' at {} kHz: tables exist at 20 and 300 kHz", name, frequency_khz));
 }
 
 FluidSediment sediment_of_grain_size(double m) {
   if (!(m >= -1 && m <= 9))
-    throw std::invalid_argument(fmt::format("mean grain size must be from -1 to 9 phi, not {}", m));
+    throw std::invalid_argument(fmt::format("the mean grain size must be from -1 to 9 phi, not {}", m));
   FluidSediment seabed;
   if (m < 1) {
     seabed.density_ratio = (0.007797 * m - 0.17057) * m + 2.3139;
@@ -75,7 +75,7 @@ FluidSediment sediment_of_grain_size(double m) {
 FluidSediment fluid_sediment(double density_ratio, double speed_ratio, double attenuation_db_per_wavelength) {
   if (!(density_ratio > 0 && speed_ratio > 0 && attenuation_db_per_wavelength >= 0))
     throw std::invalid_argument(
-        "a fluid bed needs density and speed ratios above 0 and no negative attenuation");
+        "a fluid seabed needs density and speed ratios above 0 and an attenuation of 0 or more");
   return {density_ratio, speed_ratio,
           attenuation_db_per_wavelength * std::numbers::ln10 / (40 * std::numbers::pi)};
 }

@@ -12,16 +12,16 @@
 #include "engine/relief/fourier.hpp"
 
 // Computes effective bandwidths of pulses from their spectra and from the jumps of their derivatives, and
-// fills the table of delayed pulses. Source: docs/signals.md, "Arbitrary pulses" and "What elements
+// fills the table of delayed pulses. Source: docs/notes/signals.md, "Arbitrary pulses" and "What elements
 // receive".
 
 namespace tubefoot {
 
 BasebandPulse gaussian_pulse(double sigma_s, double left_out) {
   if (!(sigma_s > 0 && left_out > 0 && left_out < 1))
-    throw std::invalid_argument(fmt::format(
-        "a Gaussian pulse needs a length above 0 and a part below 1 that is left out, not {} s and {}",
-        sigma_s, left_out));
+    throw std::invalid_argument(
+        fmt::format("a Gaussian pulse needs a length above 0 and an omitted share below 1, not {} s and {}",
+                    sigma_s, left_out));
   const double reach = std::sqrt(-2 * std::log(left_out)),
                peak = 1 / std::sqrt(sigma_s * std::sqrt(std::numbers::pi));
   return {[=](double t) { return std::complex<double>(peak * std::exp(-t * t / (2 * sigma_s * sigma_s))); },
@@ -140,19 +140,19 @@ double resolved_bandwidth_hz(const BasebandPulse& pulse, int order, double toler
 void check(const BasebandPulse& pulse, const SignalTimes& times) {
   if (!pulse.envelope || !(pulse.end_s > pulse.begin_s) || !(pulse.bandwidth_hz > 0) ||
       !std::isfinite(pulse.end_s - pulse.begin_s) || !std::isfinite(pulse.bandwidth_hz))
-    throw std::invalid_argument(fmt::format(
-        "a pulse needs an envelope, an end after its begin and a bandwidth above 0, not {} s to {} "
-        "s and {} Hz",
-        pulse.begin_s, pulse.end_s, pulse.bandwidth_hz));
+    throw std::invalid_argument(
+        fmt::format("a pulse needs an envelope, an end after its start and a bandwidth above 0, not {} s to "
+                    "{} s and {} Hz",
+                    pulse.begin_s, pulse.end_s, pulse.bandwidth_hz));
   if (times.count < 1 || !(times.rate_hz > 0) || !std::isfinite(times.rate_hz) ||
       !std::isfinite(times.first_s))
     throw std::invalid_argument(
-        fmt::format("a receiver needs a sampling rate above 0 and one sample or more, not {} Hz and {}",
+        fmt::format("a receiver needs a sampling rate above 0 and at least one sample, not {} Hz and {}",
                     times.rate_hz, times.count));
   if (pulse.bandwidth_hz > times.rate_hz)
     throw std::invalid_argument(
-        fmt::format("a bandwidth of {} Hz does not fit into {} complex samples a second: sample faster, or "
-                    "filter the pulse",
+        fmt::format("a bandwidth of {} Hz does not fit into {} complex samples per second: increase the "
+                    "sampling rate, or filter the pulse",
                     pulse.bandwidth_hz, times.rate_hz));
 }
 

@@ -14,7 +14,8 @@
 #include "geometry/integrals/certified_waves.hpp"
 
 // Encloses backscattering lengths in ball arithmetic. Transforms of the view's triangles are summed, and the
-// displacement of the vertices by the grid is bounded. Source: docs/smooth-surfaces.md, "Target strength".
+// displacement of the vertices by the grid is bounded. Source: docs/notes/smooth-surfaces.md, "Target
+// strength".
 
 namespace tubefoot {
 namespace {
@@ -118,7 +119,7 @@ CertifiedStrength::Seen CertifiedStrength::towards(double azimuth_deg, double el
                                                    const SmoothSurface& surface, double sound_speed,
                                                    std::span<const double> frequencies_hz) const {
   if (!(sound_speed > 0) || !std::isfinite(sound_speed))
-    throw std::invalid_argument("a sound speed must be positive and finite");
+    throw std::invalid_argument("the sound speed must be positive and finite");
   const State& s = *state_;
   Seen result;
   FarViewGrid grid;

@@ -10,13 +10,13 @@
 #include <stdexcept>
 
 // Accumulates moments of scatterers in Chebyshev polynomials over the rectangles of a chunk, and converts
-// the moments to amplitudes at the nodes. Source: docs/signals.md, "What elements receive".
+// the moments to amplitudes at the nodes. Source: docs/notes/signals.md, "What elements receive".
 
 namespace tubefoot {
 
 ChebyshevNodes::ChebyshevNodes(double tolerance) {
   if (!(tolerance >= 1e-12 && tolerance <= 0.1))
-    throw std::invalid_argument(fmt::format("a tolerance must be from 1e-12 to 0.1, not {}", tolerance));
+    throw std::invalid_argument(fmt::format("the tolerance must be from 1e-12 to 0.1, not {}", tolerance));
   // With n nodes the remainder is at most change^n / (2^(n-1) n!).
   double factorial = 1;
   for (int n = 1; n <= most; ++n) {

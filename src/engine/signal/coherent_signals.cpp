@@ -16,7 +16,7 @@
 #include "geometry/steps/in_order.hpp"
 
 // Computes signals of a scene-fixed field by moments of its scatterers, independent draws by Gauss nodes,
-// and covariances by sums over the same nodes. Source: docs/signals.md.
+// and covariances by sums over the same nodes. Source: docs/notes/signals.md.
 
 namespace tubefoot {
 namespace {
@@ -226,7 +226,7 @@ bool has_paths(const CoherentReceiver& receiver) {
 void check(const CoherentReceiver& receiver, const EchoModel& model) {
   check(receiver.pulse, receiver.times);
   check(model);
-  if (receiver.channels.empty()) throw std::invalid_argument("signals need a channel or more");
+  if (receiver.channels.empty()) throw std::invalid_argument("signals need at least one channel");
   if (!(receiver.carrier_hz > 0 && receiver.sound_speed_m_s > 0))
     throw std::invalid_argument(
         fmt::format("signals need a carrier and a sound speed above 0, not {} Hz and {} m/s",
@@ -319,14 +319,14 @@ CovarianceMatrix signal_covariances(const VisiblePolygons& patches, const Cohere
   check(receiver, model);
   if (has_paths(receiver))
     throw std::invalid_argument(
-        "signal covariances are of ends at rest: leave the channels' ways out, or take element_signals() or "
-        "drawn_signals(), which know ways");
+        "signal covariances need ends at rest: leave out the motions of the channels, or use "
+        "element_signals() or drawn_signals(), which support motion");
   std::vector<std::vector<std::pair<double, std::size_t>>> of_channel(receiver.channels.size());
   for (std::size_t n = 0; n < samples.size(); ++n) {
     if (samples[n].channel >= receiver.channels.size() || samples[n].sample >= receiver.times.count)
       throw std::invalid_argument(
-          fmt::format("there is no sample {} of channel {}: channels are {}, samples {}", samples[n].sample,
-                      samples[n].channel, receiver.channels.size(), receiver.times.count));
+          fmt::format("there is no sample {} of channel {}: there are {} channels of {} samples",
+                      samples[n].sample, samples[n].channel, receiver.channels.size(), receiver.times.count));
     of_channel[samples[n].channel].emplace_back(receiver.times.time_s(samples[n].sample), n);
   }
   const std::vector<SurfaceScatterer> seabed =

@@ -13,7 +13,7 @@
 #include "geometry/steps/stop.hpp"
 
 // Integrates products of two channels over the parts of polygons that lie in given range samples of both.
-// The parts are cut along the range ellipses of both channels. Source: docs/signals.md, "Range bins as
+// The parts are cut along the range ellipses of both channels. Source: docs/notes/signals.md, "Range bins as
 // gates".
 
 namespace tubefoot {
@@ -169,23 +169,23 @@ SampleCovariances gated_covariances(const VisiblePolygons& patches, const Signal
   check(model);
   if (a.has_path() || b.has_path())
     throw std::invalid_argument(
-        "gated covariances are of ends at rest: leave the channels' ways out, or take signals of "
-        "element_signals(), which knows ways");
+        "gated covariances need ends at rest: leave out the motions of the channels, or use signals of "
+        "element_signals(), which supports motion");
   if (model.path.over_mirrors())
     throw std::invalid_argument(
-        "gated covariances know straight ways only, none over mirrors: signal_covariances() has their "
-        "losses");
+        "gated covariances need straight paths without mirrors: use signal_covariances(), which includes the "
+        "losses of mirrors");
   const std::vector<double> borders = sample_borders_m(samples);
   if (samples.count < 1 || !(samples.step_m > 0) || !(samples.first_m >= 0) || !std::isfinite(borders.back()))
-    throw std::invalid_argument(fmt::format(
-        "range samples need a first range that is not negative, a step above 0 and a count of one or more, "
-        "all finite; not {} m, {} m and {}",
-        samples.first_m, samples.step_m, samples.count));
+    throw std::invalid_argument(
+        fmt::format("range samples need a first range of 0 or more, a step above 0 and a count of 1 or more, "
+                    "all finite, not {} m, {} m and {}",
+                    samples.first_m, samples.step_m, samples.count));
   if (!(wavenumber_rad_m >= 0 && std::isfinite(wavenumber_rad_m)))
     throw std::invalid_argument(
-        fmt::format("a wavenumber must be finite and not negative, not {} rad/m", wavenumber_rad_m));
+        fmt::format("the wavenumber must be finite and not negative, not {} rad/m", wavenumber_rad_m));
   if (!(tolerance > 0))
-    throw std::invalid_argument(fmt::format("a tolerance must be above 0, not {}", tolerance));
+    throw std::invalid_argument(fmt::format("the tolerance must be above 0, not {}", tolerance));
   SampleCovariances all;
   all.samples = samples.count;
   // Half paths of the two channels differ by at most half of the distances between their ends.

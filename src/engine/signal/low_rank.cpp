@@ -20,8 +20,9 @@ LowRankFactor low_rank_factor(CovarianceMatrix matrix, double tolerance) {
   constexpr double rounding = 1e-10;  // relative to the largest variance
   const std::size_t n = matrix.size;
   if (n == 0 || matrix.value.size() != n * n)
-    throw std::invalid_argument(fmt::format(
-        "a matrix of covariances needs {} values or more than none, not {}", n * n, matrix.value.size()));
+    throw std::invalid_argument(
+        fmt::format("a covariance matrix needs {} values and more than 0 rows, not {} values", n * n,
+                    matrix.value.size()));
   LowRankFactor factor;
   factor.size = n;
   std::vector<double> left(n);
@@ -36,8 +37,8 @@ LowRankFactor low_rank_factor(CovarianceMatrix matrix, double tolerance) {
     const double worst = *std::min_element(left.begin(), left.end());
     if (worst < -rounding * largest)
       throw std::invalid_argument(
-          fmt::format("no matrix of covariances: {} of a variance is left over beside {}, it is not positive "
-                      "semi-definite",
+          fmt::format("the covariance matrix is not positive semidefinite: a variance has a remainder of {} "
+                      "compared with {}",
                       worst, largest));
     double rest = 0;
     for (const double variance : left) rest += std::max(variance, 0.0);

@@ -41,17 +41,17 @@ struct TabulatedMotion::Source {
   glm::dvec3 at(double time_s) const {
     const glm::dvec3 place = motion(time_s);
     if (!std::isfinite(place.x + place.y + place.z))
-      throw std::invalid_argument(fmt::format(
-          "the way of {} is not finite {} s after the ping's start: ways must hold from the pulse's begin to "
-          "the last sample",
-          what, time_s));
+      throw std::invalid_argument(
+          fmt::format("the motion of {} is not finite {} s after the start of the ping, but it must be valid "
+                      "from the start of the pulse to the last sample",
+                      what, time_s));
     return place - origin_m;
   }
   [[noreturn]] void refuse(double time_s) const {
-    throw std::invalid_argument(fmt::format(
-        "{} moves at {} m/s or more, as fast as sound, about {} s after the ping's start: the way of sound "
-        "has no end; slow it down",
-        what, limit_m_s, time_s));
+    throw std::invalid_argument(
+        fmt::format("{} moves at {} m/s or more, as fast as sound, about {} s after the start of the ping, "
+                    "so travel times are undefined: reduce its speed",
+                    what, limit_m_s, time_s));
   }
 };
 

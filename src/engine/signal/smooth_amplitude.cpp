@@ -11,7 +11,7 @@
 #include "geometry/integrals/polygon_transform.hpp"
 
 // Computes the Kirchhoff integral of a smooth polygon for plane waves, with a bound of the error, and by its
-// edges. Source: docs/smooth-surfaces.md, "Amplitudes of smooth surfaces".
+// edges. Source: docs/notes/smooth-surfaces.md, "Amplitudes of smooth surfaces".
 
 namespace tubefoot {
 namespace {
@@ -91,7 +91,7 @@ SmoothAmplitude::SmoothAmplitude(std::span<const double> wave_numbers_per_m, dou
   double before = 0;
   for (const double k : wave_numbers_) {
     if (!(k > before) || !std::isfinite(k))
-      throw std::invalid_argument("wave numbers must be positive, finite and increasing");
+      throw std::invalid_argument("wavenumbers must be positive, finite and increasing");
     before = k;
   }
   if (!(tolerance >= 0)) throw std::invalid_argument("the tolerance of plane waves must not be negative");

@@ -16,7 +16,7 @@
 #include "geometry/steps/in_order.hpp"
 
 // Computes signals of smooth facets: the pulse is integrated along the edges of visible polygons in the
-// Kirchhoff approximation. Source: docs/smooth-surfaces.md, "A pulse along the edges".
+// Kirchhoff approximation. Source: docs/notes/smooth-surfaces.md, "A pulse along the edges".
 
 namespace tubefoot {
 namespace {
@@ -407,12 +407,12 @@ ChannelSignals smooth_signals(const VisiblePolygons& patches, const CoherentRece
                               double tolerance) {
   check(receiver, model);
   if (!(tolerance >= 1e-9 && tolerance <= 0.1))
-    throw std::invalid_argument(fmt::format("a tolerance must be from 1e-9 to 0.1, not {}", tolerance));
+    throw std::invalid_argument(fmt::format("the tolerance must be from 1e-9 to 0.1, not {}", tolerance));
   if (!(receiver.pulse.bandwidth_hz < 2 * receiver.carrier_hz))
-    throw std::invalid_argument(fmt::format(
-        "a band of {} Hz about {} Hz reaches down to frequency 0: take a pulse of less than twice the "
-        "carrier",
-        receiver.pulse.bandwidth_hz, receiver.carrier_hz));
+    throw std::invalid_argument(
+        fmt::format("a band of {} Hz around {} Hz reaches down to frequency 0: use a pulse with a bandwidth "
+                    "below twice the carrier frequency",
+                    receiver.pulse.bandwidth_hz, receiver.carrier_hz));
   std::vector<std::pair<const VisiblePolygon*, const SmoothSurface*>> smooth;
   for (const VisiblePolygon& patch : patches.patches)
     if (const SmoothSurface* surface = surface_of(patch.facet)) smooth.emplace_back(&patch, surface);

@@ -32,9 +32,9 @@ double gauss_error(int nodes, double change_rad) {
 std::vector<SurfaceScatterer> seabed_scatterers(const VisiblePolygons& seen, const SignalExtent& extent,
                                                 double tolerance) {
   if (!(tolerance > 0 && tolerance < 1))
-    throw std::invalid_argument(fmt::format("a tolerance must be between 0 and 1, not {}", tolerance));
+    throw std::invalid_argument(fmt::format("the tolerance must be between 0 and 1, not {}", tolerance));
   if (extent.transmit_m.empty() || extent.receive_m.empty())
-    throw std::invalid_argument("signals need a transmitter and a receiver or more");
+    throw std::invalid_argument("signals need a transmitter and at least one receiver");
   double most_change = 0.25;
   while (gauss_error(most_rule_nodes, most_change * 1.05) <= tolerance) most_change *= 1.05;
   const SmoothPieces pieces(extent, most_change);

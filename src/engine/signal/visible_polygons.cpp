@@ -37,12 +37,13 @@ bool apart(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b, glm::dv
 
 VisiblePolygons patches_of(const CommonVisibility& visibility, glm::dvec3 origin_m) {
   if (!visibility.hits().empty() || !visibility.shared_hits().empty())
-    throw std::invalid_argument("signals come from visible polygons: what rays met are points");
+    throw std::invalid_argument("signals need visible polygons, but the hits of rays are points");
   VisiblePolygons seen;
   seen.origin_m = origin_m;
   for (std::size_t number = visibility.first(); number < visibility.end(); ++number) {
     if (visibility.bistatic(number) != nullptr)
-      throw std::invalid_argument("signals need a bed that both ends see where it lies, without refraction");
+      throw std::invalid_argument(
+          "signals need a surface that both ends see at its true position, without refraction");
     const SeenFacet facet = visibility[number];
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SeenPart part = visibility.part(number, facet.first_piece + k);
@@ -73,10 +74,10 @@ VisiblePolygons visible_polygons(const CommonVisibility& visibility, const EchoM
   const Path& path = model.path;
   if (!path.tx.facet_map.empty() || !path.facet_factor.empty())
     throw std::invalid_argument(
-        "signals need a bed that is seen where it lies: in refracting water ways to other places are others");
+        "signals need a surface at its true position, but refraction leads to other paths");
   if (path.over_mirrors() || path.rx || path.tx.to_true != glm::dmat3(1))
     throw std::invalid_argument(
-        "patches of straight ways are none of ways over mirrors: see for_coherent_paths()");
+        "patches of straight paths do not apply to paths over mirrors: see for_coherent_paths()");
   return patches_of(visibility, path.tx.apex_m);
 }
 

@@ -13,8 +13,8 @@
 #include "geometry/steps/stop.hpp"
 
 // Refines and displaces the seabed with its macro-texture. The rules cut textured edges that are longer than
-// a cell, and, for transmissions, only where omitted_change() exceeds the tolerance. See docs/textures.md,
-// section "Refinement".
+// a cell, and, for transmissions, only where omitted_change() exceeds the tolerance. See
+// docs/notes/textures.md, section "Refinement".
 namespace tubefoot {
 namespace {
 
@@ -250,7 +250,7 @@ RefinedMesh SurfaceMesh::everywhere(std::span<const FacetId> facets, const Refin
     stop_if_wanted();
     if (textured(base_.material[f])) count += tubefoot::uniform_count(base_, f, grid_, settings_.cell_m);
     if (count > limits.facets)
-      throw RefinementTooLarge(fmt::format("a refinement makes more than {} facets", limits.facets));
+      throw RefinementTooLarge(fmt::format("the refinement creates more than {} facets", limits.facets));
   }
   return refined(facets, Cells(*this), limits);
 }

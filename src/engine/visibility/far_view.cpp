@@ -81,7 +81,7 @@ FarView far_view(std::span<const glm::dvec3> points_m,
   double radius = 0;
   for (const glm::dvec3& p : points_m) radius = std::max(radius, glm::length(p - middle));
   if (!(radius > 0) || !std::isfinite(radius))
-    throw std::invalid_argument("a mesh must have finite points that are not all the same");
+    throw std::invalid_argument("a mesh must have finite points that are not all identical");
   const ViewFrame frame(towards);
   std::vector<glm::dvec3> mapped;
   mapped.reserve(points_m.size());

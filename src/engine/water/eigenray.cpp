@@ -64,7 +64,7 @@ EigenrayFinder::EigenrayFinder(const WaterColumn& water, double source_depth_m,
       source_speed_(water.profile.at(source_m_)) {
   if (!(source_m_ >= options_.surface_m) || !std::isfinite(source_m_))
     throw std::invalid_argument(
-        fmt::format("a source at a depth of {} m lies above the water's surface", source_depth_m));
+        fmt::format("a source at a depth of {} m lies above the water surface", source_depth_m));
   const std::vector<ProfilePoint>& points = water.profile.points();
   up_ = pieces_up(source_m_, points.front().depth_m);
   down_ = pieces(source_m_, points.back().depth_m);

@@ -22,12 +22,11 @@ class Tracer {
       : water_(water), profile_(water.profile), options_(options) {
     if (!(depth_m >= options.surface_m && depth_m <= options.bottom_m))
       throw std::invalid_argument(
-          fmt::format("a ray starts at a depth of {} m, outside of the water from {} to {} m", depth_m,
+          fmt::format("the ray starts at a depth of {} m, outside of the water from {} to {} m", depth_m,
                       options.surface_m, options.bottom_m));
     const double cosine = std::cos(launch_rad);
     if (!(cosine > 1e-12))
-      throw std::invalid_argument(
-          "a ray that is followed in range is launched less steeply than straight up or down");
+      throw std::invalid_argument("a ray that is traced in range must not start straight up or down");
     state_.depth_m = depth_m;
     state_.sine = std::sin(launch_rad);
     state_.cosine = cosine;

@@ -16,7 +16,7 @@ constexpr std::size_t kMostPoints = 1'000'000;
 
 void check_extent(double top_m, double bottom_m, double fineness) {
   if (!(top_m < bottom_m) || !(fineness > 0) || !std::isfinite(bottom_m - top_m))
-    throw std::invalid_argument("a profile is sampled from its top to a deeper bottom, in steps above 0");
+    throw std::invalid_argument("sampling a profile needs a bottom below its top, and steps above 0");
 }
 
 ProfilePoint point_at(const std::function<double(double)>& speed, double depth_m) {
@@ -33,9 +33,10 @@ SoundSpeedProfile::SoundSpeedProfile(std::vector<ProfilePoint> points) : points_
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const ProfilePoint& p = points_[i];
     if (!std::isfinite(p.depth_m) || !(p.sound_speed_m_s > 0) || !std::isfinite(p.sound_speed_m_s))
-      throw std::invalid_argument("a sound-speed profile's depths and speeds must be finite, speeds above 0");
+      throw std::invalid_argument(
+          "the depths and speeds of a sound-speed profile must be finite, and the speeds above 0");
     if (i > 0 && !(p.depth_m > points_[i - 1].depth_m))
-      throw std::invalid_argument("a sound-speed profile's depths must increase");
+      throw std::invalid_argument("the depths of a sound-speed profile must increase");
   }
   gradient_.assign(points_.size() + 1, 0.0);
   for (std::size_t i = 1; i < points_.size(); ++i) {
@@ -81,7 +82,7 @@ std::vector<ProfilePoint> sample_profile(const std::function<double(double)>& sp
   check_extent(top_m, bottom_m, step_m);
   const double steps = std::ceil((bottom_m - top_m) / step_m * (1 - 1e-12));
   if (!(steps < double(kMostPoints)))
-    throw std::invalid_argument("a profile of a million points or more: sample it in larger steps");
+    throw std::invalid_argument("the profile would have a million points or more: use larger steps");
   std::vector<ProfilePoint> points;
   for (double i = 0; i < steps; ++i)
     points.push_back(point_at(speed, top_m + (bottom_m - top_m) * (i / steps)));
@@ -112,7 +113,7 @@ std::vector<ProfilePoint> sample_profile_within(const std::function<double(doubl
       ahead.push_back(point_at(speed, middle_m));
     }
     if (points.size() + ahead.size() >= kMostPoints)
-      throw std::invalid_argument("a profile of a million points or more: allow a larger error");
+      throw std::invalid_argument("the profile would have a million points or more: permit a larger error");
   }
   return points;
 }

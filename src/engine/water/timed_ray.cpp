@@ -114,7 +114,7 @@ TimedRay ray_after(const SoundSpeedProfile& profile, double launch_depth_m, RayD
                    double time_s) {
   if (!(time_s >= 0 && std::isfinite(time_s)))
     throw std::invalid_argument(
-        fmt::format("a ray is followed for {} s, must be finite and 0 or more", time_s));
+        fmt::format("the travel time of a ray is {} s, but must be finite and 0 or more", time_s));
   return TimedTrace(profile, launch_depth_m, launch).after(time_s);
 }
 

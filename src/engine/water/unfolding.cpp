@@ -35,7 +35,8 @@ UnfoldedWater unfold(const WaterColumn& water, const EigenrayOptions& rays, doub
     const double depth_m = surface_height_m - height_m;
     Stretch& before = stretches.back();
     if (!(depth_m > before.top_m && depth_m < before.bottom_m))
-      throw std::invalid_argument("level mirrors of a way must lie above and below each other by turns");
+      throw std::invalid_argument(
+          "the horizontal mirrors of a path must lie above and below each other in turn");
     (up ? before.top_m : before.bottom_m) = depth_m;
     const double at = before.at(depth_m);
     mirror_at.push_back(at);

@@ -43,7 +43,8 @@ std::string place_keys(const Placement& placed) {
 }  // namespace
 
 std::string scene_text(const ImportedScene& scene) {
-  std::string text = "# Made by 'tubefoot import-scene'. Axes: x east, y north, z up; docs/exchange.md\n";
+  std::string text =
+      "# Made by 'tubefoot import-scene'. Axes: x east, y north, z up; docs/exchange-formats.md\n";
   if (!scene.title.empty()) text += fmt::format("title = {}\n", toml_quoted(scene.title));
   if (scene.sound_speed_m_s || scene.absorption_db_per_km) text += "\n[water]\n";
   if (scene.sound_speed_m_s) text += fmt::format("sound_speed_m_s = {}\n", *scene.sound_speed_m_s);
@@ -76,8 +77,9 @@ std::string scene_text(const ImportedScene& scene) {
 
 void write_imported_scene(const ImportedScene& scene, const std::filesystem::path& folder) {
   for (const ImportedMesh& mesh : scene.meshes) {
-    ObjMesh obj(folder / mesh.file,
-                "Made by 'tubefoot import-scene': in metres, in the axes that the world's own mesh has.");
+    ObjMesh obj(
+        folder / mesh.file,
+        "Made by 'tubefoot import-scene'. Units: metres. Axes: those of the mesh in the imported world.");
     obj.object(mesh.file.stem().string(), {}, mesh.mesh.points_m, mesh.mesh.triangles);
     obj.close();
   }
@@ -89,7 +91,8 @@ void write_imported_scene(const ImportedScene& scene, const std::filesystem::pat
     // The temporary folder is deleted; its name would mean nothing to the user.
     std::string why = error.what();
     if (const std::size_t name = why.find("scene.toml"); name != std::string::npos) why = why.substr(name);
-    throw InputError({scene.world.string(), 0, 0}, "what can be read of the world makes no scene: " + why);
+    throw InputError({scene.world.string(), 0, 0},
+                     "the readable parts of the world do not form a scene: " + why);
   }
 }
 

@@ -39,7 +39,7 @@ class SdfReader {
   void read() {
     pugi::xml_node world = xml_.root().child("world");
     for (pugi::xml_node other = world.next_sibling("world"); other; other = other.next_sibling("world"))
-      parts_.notice(other, "a second <world>: left out");
+      parts_.notice(other, "a second <world> is left out");
     if (!world) world = xml_.root();  // the file contains models only
     parts_.read_own_scene(world);
     Scope scope(world, {});
@@ -59,7 +59,8 @@ class SdfReader {
       const std::string_view name = node.name();
       if (name == "model") {
         if (node.attribute("placement_frame")) {
-          parts_.notice(node, fmt::format("model '{}' left out: placement_frame is not read", name_of(node)));
+          parts_.notice(node, fmt::format("model '{}' is left out: tubefoot does not read placement_frame",
+                                          name_of(node)));
           continue;
         }
         if (const auto placed = place_of(scope, node, 0)) {
@@ -69,10 +70,9 @@ class SdfReader {
       } else if (name == "link") {
         if (const auto placed = place_of(scope, node, 0)) link(node, *placed, prefix);
       } else if (name == "include") {
-        parts_.notice(
-            node, fmt::format("<include> of '{}' left out: put the model itself in its place, or import it "
-                              "apart",
-                              shown_line(node.child_value("uri"))));
+        parts_.notice(node, fmt::format("<include> of '{}' is left out: replace it by the model itself, or "
+                                        "import the model separately",
+                                        shown_line(node.child_value("uri"))));
       } else if (!is_any_of(name, {"pose", "static", "tubefoot:scene", "frame", "self_collide",
                                    "allow_auto_disable"})) {
         parts_.pass_over(node);
@@ -92,7 +92,7 @@ class SdfReader {
         xml_.fail(pose, "<pose> has a quaternion of zeros");
       return {{v[0], v[1], v[2]}, turn_of_quaternion({v[3], v[4], v[5], v[6]})};
     }
-    if (format != "euler_rpy") xml_.fail(pose, "rotation_format is euler_rpy or quat_xyzw");
+    if (format != "euler_rpy") xml_.fail(pose, "rotation_format must be euler_rpy or quat_xyzw");
     std::vector<double> v = xml_.numbers(pose, text, 6, "<pose>");
     if (pose.attribute("degrees").as_bool())
       for (std::size_t k = 3; k < 6; ++k) v[k] = radians(v[k]);
@@ -119,19 +119,17 @@ class SdfReader {
       if (!base->second) return {};
       return *base->second * pose_in(pose);
     }
-    parts_.notice(
-        node,
-        fmt::format("<{}> '{}' left out: its pose is relative to '{}', which is no model, link or frame "
-                    "beside it",
-                    name_in(node), name_of(node), shown_line(frame)));
+    parts_.notice(node, fmt::format("<{}> '{}' is left out: its pose is relative to '{}', which is not a "
+                                    "sibling model, link or frame",
+                                    name_in(node), name_of(node), shown_line(frame)));
     return {};
   }
 
   void link(pugi::xml_node link, const Placement& placed, const std::string& prefix) {
     const bool has_visuals = static_cast<bool>(link.child("visual"));
     if (!has_visuals && link.child("collision"))
-      parts_.notice(
-          link, fmt::format("link '{}' has no <visual>: its <collision> is what sonars see", name_of(link)));
+      parts_.notice(link, fmt::format("link '{}' has no <visual>: tubefoot uses its <collision> instead",
+                                      name_of(link)));
     for (const pugi::xml_node node : link.children()) {
       if (node.type() != pugi::node_element) continue;
       const std::string_view name = node.name();
@@ -152,7 +150,7 @@ class SdfReader {
     const pugi::xml_node pose = node.child("pose");
     const std::string_view frame = pose.attribute("relative_to").value();
     if (frame.empty()) return link * pose_in(pose);
-    parts_.notice(node, fmt::format("<{}> '{}' left out: its pose is relative to '{}', not to its link",
+    parts_.notice(node, fmt::format("<{}> '{}' is left out: its pose is relative to '{}', not to its link",
                                     name_in(node), name_of(node), shown_line(frame)));
     return {};
   }
@@ -175,7 +173,7 @@ class SdfReader {
     if (what == "mesh") {
       if (shape.child("submesh"))
         return parts_.notice(
-            shape, fmt::format("'{}' left out: of its mesh a <submesh> only is meant", object.name));
+            shape, fmt::format("'{}' is left out: it uses only a <submesh> of its mesh", object.name));
       object.mesh = parts_.mesh(shape, shape.child_value("uri"));
       if (!object.mesh) return;
       if (const pugi::xml_node scale = shape.child("scale")) {
@@ -201,8 +199,8 @@ class SdfReader {
     } else if (what == "plane") {
       at = plane(shape, placed, object);
     } else {
-      return parts_.notice(
-          visual, fmt::format("'{}' left out: <{}> is no shape that is read", object.name, name_in(shape)));
+      return parts_.notice(visual, fmt::format("'{}' is left out: tubefoot does not read the shape <{}>",
+                                               object.name, name_in(shape)));
     }
     object.material = parts_.material(material_of(visual));
     parts_.add_object(visual, std::move(object), at);
@@ -246,8 +244,8 @@ class SdfReader {
       const pugi::xml_node scan = node.child("ray") ? node.child("ray") : node.child("lidar");
       return fan(node, {}, scan, placed);
     }
-    parts_.notice(node, fmt::format("sensor '{}' left out: '{}' is no sonar that is read", name_of(node),
-                                    shown_line(type)));
+    parts_.notice(node, fmt::format("sensor '{}' is left out: tubefoot does not read sensors of type '{}'",
+                                    name_of(node), shown_line(type)));
   }
 
   /// Returns the number of samples. A bandwidth B resolves c / (2 B).
@@ -257,9 +255,8 @@ class SdfReader {
     constexpr double usual = 512, most = 65536;
     double samples = bandwidth > 0 ? std::round(length_m * 2 * bandwidth / speed) : usual;
     samples = std::clamp(samples, 1.0, most);
-    parts_.notice(node,
-                  fmt::format("sensor '{}': it has no number of range samples; {} of them are assumed{}",
-                              name_of(node), samples, bandwidth > 0 ? ", which its bandwidth resolves" : ""));
+    parts_.notice(node, fmt::format("sensor '{}' has no number of range samples: {} samples are assumed{}",
+                                    name_of(node), samples, bandwidth > 0 ? " from its bandwidth" : ""));
     return fmt::format("{}", samples);
   }
 
@@ -281,8 +278,10 @@ class SdfReader {
                  above = unit * xml_.child_number(up, "max_angle", 0);
     if (!(above > below))
       return parts_.notice(
-          node, fmt::format("sensor '{}' left out: its rays lie in one plane, a sonar's beams have height",
-                            name_of(node)));
+          node,
+          fmt::format(
+              "sensor '{}' is left out: its rays lie in one plane, but the beams of a sonar need a height",
+              name_of(node)));
     const double near = xml_.child_number(ray.child("range"), "min", 0),
                  far = xml_.child_number(ray.child("range"), "max", 0);
     ImportedSensor sensor;

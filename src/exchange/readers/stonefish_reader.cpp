@@ -31,8 +31,9 @@ class StonefishReader {
       else if (name == "sensor")
         sensor(node, transform(node.child("world_transform")), {});
       else if (name == "include")
-        parts_.notice(node, fmt::format("<include> of '{}' left out: put what it has in its place",
-                                        shown_line(node.attribute("file").value())));
+        parts_.notice(node,
+                      fmt::format("<include> of '{}' is left out: replace it by the contents of that file",
+                                  shown_line(node.attribute("file").value())));
       else if (name != "environment" && name != "materials" && name != "looks" && name != "tubefoot:scene")
         parts_.pass_over(node);
     }
@@ -50,14 +51,16 @@ class StonefishReader {
 
   double needed(pugi::xml_node node, pugi::xml_node parent, const char* attribute) const {
     if (!node.attribute(attribute))
-      xml_.fail(node ? node : parent, fmt::format("'{}' has no {}=\"...\"", name_of(parent), attribute));
+      xml_.fail(node ? node : parent,
+                fmt::format("'{}' has no attribute {}=\"...\"", name_of(parent), attribute));
     return xml_.attribute_number(node, attribute, 0);
   }
 
   void body(pugi::xml_node node) {
     const Placement placed = transform(node.child("world_transform"));
     if (std::string_view(node.name()) != "static")
-      parts_.notice(node, fmt::format("'{}' moves there: it stays where it begins", name_of(node)));
+      parts_.notice(
+          node, fmt::format("'{}' moves in Stonefish: here it stays at its initial position", name_of(node)));
     shape(node, placed);
     for (const pugi::xml_node inner : node.children("sensor")) sensor(inner, placed, inner.child("origin"));
   }
@@ -90,9 +93,10 @@ class StonefishReader {
       constexpr double side_m = 1000;  // side of the plane that Stonefish draws
       object.shape = "mesh";
       object.mesh = parts_.mesh("plane", plane_mesh(side_m, side_m));
-      parts_.notice(node, fmt::format("plane '{}': endless there, {} m wide here", object.name, side_m));
+      parts_.notice(node, fmt::format("plane '{}' is infinite in Stonefish: here it is {} m wide",
+                                      object.name, side_m));
     } else {
-      return parts_.notice(node, fmt::format("'{}' left out: type \"{}\" is no shape that is read",
+      return parts_.notice(node, fmt::format("'{}' is left out: tubefoot does not read shapes of type \"{}\"",
                                              object.name, shown_line(type)));
     }
     if (type != "model") placed = placed * transform(node.child("origin"));
@@ -103,14 +107,16 @@ class StonefishReader {
   void robot(pugi::xml_node node) {
     const Placement placed = transform(node.child("world_transform"));
     const std::string base = node.child("base_link").attribute("name").value();
-    parts_.notice(node, fmt::format("robot '{}': its body is left out, its sonars are where its base begins",
-                                    name_of(node)));
+    parts_.notice(
+        node,
+        fmt::format("robot '{}': its body is left out; its sonars are at the initial position of its base",
+                    name_of(node)));
     for (const pugi::xml_node inner : node.children("sensor")) {
       const std::string link = inner.child("link").attribute("name").value();
       if (link.empty() || link == base)
         sensor(inner, placed, inner.child("origin"));
       else
-        parts_.notice(inner, fmt::format("sensor '{}' left out: it is on '{}', which joints move",
+        parts_.notice(inner, fmt::format("sensor '{}' is left out: it is mounted on '{}', which joints move",
                                          name_of(inner), shown_line(link)));
     }
   }
@@ -135,14 +141,12 @@ class StonefishReader {
       sonar.keys.emplace_back("beam_angles_deg", fmt::format("[{}]", fmt::join(angles, ", ")));
     }
     parts_.notice(
-        node,
-        even
-            ? fmt::format("sonar '{}': its {} beams do not share {} views of 20 degrees at most evenly; they "
-                          "are taken as even in angle",
-                          sonar.name, beams, views)
-            : fmt::format("sonar '{}': its beams are taken as even in tangent in each of {} views, as an FLS "
-                          "draws them",
-                          sonar.name, views));
+        node, even
+                  ? fmt::format("sonar '{}': its {} beams do not divide into {} equal views of at most 20 "
+                                "degrees; equiangular beams are assumed",
+                                sonar.name, beams, views)
+                  : fmt::format("sonar '{}': equidistant beams are assumed in each of {} views, as in an FLS",
+                                sonar.name, views));
   }
 
   void sensor(pugi::xml_node node, const Placement& frame, pugi::xml_node origin) {
@@ -183,17 +187,21 @@ class StonefishReader {
       add("depression_max_deg", number(steep));
       add("samples", number(std::floor(spec("bins") / 2)));
       if (steep < tilt + height / 2)
-        parts_.notice(node, fmt::format("sonar '{}': its sides overlap straight below; they end there here",
-                                        sonar.name));
+        parts_.notice(
+            node,
+            fmt::format("sonar '{}': its two sides overlap below the sonar; here both end at the vertical",
+                        sonar.name));
       looks_down = true;
     } else {
-      return parts_.notice(node, fmt::format("sensor '{}' left out: '{}' is no sonar that is read",
-                                             sonar.name, shown_line(type)));
+      return parts_.notice(node,
+                           fmt::format("sensor '{}' is left out: tubefoot does not read sensors of type '{}'",
+                                       sonar.name, shown_line(type)));
     }
     add("range_min_m", number(xml_.attribute_number(settings, "range_min", 0.5)));
     add("range_max_m", number(xml_.attribute_number(settings, "range_max", 10)));
-    parts_.notice(node, fmt::format("sonar '{}': it has no frequency there; the default of its kind is taken",
-                                    sonar.name));
+    parts_.notice(
+        node,
+        fmt::format("sonar '{}' has no frequency in Stonefish: the default of its kind is used", sonar.name));
     parts_.add_sensor(node, std::move(sonar), at, looks_down);
   }
 

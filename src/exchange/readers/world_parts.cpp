@@ -76,14 +76,15 @@ std::optional<fs::path> WorldParts::found(pugi::xml_node node, const std::string
   const bool of_models = strip("model://") || strip("package://");
   if (!of_models) strip("file://");
   if (name.empty() || name.find("://") != std::string::npos || name.find('\0') != std::string::npos) {
-    notice(node, fmt::format("'{}' is nothing to read a mesh from: left out", shown_line(uri)));
+    notice(node, fmt::format("'{}' is left out: it does not name a mesh file", shown_line(uri)));
     return {};
   }
   std::vector<fs::path> folders{folder_};
   if (of_models) {
     folders = model_path_;
     if (folders.empty()) {
-      notice(node, fmt::format("'{}' left out: say with --model-path where models are", shown_line(uri)));
+      notice(node, fmt::format("'{}' is left out: give the folder of the models with --model-path",
+                               shown_line(uri)));
       return {};
     }
   }
@@ -100,11 +101,13 @@ std::optional<fs::path> WorldParts::found(pugi::xml_node node, const std::string
       return file;
     outside = true;
   }
-  notice(node, outside
-                   ? fmt::format("'{}' left out: it lies outside of the world's folder; give its folder with "
-                                 "--model-path",
-                                 shown_line(uri))
-                   : fmt::format("'{}' left out: there is no such file", shown_line(uri)));
+  notice(
+      node,
+      outside
+          ? fmt::format(
+                "'{}' is left out: it lies outside of the world's folder; give its folder with --model-path",
+                shown_line(uri))
+          : fmt::format("'{}' is left out: there is no such file", shown_line(uri)));
   return {};
 }
 
@@ -121,7 +124,7 @@ std::optional<std::size_t> WorldParts::mesh(pugi::xml_node node, const std::stri
     scene_.inputs.push_back(key);
     number = mesh(key.stem().string(), std::move(read));
   } catch (const InputError& error) {
-    notice(node, fmt::format("'{}' left out: {}", shown_line(uri), error.what()));
+    notice(node, fmt::format("'{}' is left out: {}", shown_line(uri), error.what()));
   }
   read_[key] = number;
   return number;
@@ -142,8 +145,9 @@ void WorldParts::read_own_scene(pugi::xml_node parent) {
     scene_.absorption_db_per_km = xml_.attribute_number(own, "absorption_db_per_km", 0);
   for (const pugi::xml_node node : own.children("tubefoot:material")) {
     const std::string name = shown_line(node.attribute("name").value());
-    if (name.empty()) xml_.fail(node, "a material without a name");
-    if (!materials_.insert(name).second) xml_.fail(node, fmt::format("a second material '{}'", name));
+    if (name.empty()) xml_.fail(node, "the material has no name");
+    if (!materials_.insert(name).second)
+      xml_.fail(node, fmt::format("two materials have the name '{}'", name));
     scene_.materials.push_back({name, xml_.attribute_number(node, "lambert_db", assumed_db)});
   }
 }
@@ -152,7 +156,7 @@ std::string WorldParts::material(const std::string& name) {
   const std::string known = name.empty() ? "unknown" : shown_line(name);
   if (materials_.insert(known).second) {
     constexpr std::size_t most = 60'000;  // limit of a scene
-    if (scene_.materials.size() >= most) xml_.fail(xml_.root(), "has more materials than a scene can");
+    if (scene_.materials.size() >= most) xml_.fail(xml_.root(), "has more materials than a scene can hold");
     scene_.materials.push_back({known, assumed_db});
     assumed_.insert(known);
   }
@@ -176,13 +180,13 @@ std::size_t WorldParts::mirrored(std::size_t of, glm::dvec3 sign) {
 void WorldParts::add_object(pugi::xml_node node, ImportedObject object, const Placement& placed) {
   object.name = unique(object.name);
   if (object.shape != "mesh" && !has_size(object))
-    return notice(node, fmt::format("'{}' left out: not all of its lengths are above 0", object.name));
+    return notice(node, fmt::format("'{}' is left out: all of its lengths must be above 0", object.name));
   object.placed = {axes_.world.to_ours(placed.position_m),
                    glm::transpose(axes_.world.matrix()) * placed.turn};
   glm::dvec3 sign(1);
   for (int k = 0; k < 3; ++k) {
     double& scale = object.scale[static_cast<std::size_t>(k)];
-    if (scale == 0) return notice(node, fmt::format("'{}' left out: its scale is 0", object.name));
+    if (scale == 0) return notice(node, fmt::format("'{}' is left out: its scale is 0", object.name));
     if (scale < 0) sign[k] = -1;
     scale = std::abs(scale);
   }
@@ -203,9 +207,9 @@ bool WorldParts::add_own_sonar(pugi::xml_node sensor, const Placement& frame, co
     if (key == "pose" || key == "name") continue;
     const std::string value = toml_value(attribute.value());
     if (!is_key(key) || value.empty())
-      xml_.fail(
-          own, fmt::format("{}=\"{}\" is no key of a sonar with a number, numbers or a word", shown_line(key),
-                           shown_line(std::string_view(attribute.value()).substr(0, 100))));
+      xml_.fail(own, fmt::format(
+                         "{}=\"{}\" is not a sonar key with a number, several numbers or a word as its value",
+                         shown_line(key), shown_line(std::string_view(attribute.value()).substr(0, 100))));
     read.keys.emplace_back(key, value);
   }
   const Placement theirs =
@@ -225,10 +229,10 @@ void WorldParts::add_sensor(pugi::xml_node node, ImportedSensor sensor, const Pl
 void WorldParts::keep(pugi::xml_node node, ImportedSensor sensor) {
   constexpr std::size_t most = 1000;
   if (scene_.sensors.size() >= most)
-    return notice(node, fmt::format("left out: a sonar beyond the {}th", most));
+    return notice(node, fmt::format("the sonar is left out: a scene holds at most {} sonars", most));
   // The name becomes part of file names.
   const std::string plain = plain_stem(sensor.name, "unnamed");
-  if (plain != sensor.name) notice(node, fmt::format("sonar '{}' is called '{}' here", sensor.name, plain));
+  if (plain != sensor.name) notice(node, fmt::format("sonar '{}' is renamed to '{}'", sensor.name, plain));
   sensor.name = unique_in(sensor_names_, plain);
   ImportedScene alone;
   alone.materials.push_back({"any", assumed_db});
@@ -239,7 +243,7 @@ void WorldParts::keep(pugi::xml_node node, ImportedSensor sensor) {
   } catch (const InputError& error) {
     std::string why = error.what();
     if (const std::size_t place = why.find(": "); place != std::string::npos) why = why.substr(place + 2);
-    return notice(node, fmt::format("sonar '{}' left out: {}", sensor.name, why));
+    return notice(node, fmt::format("sonar '{}' is left out: {}", sensor.name, why));
   }
   scene_.sensors.push_back(std::move(sensor));
 }
@@ -247,21 +251,23 @@ void WorldParts::keep(pugi::xml_node node, ImportedSensor sensor) {
 ImportedScene WorldParts::finish() {
   if (scene_.objects.empty())
     throw InputError({world_.string(), 0, 0},
-                     scene_.noticed.empty() ? "has no geometry: no mesh, box, sphere, cylinder, cone or plane"
-                                            : "has no geometry that is read; the first that was left out: " +
-                                                  scene_.noticed.front());
-  if (not_told_ > 0) scene_.noticed.push_back(fmt::format("and {} things more", not_told_));
+                     scene_.noticed.empty()
+                         ? "has no geometry: expected a mesh, box, sphere, cylinder, cone or plane"
+                         : "has no geometry that tubefoot reads; the first part that is left out: " +
+                               scene_.noticed.front());
+  if (not_told_ > 0) scene_.noticed.push_back(fmt::format("there are {} more notes", not_told_));
   for (const std::string& name : assumed_)
     scene_.noticed.push_back(
-        fmt::format("material '{}': nothing says how it scatters sound; lambert_db = {} is "
-                    "assumed: change it in scene.toml",
+        fmt::format("material '{}' has no scattering strength in the world; lambert_db = {} is assumed: "
+                    "change it in scene.toml",
                     name, assumed_db));
   for (const auto& [name, count] : passed_over_)
     scene_.noticed.push_back(fmt::format("left out: {} x <{}>", count, name));
   if (scene_.sensors.empty())
-    scene_.noticed.push_back("no sonar was found: scene.toml has an example of one, ahead, at the origin");
+    scene_.noticed.push_back(
+        "no sonar was found: scene.toml has an example sonar at the origin, which looks ahead");
   if (!scene_.sound_speed_m_s)
-    scene_.noticed.push_back("nothing says what the water is like: scene.toml has defaults");
+    scene_.noticed.push_back("the world does not describe the water: scene.toml uses defaults");
   return std::move(scene_);
 }
 

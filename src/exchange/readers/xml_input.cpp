@@ -28,15 +28,14 @@ XmlInput::XmlInput(const std::filesystem::path& file) : file_(file) {
   const pugi::xml_parse_result parsed = document_.load_buffer(
       text_.data(), text_.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
   if (!parsed)
-    throw InputError(place_at(parsed.offset), fmt::format("is no XML: {}", harmless(parsed.description())));
+    throw InputError(place_at(parsed.offset), fmt::format("is not XML: {}", harmless(parsed.description())));
   for (const pugi::xml_node node : document_.children())
     if (node.type() == pugi::node_doctype)
-      fail(node, "has a document type, which worlds have not: remove <!DOCTYPE ...>");
+      fail(node, "has a document type, which tubefoot does not accept: remove <!DOCTYPE ...>");
   // An iterative walk, so that the stack does not grow with the nesting.
   int depth = 0;
   for (pugi::xml_node node = root(); node;) {
-    if (depth > most_nesting)
-      fail(node, fmt::format("is nested deeper than {} elements, as no world is", most_nesting));
+    if (depth > most_nesting) fail(node, fmt::format("is nested deeper than {} elements", most_nesting));
     if (const pugi::xml_node inner = node.first_child()) {
       node = inner;
       ++depth;
@@ -73,8 +72,9 @@ std::vector<double> XmlInput::numbers(pugi::xml_node node, std::string_view text
   constexpr double largest = 1e9;
   std::vector<double> values;
   const auto wrong = [&](const std::string& why) {
-    fail(node, fmt::format("{} is '{}': {}, expected {}", what, shown_line(text.substr(0, 100)), why,
-                           count == 1 ? "a number" : fmt::format("{} numbers between spaces", count)));
+    fail(node,
+         fmt::format("{} is '{}': {}, expected {}", what, shown_line(text.substr(0, 100)), why,
+                     count == 1 ? "a number" : fmt::format("{} numbers with spaces between them", count)));
   };
   std::string_view rest = text;
   while (true) {
@@ -87,12 +87,12 @@ std::vector<double> XmlInput::numbers(pugi::xml_node node, std::string_view text
     const char* end = word.data() + word.size();
     const auto read = std::from_chars(word.data(), end, value);
     if (read.ec != std::errc() || read.ptr != end || !std::isfinite(value))
-      wrong(fmt::format("'{}' is no number", shown_line(word.substr(0, 40))));
-    if (std::abs(value) > largest) wrong(fmt::format("{} is beyond {:g}", value, largest));
-    if (values.size() == count) wrong("too many");
+      wrong(fmt::format("'{}' is not a number", shown_line(word.substr(0, 40))));
+    if (std::abs(value) > largest) wrong(fmt::format("{} is larger than {:g}", value, largest));
+    if (values.size() == count) wrong("there are too many numbers");
     values.push_back(value);
   }
-  if (values.size() != count) wrong(fmt::format("{} numbers", values.size()));
+  if (values.size() != count) wrong(fmt::format("there are {} numbers", values.size()));
   return values;
 }
 

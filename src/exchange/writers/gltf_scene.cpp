@@ -55,14 +55,12 @@ class Gltf {
                                 {"ping", scene_.ping}};
     bytes_.close();
     write_file(folder / "scene.gltf", std::string_view(text_of(root_) + "\n"));
-    return {
-        {"scene.gltf", "scene.bin"},
-        {fmt::format(
-             "glTF keeps floats: each piece is about a centre of its own, in whole metres, and vertices are "
-             "within {:.3g} m of ours in each coordinate",
-             largest_rounding_m_),
-         "sonars are nodes with their figures in 'extras', and a camera that looks as they do where one "
-         "can"}};
+    return {{"scene.gltf", "scene.bin"},
+            {fmt::format("glTF stores floats: each piece has its own origin in whole metres, and vertices "
+                         "differ by up to {:.3g} m in each coordinate",
+                         largest_rounding_m_),
+             "sonars are nodes with their parameters in 'extras', and with a camera of the same view where "
+             "possible"}};
   }
 
  private:

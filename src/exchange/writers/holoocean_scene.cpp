@@ -66,32 +66,29 @@ Json sensor_of(const ExchangedSonar& sonar) {
 
 std::vector<std::string> notes_on(const ExchangedScene& scene) {
   std::vector<std::string> notes{
-      "its worlds are made in the Unreal editor: import scene.gltf there (metres), look whether north is its "
-      "y and "
-      "up its z and turn it if not, package it, and put its name in place of YOUR_WORLD in scenario.json",
-      "in its worlds x is our east, y our north, z up. Its pages say right-handed, and of pitch that it is "
-      "about the "
-      "'right (y)' axis, while y is left: rotations here are right-handed about x, y, z. Look at one tilted "
-      "sonar "
-      "first",
-      "it makes echoes of cells of an octree (octree_min in scenario.json), and materials by density and "
-      "speed of "
-      "sound in its materials.csv: the levels of ours have no place there",
-      "its pages do not say on which side azimuths grow: look at one object on one side first"};
+      "the Unreal editor makes HoloOcean's worlds: import scene.gltf there in metres, and turn it until "
+      "north is y and up is z. Then package the world, and replace YOUR_WORLD in scenario.json by its name",
+      "in HoloOcean's worlds x is east, y is north and z is up. HoloOcean's pages call these axes "
+      "right-handed, but name the axis of pitch 'right (y)', while y points left. Exported rotations are "
+      "right-handed about x, y and z: test them with one tilted sonar first",
+      "HoloOcean computes echoes of the cells of an octree (octree_min in scenario.json). Its materials.csv "
+      "holds densities and sound speeds, so the export has no scattering strengths",
+      "HoloOcean's pages do not say which side has positive azimuths: test it with one object on one side "
+      "first"};
   for (const ExchangedSonar& sonar : scene.sonars) {
     if (sonar.shape == Shape::two_sides)
       notes.push_back(
-          fmt::format("sonar '{}': RangeBins holds both sides; Azimuth reaches to the shallowest edge of "
-                      "both and closes over what lies between the steepest; its frame is the sonar's own "
-                      "body, x forward",
+          fmt::format("sonar '{}': RangeBins counts the bins of both sides; Azimuth spans both sides and the "
+                      "gap between them; the frame of the sonar is its body, with x forward",
                       sonar.name));
     else if (sonar.shape == Shape::turning)
-      notes.push_back(fmt::format("sonar '{}' is a fan that stands still: no motor turns it", sonar.name));
+      notes.push_back(fmt::format("sonar '{}' becomes a fixed fan, which no motor turns", sonar.name));
     else if (!sonar.even)
       notes.push_back(
-          fmt::format("sonar '{}': its beams are not even in angle, AzimuthBins are", sonar.name));
+          fmt::format("sonar '{}': its beams are not equiangular, but AzimuthBins are", sonar.name));
     if (sonar.shape == Shape::fan && sonar.looks_down)
-      notes.push_back(fmt::format("sonar '{}' looks ahead there, and is turned down", sonar.name));
+      notes.push_back(
+          fmt::format("sonar '{}' becomes a forward-looking sonar that is turned downwards", sonar.name));
   }
   return notes;
 }

@@ -34,14 +34,14 @@ WrittenScene write_obj_scene(const ExchangedScene& scene, const std::filesystem:
     mesh.object(piece.file_stem, names[piece.material], piece.points_m, piece.triangles);
   mesh.close();
   std::string colours =
-      commented("Greys show lambert_db; OBJ has no word for how a material scatters sound.");
+      commented("Grey levels show lambert_db, because OBJ cannot describe how a material scatters sound.");
   for (std::size_t k = 0; k < names.size(); ++k) {
     const double grey = grey_of(scene.materials[k]);
     colours += fmt::format("newmtl {}\n# lambert_db {}\nKd {} {} {}\nKa 0 0 0\nKs 0 0 0\nd 1\nillum 1\n",
                            names[k], scene.materials[k].lambert_db, grey, grey, grey);
   }
   write_file(folder / "scene.mtl", std::string_view(colours));
-  return {{"scene.obj", "scene.mtl"}, {"OBJ has no sonars: they are in README.txt only"}};
+  return {{"scene.obj", "scene.mtl"}, {"OBJ cannot describe sonars: only README.txt lists them"}};
 }
 
 }  // namespace tubefoot

@@ -45,17 +45,17 @@ std::string beams_words(const ExchangedSonar& sonar) {
         "    its middle {} degrees below the horizontal\n",
         sonar.along_track_deg, sonar.vertical_deg, sonar.depression_deg);
   std::string text = fmt::format(
-      "    {} beams, {}, beam 0 is the port-most: its axis is at {:.10g} degrees, the last one's at "
-      "{:.10g},\n"
-      "    starboard positive, {}\n",
-      sonar.azimuth_deg.size(), sonar.even ? "even in angle" : "not even in angle", sonar.azimuth_deg.front(),
+      "    {} beams, {}; beam 0 is the port-most: its axis is at {:.10g} degrees, and that of the last beam "
+      "at {:.10g},\n    starboard positive, {}\n",
+      sonar.azimuth_deg.size(), sonar.even ? "equiangular" : "not equiangular", sonar.azimuth_deg.front(),
       sonar.azimuth_deg.back(),
       sonar.looks_down ? "in the plane across the track, 0 straight down"
                        : "in the sonar's own plane, 0 ahead");
   text += sonar.shape == Shape::turning
-              ? fmt::format("    one beam that a motor turns: {:.10g} x {:.10g} degrees, {:.10g} a step\n",
-                            sonar.horizontal_deg, sonar.vertical_deg, sonar.step_deg)
-              : fmt::format("    all together {:.10g} degrees wide, each {:.10g} degrees high\n",
+              ? fmt::format(
+                    "    one beam that a motor turns: {:.10g} x {:.10g} degrees, {:.10g} degrees per step\n",
+                    sonar.horizontal_deg, sonar.vertical_deg, sonar.step_deg)
+              : fmt::format("    together {:.10g} degrees wide, each {:.10g} degrees high\n",
                             sonar.horizontal_deg, sonar.vertical_deg);
   if (!sonar.even) {
     text += "    axes [degrees]:";
@@ -72,8 +72,8 @@ std::string sonar_text(const ExchangedSonar& sonar, ExchangeFormat format) {
       fmt::format("sonar '{}' ({}), {} kHz\n", shown_line(sonar.name), sonar.kind, sonar.frequency_khz);
   text += beams_words(sonar);
   text += fmt::format(
-      "    {} range samples from {} m to {} m, {} m each; sample 0 is the nearest; slant ranges at {} m/s\n"
-      "    absorption {:.10g} dB/km one way\n",
+      "    {} range samples from {} m to {} m, {} m each; sample 0 is the nearest; slant ranges for a sound "
+      "speed of {} m/s\n    absorption {:.10g} dB/km one way\n",
       sonar.samples, sonar.range_min_m, sonar.range_max_m,
       (sonar.range_max_m - sonar.range_min_m) / sonar.samples, sonar.sound_speed_m_s,
       sonar.absorption_db_per_km);
@@ -101,17 +101,17 @@ std::string readme(ExchangeFormat format, const ExchangedScene& scene, const Wri
       scene.triangles(), scene.pieces.size(), axes.world.words, axes.body.words, axes.sonar.words,
       matrix_lines(axes.world), matrix_lines(axes.body), matrix_lines(axes.sonar));
   for (const ExchangedSonar& sonar : scene.sonars) text += sonar_text(sonar, format);
-  text += "\nMATERIALS, each with its lambert_db: 10 log10 of mu of Lambert's law (docs/scattering.md)\n";
+  text += "\nMATERIALS, each with its lambert_db: 10 log10 of mu of Lambert's law (docs/environment.md)\n";
   for (const ExchangedMaterial& material : scene.materials)
     text += fmt::format("  {} {} dB\n", shown_line(material.name), material.lambert_db);
   text += fmt::format(
-      "\nROUNDING\n  text has the shortest decimals that read as the same doubles. An engine that keeps "
-      "floats moves\n"
-      "  a vertex by up to {:.3g} m in each coordinate (the largest one is {:.6g} m)\n",
+      "\nROUNDING\n  Numbers in text have the shortest decimals that restore the same doubles. An engine "
+      "that stores floats moves\n  a vertex by up to {:.3g} m in each coordinate (the largest coordinate is "
+      "{:.6g} m)\n",
       float_rounding_m(scene.largest_coordinate_m()), scene.largest_coordinate_m());
-  text += "\nLEFT OUT, as no such file can carry it\n";
+  text += "\nLEFT OUT, because these files cannot represent it\n";
   for (const std::string& line : scene.left_out) text += fmt::format("  {}\n", shown_line(line));
-  text += "  what the receiver makes of echoes: source level, gain, noise, speckle, pulse\n";
+  text += "  properties of transmitter and receiver: source level, gain, noise, speckle, pulse\n";
   if (!written.notes.empty()) text += fmt::format("\nDIFFERENT IN {}\n", axes.engine);
   for (const std::string& line : written.notes) text += fmt::format("  {}\n", line);
   return text;
@@ -130,9 +130,8 @@ std::string axes_words(ExchangeFormat format) {
     return text;
   };
   return fmt::format(
-      "Written by tubefoot. Axes: world {}: (x, y, z) = ({});\n"
-      "body {}: (x, y, z) = ({});\n"
-      "sonar {}: (x, y, z) = ({}). Metres, right-handed. README.txt has the rest.\n",
+      "Written by tubefoot. Axes: world {}: (x, y, z) = ({});\nbody {}: (x, y, z) = ({});\nsonar {}: (x, y, "
+      "z) = ({}). Metres, right-handed. See README.txt for the rest.\n",
       axes.world.words, formula(axes.world, {"east", "north", "up"}), axes.body.words,
       formula(axes.body, {"starboard", "forward", "up"}), axes.sonar.words,
       formula(axes.sonar, {"starboard", "ahead", "up"}));

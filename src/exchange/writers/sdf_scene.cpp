@@ -134,23 +134,23 @@ void add_sonar(pugi::xml_node world, const ExchangedSonar& sonar, std::size_t nu
 
 std::vector<std::string> notes_on(const ExchangedScene& scene) {
   std::vector<std::string> notes{
-      "sonars are sensors of type \"custom\", gz:type=\"multibeam_sonar\": DAVE's plugin for Gazebo reads "
-      "them, and "
-      "others pass over them; elements tubefoot:... say the same exactly, for 'tubefoot import-scene'",
-      "that plugin's angles grow to port; its image has the beams in the other order than its list of "
-      "directions, so "
-      "look at one object on one side first",
-      "it takes rays for beams: 'rays' up and down is as fine as the beams are wide, and the bandwidth is "
-      "the "
-      "one that resolves a range sample"};
+      "sonars are sensors of type \"custom\" with gz:type=\"multibeam_sonar\". DAVE's plugin for Gazebo "
+      "reads them, and other programs ignore them. Elements tubefoot:... hold the exact values for 'tubefoot "
+      "import-scene'",
+      "the plugin's angles are positive to port. Its image has the beams in the reverse order of its list of "
+      "directions: test it with one object on one side first",
+      "the plugin uses rays instead of beams: the vertical spacing of 'rays' equals the width of the beams, "
+      "and the bandwidth resolves one range sample"};
   for (const ExchangedSonar& sonar : scene.sonars) {
     if (sonar.shape == ExchangedSonar::Shape::two_sides)
-      notes.push_back(fmt::format("sonar '{}' is two sensors of one beam each, '{}_port' and '{}_starboard'",
-                                  sonar.name, sonar.name, sonar.name));
+      notes.push_back(
+          fmt::format("sonar '{}' becomes two sensors with one beam each, '{}_port' and '{}_starboard'",
+                      sonar.name, sonar.name, sonar.name));
     else if (sonar.shape == ExchangedSonar::Shape::turning)
-      notes.push_back(fmt::format("sonar '{}' is a fan that stands still: no motor turns it", sonar.name));
+      notes.push_back(fmt::format("sonar '{}' becomes a fixed fan, which no motor turns", sonar.name));
     else if (!sonar.even)
-      notes.push_back(fmt::format("sonar '{}': its beams are not even in angle, SDF's are", sonar.name));
+      notes.push_back(
+          fmt::format("sonar '{}': its beams are not equiangular, but those of SDF are", sonar.name));
   }
   return notes;
 }

@@ -109,31 +109,31 @@ void add_sonar(pugi::xml_node root, const ExchangedSonar& sonar) {
 std::vector<std::string> notes_on(const ExchangedScene& scene) {
   using Shape = ExchangedSonar::Shape;
   std::vector<std::string> notes{
-      "it says nothing of how a body's restitution becomes an echo: restitutions are in proportion to mu of "
-      "Lambert's "
-      "law, the strongest material's is 1",
-      "its images are means over the samples of a bin, blurred, and 8 bits in most messages; row 0 is the "
-      "farthest bin: docs/howto-validate.md",
-      "give the folder as data path: mesh names are relative to it"};
+      "Stonefish's pages do not say how a body's restitution becomes an echo: exported restitutions are "
+      "proportional to mu of Lambert's law, and that of the strongest material is 1",
+      "Stonefish's images are blurred means over the samples of a bin, with 8 bits in most messages. Row 0 "
+      "is the farthest bin (see docs/engine-validation.md)",
+      "give this folder as the data path, because mesh names are relative to it"};
   for (const ExchangedSonar& sonar : scene.sonars) {
     if (sonar.shape == Shape::fan)
-      notes.push_back(fmt::format(
-          "sonar '{}': its FLS spreads beams evenly in tangent, in views of at most 20 degrees; ours lie {}",
-          sonar.name, sonar.even ? "evenly in angle" : "as README.txt lists"));
+      notes.push_back(
+          fmt::format("sonar '{}': an FLS has equidistant beams in views of at most 20 degrees; the beams of "
+                      "the scene are {}",
+                      sonar.name, sonar.even ? "equiangular" : "listed in README.txt"));
     if (sonar.shape == Shape::fan && sonar.looks_down)
-      notes.push_back(fmt::format("sonar '{}' is an FLS that looks down", sonar.name));
+      notes.push_back(fmt::format("sonar '{}' becomes an FLS that looks down", sonar.name));
     if (sonar.shape == Shape::two_sides)
       notes.push_back(fmt::format("sonar '{}': an SSS has both sides in one row of {} bins", sonar.name,
                                   2 * sonar.samples));
     if (sonar.shape == Shape::two_sides && (sonar.depression_deg < 0 || sonar.along_track_deg > 90))
       notes.push_back(
-          fmt::format("sonar '{}': an SSS cannot look above the horizontal, nor be wider than 90 degrees "
-                      "along the track",
+          fmt::format("sonar '{}': an SSS cannot look above the horizontal, and its beams cannot be wider "
+                      "than 90 degrees along the track",
                       sonar.name));
     constexpr double least_range_m = 0.02;
     if (sonar.range_min_m < least_range_m)
-      notes.push_back(fmt::format("sonar '{}': ranges begin at {} m there, here at {} m", sonar.name,
-                                  least_range_m, sonar.range_min_m));
+      notes.push_back(fmt::format("sonar '{}': ranges begin at {} m in Stonefish, but at {} m in the scene",
+                                  sonar.name, least_range_m, sonar.range_min_m));
   }
   return notes;
 }

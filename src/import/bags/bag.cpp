@@ -55,7 +55,7 @@ class Gathered {
     constexpr double look_every = 64 << 20;
     bytes_ += static_cast<double>(frame.values.size() * sizeof(double));
     if (bytes_ - looked_ > look_every) {
-      require_memory(bytes_, place_, "its pictures", "cut the recording with ros2 bag convert");
+      require_memory(bytes_, place_, "its pictures", "split the recording with ros2 bag convert");
       looked_ = bytes_;
     }
     places_.push_back(place.value_or(places_.size()));
@@ -65,15 +65,16 @@ class Gathered {
   void note(const std::string& what) { data_.noticed.push_back(what); }
 
   ForeignData done() {
-    if (data_.frames.empty()) throw InputError(place_, "has no message");
+    if (data_.frames.empty()) throw InputError(place_, "has no messages");
     std::vector<ForeignFrame> ordered(data_.frames.size());
     for (std::size_t k = 0; k < ordered.size(); ++k) ordered[places_[k]] = std::move(data_.frames[k]);
     data_.frames = std::move(ordered);
     const ForeignFrame& first = data_.frames.front();
     for (const ForeignFrame& frame : data_.frames)
       if (frame.rows != first.rows || frame.columns != first.columns)
-        notices_.add("sizes", fmt::format("pictures differ in size: the first has {} x {}, another {} x {}",
-                                          first.rows, first.columns, frame.rows, frame.columns));
+        notices_.add("sizes",
+                     fmt::format("pictures differ in size: the first has {} x {}, another has {} x {}",
+                                 first.rows, first.columns, frame.rows, frame.columns));
     for (std::string& each : notices_.told(data_.frames.size())) data_.noticed.push_back(std::move(each));
     return std::move(data_);
   }
@@ -111,9 +112,9 @@ std::unique_ptr<MessageStore> open_store(const fs::path& file, UnpackedBytes& in
     if (begins(unpacked, sqlite_magic)) return open_sqlite_store(file, std::move(unpacked));
     if (begins(unpacked, mcap_magic)) return open_mcap_store(ByteSource(file, std::move(unpacked)), in_all);
   }
-  throw InputError(
-      place,
-      "is no recording of ROS 2: expected SQLite (.db3) or MCAP (.mcap), or one of them packed by zstd");
+  throw InputError(place,
+                   "is not a ROS 2 recording: expected SQLite (.db3) or MCAP (.mcap), either of them plain "
+                   "or compressed with zstd");
 }
 
 /// A topic over all files of a recording.
@@ -165,30 +166,30 @@ const WholeTopic& chosen(const std::vector<WholeTopic>& topics, const std::optio
     std::erase_if(fitting, [](const WholeTopic* each) { return !ros::is_known_type(each->topic.type); });
     if (fitting.size() > 1)
       throw InputError({path.string(), 0, 0},
-                       fmt::format("topic '{}' has messages of more than one kind:{}",
+                       fmt::format("topic '{}' has messages of more than one type:{}",
                                    shown_line(fitting.front()->topic.name), list_of(topics)));
   }
   if (fitting.empty() && name)
     throw UsageError(fmt::format("{}: has no topic '{}'; it has{}", here, shown_line(*name),
                                  topics.empty() ? " none" : ":" + list_of(topics)));
   if (fitting.empty())
-    throw InputError({path.string(), 0, 0},
-                     fmt::format("has no topic with pictures of a sonar ({}); it has{}",
-                                 fmt::join(std::span(ros::known_types).first(3), ", "),
-                                 topics.empty() ? " none" : ":" + list_of(topics)));
+    throw InputError({path.string(), 0, 0}, fmt::format("has no topic with sonar pictures ({}); it has{}",
+                                                        fmt::join(std::span(ros::known_types).first(3), ", "),
+                                                        topics.empty() ? " none" : ":" + list_of(topics)));
   if (fitting.size() > 1)
-    throw UsageError(fmt::format("{}: several topics have pictures: choose one with --topic; it has:{}", here,
-                                 list_of(topics)));
+    throw UsageError(
+        fmt::format("{}: several topics have pictures; choose one with --topic:{}", here, list_of(topics)));
   const BagTopic& topic = fitting.front()->topic;
   if (!ros::is_known_type(topic.type))
+    throw InputError({path.string(), 0, 0},
+                     fmt::format("topic '{}' has type {}, which tubefoot does not read: expected {}",
+                                 shown_line(topic.name), shown_line(topic.type),
+                                 fmt::join(std::span(ros::known_types).first(3), ", ")));
+  if (topic.format != "cdr")
     throw InputError(
         {path.string(), 0, 0},
-        fmt::format("topic '{}' is of type {}, which is not read: expected {}", shown_line(topic.name),
-                    shown_line(topic.type), fmt::join(std::span(ros::known_types).first(3), ", ")));
-  if (topic.format != "cdr")
-    throw InputError({path.string(), 0, 0},
-                     fmt::format("topic '{}' is serialized as '{}', which is not read: expected cdr",
-                                 shown_line(topic.name), shown_line(topic.format)));
+        fmt::format("topic '{}' is serialized as '{}', which tubefoot does not read: expected cdr",
+                    shown_line(topic.name), shown_line(topic.format)));
   if (const std::string difference =
           topic.definition.empty() ? "" : difference_of_definition(topic.type, topic.definition);
       !difference.empty())
@@ -210,7 +211,7 @@ ForeignData read_recording(const fs::path& path, const std::vector<fs::path>& fi
   std::uint64_t found = 0;
   for (const WholeTopic& each : topics) found += each.topic.messages;
   if (said && *said != found)
-    gathered.note(fmt::format("metadata.yaml tells of {} messages, its files have {}", *said, found));
+    gathered.note(fmt::format("metadata.yaml lists {} messages, but the files have {}", *said, found));
   const WholeTopic& whole = chosen(topics, name, path);
   if (topics.size() > 1 || name)
     gathered.note(fmt::format("topic {} ({})", shown_line(whole.topic.name), shown_line(whole.topic.type)));
@@ -270,11 +271,11 @@ ForeignData read_saved_message(const fs::path& path, const std::optional<std::st
       reasons += fmt::format("\n  {}: {}", known, error.what());
     }
   }
-  if (fitting.empty()) throw InputError(place, "is no message that is read:" + reasons);
+  if (fitting.empty()) throw InputError(place, "is not a message that tubefoot reads:" + reasons);
   if (fitting.size() > 1) {
     std::string types;
     for (const auto& [known, message] : fitting) types += fmt::format("\n  {}", known);
-    throw UsageError(fmt::format("{}: may be a message of several types: choose one with --topic:{}",
+    throw UsageError(fmt::format("{}: the message fits several types; choose one with --topic:{}",
                                  shown_line(path.string()), types));
   }
   if (!type) gathered.note(fmt::format("read as {}, the only type that fits", fitting.front().first));
@@ -308,7 +309,7 @@ ForeignData read_bag(const fs::path& path, const std::optional<std::string>& top
       std::ranges::any_of(text_endings, [&](std::string_view ending) { return ends_in(path, ending); });
   const bool is_saved = ends_in(path, ".cdr");
   if ((is_text || is_saved) && topic && !ros::is_known_type(*topic))
-    throw UsageError(fmt::format("{}: of a message by itself the topic is its type, one of {}; '{}' is none",
+    throw UsageError(fmt::format("{}: for a single message, --topic must give its type, one of {}, not '{}'",
                                  shown_line(path.string()), fmt::join(ros::known_types, ", "),
                                  shown_line(*topic)));
   if (is_saved) return read_saved_message(path, topic);

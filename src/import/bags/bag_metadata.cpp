@@ -26,17 +26,17 @@ BagMetadata read(const YAML::Node& document, const SourcePlace& file, const fs::
   const YAML::Node bag =
       document.IsMap() ? document["rosbag2_bagfile_information"] : YAML::Node(YAML::NodeType::Undefined);
   if (!bag.IsDefined() || !bag.IsMap())
-    fail(document, "has no rosbag2_bagfile_information: it is not of a rosbag2 recording");
+    fail(document, "has no rosbag2_bagfile_information: it does not belong to a rosbag2 recording");
   const auto text = [&bag](const char* key) {
     const YAML::Node node = bag[key];
     return node.IsDefined() && node.IsScalar() ? node.Scalar() : std::string();
   };
   if (const std::string how = text("compression_format"); !how.empty() && how != "zstd")
     fail(bag["compression_format"],
-         fmt::format("compression_format: '{}' is not read, expected zstd", shown_line(how)));
+         fmt::format("compression_format: tubefoot does not read '{}', expected zstd", shown_line(how)));
   const YAML::Node names = bag["relative_file_paths"];
   if (!names.IsDefined() || !names.IsSequence() || names.size() == 0)
-    fail(bag, "has no relative_file_paths: ros2 bag reindex writes them anew");
+    fail(bag, "has no relative_file_paths: run ros2 bag reindex to write them again");
   if (names.size() > limits::bag_files)
     fail(names, fmt::format("names more than {} files", limits::bag_files));
   BagMetadata metadata;
@@ -51,8 +51,10 @@ BagMetadata read(const YAML::Node& document, const SourcePlace& file, const fs::
     if (!named.insert(base).second)
       fail(name, fmt::format("relative_file_paths: '{}' is named twice", base.string()));
     if (const auto outside = place_outside(folder, folder / base))
-      fail(name, fmt::format("relative_file_paths: '{}' is a link out of the folder, to '{}': copy it there",
-                             base.string(), outside->string()));
+      fail(name,
+           fmt::format(
+               "relative_file_paths: '{}' is a link out of the folder to '{}': copy the file into the folder",
+               base.string(), outside->string()));
     metadata.files.push_back(folder / base);
   }
   const std::string count = text("message_count");
@@ -69,8 +71,8 @@ BagMetadata read_bag_metadata(const fs::path& folder) {
   const fs::path file = folder / "metadata.yaml";
   const SourcePlace place{file.string(), 0, 0};
   if (const auto outside = place_outside(folder, file))
-    throw InputError(place,
-                     fmt::format("is a link out of its folder, to '{}': copy it there", outside->string()));
+    throw InputError(place, fmt::format("is a link out of its folder to '{}': copy the file into the folder",
+                                        outside->string()));
   const std::string text =
       read_whole(file, place, limits::metadata_bytes, "the metadata of a rosbag2 recording");
   try {
@@ -78,7 +80,7 @@ BagMetadata read_bag_metadata(const fs::path& folder) {
   } catch (const YAML::Exception& error) {
     throw InputError(
         error.mark.is_null() ? place : SourcePlace{place.file, error.mark.line + 1, error.mark.column + 1},
-        fmt::format("is no YAML: {}", shown_line(error.msg)));
+        fmt::format("is not YAML: {}", shown_line(error.msg)));
   }
 }
 

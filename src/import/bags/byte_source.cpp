@@ -25,7 +25,7 @@ void ByteSource::read(std::uint64_t at, std::span<std::uint8_t> bytes) {
   in.seekg(static_cast<std::streamoff>(at));
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (static_cast<std::size_t>(in.gcount()) != bytes.size())
-    throw InputError(place_, fmt::format("reading failed at byte {}: is it being written to?", at));
+    throw InputError(place_, fmt::format("reading failed at byte {}: is a program writing the file?", at));
 }
 
 std::vector<std::uint8_t> ByteSource::read(std::uint64_t at, std::uint64_t count) {

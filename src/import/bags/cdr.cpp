@@ -58,7 +58,7 @@ class CdrReader {
 
   std::span<const std::uint8_t> take(std::uint64_t count) {
     if (count > left())
-      fail(fmt::format("needs {} bytes, {} are left: the message is cut off", count, left()));
+      fail(fmt::format("needs {} bytes, but {} are left: the message is cut off", count, left()));
     const auto front = body_.subspan(at_, count);
     at_ += count;
     return front;
@@ -77,7 +77,7 @@ class CdrReader {
     const auto length = number<std::uint32_t>();
     const auto bytes = take(length);
     if (length == 0) return value.clear();  // not permitted by the standard, but some writers do it
-    if (bytes.back() != 0) fail("is a text without an end");
+    if (bytes.back() != 0) fail("is a text without a zero byte at its end");
     value.assign(reinterpret_cast<const char*>(bytes.data()), length - 1);
   }
 
@@ -99,7 +99,7 @@ class CdrReader {
     } else {
       static_assert(std::is_same_v<T, ros::Vector3>);  // the code below requires its size
       if (std::uint64_t{count} * sizeof(T) > left())
-        fail(fmt::format("has {} entries in {} bytes: the message is cut off", count, left()));
+        fail(fmt::format("has {} entries, but {} bytes are left: the message is cut off", count, left()));
       list.resize(count);
       for (T& value : list) fields(*this, value);
     }
@@ -119,10 +119,11 @@ class CdrReader {
 
 ros::Message read_cdr(std::string_view type, std::span<const std::uint8_t> bytes) {
   if (bytes.size() < encapsulation)
-    throw MessageError(fmt::format("{} bytes are no message: CDR begins with four of its own", bytes.size()));
+    throw MessageError(fmt::format(
+        "{} bytes are too few for a message: CDR begins with a header of four bytes", bytes.size()));
   if (bytes[0] != 0 || bytes[1] > 1)
     throw MessageError(fmt::format(
-        "begins with 0x{:02x}{:02x}, which is another serialization: plain CDR (0x0000, 0x0001) is read",
+        "begins with 0x{:02x}{:02x}, which is another serialization: expected plain CDR (0x0000 or 0x0001)",
         bytes[0], bytes[1]));
   CdrReader reader(bytes.subspan(encapsulation), bytes[1] == 1 ? std::endian::little : std::endian::big);
   ros::Message message = ros::message_of(type);
@@ -130,9 +131,8 @@ ros::Message read_cdr(std::string_view type, std::span<const std::uint8_t> bytes
   // Transports pad messages to whole words.
   constexpr std::size_t most_padding = 7;
   if (reader.left() > most_padding)
-    throw MessageError(
-        fmt::format("{} bytes are left behind its last field: it was written by another definition of {}",
-                    reader.left(), type));
+    throw MessageError(fmt::format(
+        "{} bytes follow its last field: it was written with another definition of {}", reader.left(), type));
   return message;
 }
 

@@ -34,7 +34,7 @@ auto with(ElementType type, const Use& use) {
     case ElementType::f64:
       return use(double{});
   }
-  throw std::logic_error("no type of elements");
+  throw std::logic_error("unknown type of elements");
 }
 
 }  // namespace

@@ -56,8 +56,8 @@ class Fields {
   }
   std::span<const std::uint8_t> take(std::uint64_t count) {
     if (count > left_.size())
-      throw InputError(
-          place_, fmt::format("{}: needs {} bytes, {} are left: it is damaged", what_, count, left_.size()));
+      throw InputError(place_, fmt::format("{}: needs {} bytes, but {} are left: the file is damaged", what_,
+                                           count, left_.size()));
     const auto front = left_.first(count);
     left_ = left_.subspan(count);
     return front;
@@ -105,11 +105,12 @@ class McapStore : public MessageStore {
 
   void walk(UnpackedBytes& unpacked) {
     const std::uint64_t end = source_.size() < 2 * mcap_magic.size() ? 0 : source_.size() - mcap_magic.size();
-    if (end != 0 && !has_magic(0)) fail("is no MCAP file: it does not begin with the magic bytes of one");
+    if (end != 0 && !has_magic(0))
+      fail("is not an MCAP file: it does not begin with the magic bytes of MCAP");
     if (end == 0 || !has_magic(end))
       fail(
-          "has no magic bytes at its end: the recording was cut off; mcap recover makes a whole file of what "
-          "there is");
+          "has no magic bytes at its end: the recording was cut off; mcap recover writes a complete file of "
+          "the remaining part");
     count_chunks(end, unpacked);
     std::uint64_t at = mcap_magic.size();
     bool has_header = false, data_ended = false;
@@ -122,25 +123,25 @@ class McapStore : public MessageStore {
       const auto length = fields.number<std::uint64_t>();
       const std::uint64_t body = at + record_head;
       if (length > end - body)
-        fail(fmt::format("{} has {} bytes, {} are left: the file is damaged", named("a record", at), length,
-                         end - body));
-      if (opcode == invalid)
-        fail(named("a record", at) + " has the opcode 0, which is none: the file is damaged");
+        fail(fmt::format("{} has {} bytes, but {} are left: the file is damaged", named("a record", at),
+                         length, end - body));
+      if (opcode == invalid) fail(named("a record", at) + " has the invalid opcode 0: the file is damaged");
       if (has_header == (opcode == header))
-        fail(has_header ? named("a second header", at) : "does not begin with a header: the file is damaged");
+        fail(has_header ? named("there is a second header", at)
+                        : "does not begin with a header: the file is damaged");
       has_header = true;
       if (opcode == footer) {
         if (length != footer_bytes || body + length != end)
-          fail(named("a footer", at) + " is not the file's end");
-        if (!data_ended) fail("has no end of its data section: the file is damaged");
+          fail(named("a footer", at) + " is not at the end of the file");
+        if (!data_ended) fail("has no record that ends its data section: the file is damaged");
         return;
       }
       if (!data_ended)
         data_record(opcode, body, length);
       else if (opcode == message || opcode == chunk)
-        fail(named("a message", at) + " stands behind the end of the data section");
+        fail(named("a message", at) + " follows the end of the data section");
       if (opcode == data_end) {
-        if (data_ended) fail(named("a second end of the data section", at));
+        if (data_ended) fail(named("there is a second end of the data section", at));
         data_ended = true;
         check_data(at, body, length);
       }
@@ -184,7 +185,8 @@ class McapStore : public MessageStore {
       small(opcode, body, length);
       read_record(opcode, source_.read(body, length), body);
     } else if (opcode == message) {
-      if (length < message_head) fail(named("a message", body) + " has no whole head: the file is damaged");
+      if (length < message_head)
+        fail(named("a message", body) + " has an incomplete header: the file is damaged");
       const auto head = source_.read(body, message_head);
       add_message(head, in_no_chunk, body + message_head, length - message_head);
     } else if (opcode == chunk) {
@@ -198,14 +200,14 @@ class McapStore : public MessageStore {
         const auto bytes = fields.number<std::uint64_t>();
         const auto content = fields.take(bytes);
         if (inner == message) {
-          if (bytes < message_head) fail(what + " has no whole head: the file is damaged");
+          if (bytes < message_head) fail(what + " has an incomplete header: the file is damaged");
           add_message(content, body - record_head, at + record_head + message_head, bytes - message_head);
         } else if (inner == schema || inner == channel) {
           small(inner, body, bytes);
           read_record(inner, content, body);
         } else {
-          fail(what +
-               fmt::format(" has the opcode {}, which stands in no chunk: the file is damaged", inner));
+          fail(what + fmt::format(" has the opcode {}, which is not allowed in a chunk: the file is damaged",
+                                  inner));
         }
         at += record_head + bytes;
       }
@@ -214,7 +216,7 @@ class McapStore : public MessageStore {
 
   void small(std::uint8_t opcode, std::uint64_t at, std::uint64_t length) const {
     if (length > limits::schema_bytes)
-      fail(fmt::format("{} has {} bytes, {} are the most",
+      fail(fmt::format("{} has {} bytes, but at most {} are allowed",
                        named(opcode == schema ? "a schema" : "a channel", at), length, limits::schema_bytes));
   }
 
@@ -244,7 +246,7 @@ class McapStore : public MessageStore {
     }
     const auto of = schemas_.find(read.schema);
     if (read.schema != 0 && of == schemas_.end())
-      fail(fmt::format("channel {} is of schema {}, which stands nowhere before it", id, read.schema));
+      fail(fmt::format("channel {} refers to schema {}, which is not defined before it", id, read.schema));
     const Schema none;
     const Schema& type = of == schemas_.end() ? none : of->second;
     const auto [same, is_new] =
@@ -273,15 +275,15 @@ class McapStore : public MessageStore {
     const auto logged = fields.number<std::uint64_t>();
     const auto of = channels_.find(id);
     if (of == channels_.end())
-      fail(
-          fmt::format("a message is of channel {}, which stands nowhere before it: the file is damaged", id));
+      fail(fmt::format("a message refers to channel {}, which is not defined before it: the file is damaged",
+                       id));
     BagTopic& topic = topics_[of->second.number];
     if (++counted_ > limits::bag_messages)
-      fail(fmt::format("has more than {} messages: cut it with ros2 bag convert", limits::bag_messages));
+      fail(fmt::format("has more than {} messages: split it with ros2 bag convert", limits::bag_messages));
     ++topic.messages;
     if (!ros::is_known_type(topic.type)) return;
     if (bytes > limits::message_bytes)
-      fail(fmt::format("a message of '{}' has {} bytes, {} are the most", topic.name, bytes,
+      fail(fmt::format("a message of '{}' has {} bytes, but at most {} are allowed", topic.name, bytes,
                        limits::message_bytes));
     constexpr std::uint64_t last = std::numeric_limits<std::int64_t>::max();
     places_[of->second.number].push_back(
@@ -297,9 +299,9 @@ class McapStore : public MessageStore {
     const auto record = source_.read(at, record_head);
     const auto length = Fields(std::span(record).subspan(1), source_.place(), what).number<std::uint64_t>();
     if (length > limits::message_bytes)
-      fail(fmt::format("{} has {} bytes, {} are the most", what, length, limits::message_bytes));
+      fail(fmt::format("{} has {} bytes, but at most {} are allowed", what, length, limits::message_bytes));
     require_memory(static_cast<double>(length), source_.place(), what,
-                   "cut the recording with ros2 bag convert");
+                   "split the recording with ros2 bag convert");
     const auto content = source_.read(at + record_head, length);
     Fields fields(content, source_.place(), what);
     fields.number<std::uint64_t>();  // skips the first and last times
@@ -309,12 +311,13 @@ class McapStore : public MessageStore {
     const std::string compression = fields.text();
     const auto packed = fields.take(fields.number<std::uint64_t>());
     if (size > limits::message_bytes)
-      fail(fmt::format("{} unpacks to {} bytes, {} are the most", what, size, limits::message_bytes));
+      fail(fmt::format("{} unpacks to {} bytes, but at most {} are allowed", what, size,
+                       limits::message_bytes));
     chunk_ = unpack_chunk(compression, packed, size, source_.place(), what);
     if (first_time && crc != 0)
       if (const std::uint32_t found = crc_of(0, chunk_); crc != found)
-        fail(fmt::format("{}: its checksum is {:08x}, its bytes have {:08x}: the file is damaged", what, crc,
-                         found));
+        fail(fmt::format("{}: the stored checksum is {:08x}, but the bytes have {:08x}: the file is damaged",
+                         what, crc, found));
     chunk_at_ = at;
     return chunk_;
   }
@@ -332,8 +335,9 @@ class McapStore : public MessageStore {
       at += count;
     }
     if (crc != found)
-      fail(fmt::format("the checksum of its data is {:08x}, its bytes have {:08x}: the file is damaged", crc,
-                       found));
+      fail(fmt::format(
+          "the stored checksum of the data is {:08x}, but the bytes have {:08x}: the file is damaged", crc,
+          found));
   }
 
   ByteSource source_;

@@ -165,7 +165,7 @@ inline Message message_of(std::string_view type) {
   if (is_type(type, RawSonarImage::name)) return RawSonarImage{};
   if (is_type(type, Image::name)) return Image{};
   if (is_type(type, ImagingSonar::name)) return ImagingSonar{};
-  throw std::logic_error("message of no known type");
+  throw std::logic_error("unknown type of message");
 }
 
 inline bool is_known_type(std::string_view said) {

@@ -14,7 +14,8 @@
 namespace tubefoot {
 namespace {
 
-const SqliteWords words{"rosbag2 recording", "a recording is plain tables: write it anew (ros2 bag convert)",
+const SqliteWords words{"rosbag2 recording",
+                        "a recording has plain tables only: write it again with ros2 bag convert",
                         "let ros2 bag record end, or open the file once with sqlite3 and close it"};
 
 /// A .db3 file of rosbag2_storage_sqlite3.
@@ -27,7 +28,7 @@ class SqliteStore : public MessageStore {
                     constexpr std::size_t most_topics = 65535;  // the limit of MCAP
                     if (topics_.size() == most_topics) database_.fail("it has more than 65535 topics");
                     if (!by_id.emplace(row.integer(0), topics_.size()).second)
-                      database_.fail(fmt::format("topics: two have the number {}", row.integer(0)));
+                      database_.fail(fmt::format("two topics have the number {}", row.integer(0)));
                     ids_.push_back(row.integer(0));
                     topics_.push_back({row.text(1), row.text(2), row.text(3), {}, 0});
                   });
@@ -66,18 +67,20 @@ class SqliteStore : public MessageStore {
 
   std::span<const std::uint8_t> read(const MessagePlace& message) override {
     if (message.bytes > std::min<std::uint64_t>(database_.bytes(), limits::message_bytes))
-      database_.fail(fmt::format("message {} has {} bytes, {} are the most: it is damaged", message.outer,
-                                 message.bytes,
+      database_.fail(fmt::format("message {} has {} bytes, but at most {} are possible: it is damaged",
+                                 message.outer, message.bytes,
                                  std::min<std::uint64_t>(database_.bytes(), limits::message_bytes)));
     const std::int64_t row_id[] = {static_cast<std::int64_t>(message.outer)};
     bool found = false;
     database_.ask("SELECT data FROM messages WHERE rowid = ?", row_id, [&](const SqliteFile::Row& row) {
-      if (!row.is_blob(0)) database_.fail(fmt::format("message {} is no bytes (BLOB)", message.outer));
+      if (!row.is_blob(0))
+        database_.fail(fmt::format("message {} is not a sequence of bytes (BLOB)", message.outer));
       const auto bytes = row.blob(0);
       bytes_.assign(bytes.begin(), bytes.end());
       found = true;
     });
-    if (!found) database_.fail(fmt::format("message {} is there and is not: it is damaged", message.outer));
+    if (!found)
+      database_.fail(fmt::format("message {} is listed but missing: the file is damaged", message.outer));
     return bytes_;
   }
 
@@ -87,10 +90,10 @@ class SqliteStore : public MessageStore {
   void count(std::uint64_t rows) const {
     constexpr std::uint64_t least_row = 4;
     if (rows > database_.bytes() / least_row)
-      database_.fail("it has more messages than bytes: it is damaged");
+      database_.fail("it has more messages than its size permits: it is damaged");
     if (rows > limits::bag_messages)
       database_.fail(
-          fmt::format("it has more than {} messages: cut it with ros2 bag convert", limits::bag_messages));
+          fmt::format("it has more than {} messages: split it with ros2 bag convert", limits::bag_messages));
   }
 
   SqliteFile database_;

@@ -44,21 +44,23 @@ class YamlReader {
     } else if constexpr (std::is_same_v<T, bool>) {
       const std::string text = scalar(node, "true or false");
       if (text != "true" && text != "false")
-        fail(node, fmt::format("{}: is '{}', expected true or false", name_, shown_line(text)));
+        fail(node, fmt::format("{} is '{}', expected true or false", name_, shown_line(text)));
       value = text == "true";
     } else if constexpr (std::is_arithmetic_v<T>) {
       number(node, value);
     } else if constexpr (ros::is_list<T>) {
       if (!node.IsSequence())
         fail(node,
-             fmt::format("{}: is no list: print it with ros2 topic echo --full-length, without --no-arr",
+             fmt::format("{} is not a list: print it with ros2 topic echo --full-length, without --no-arr",
                          name_));
       value.reserve(node.size());
       for (const YAML::Node& each : node) {
         if (each.IsScalar() && each.Scalar() == "...")
-          fail(each,
-               fmt::format("{}: the list was cut off when it was printed: ros2 topic echo --full-length",
-                           name_));
+          fail(
+              each,
+              fmt::format(
+                  "{}: the list was cut off when it was printed: print it with ros2 topic echo --full-length",
+                  name_));
         read(each, value.emplace_back());
       }
     } else {
@@ -82,7 +84,7 @@ class YamlReader {
     }
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc{} || end != text.data() + text.size())
-      fail(node, fmt::format("{}: '{}' is no number of its type", name_, shown_line(text)));
+      fail(node, fmt::format("{}: '{}' is not a number of the field's type", name_, shown_line(text)));
   }
 
   [[noreturn]] void fail(const YAML::Node& node, const std::string& what) const {
@@ -109,15 +111,15 @@ std::string type_of(const YAML::Node& node, const SourcePlace& place) {
     if (node["bins_azimuth"]) return std::string(ros::ImagingSonar::name);
   }
   throw InputError(place,
-                   "is no message that is read: expected the fields of ProjectedSonarImage, RawSonarImage or "
-                   "Image, as ros2 topic echo --full-length prints them");
+                   "is not a message that tubefoot reads: expected the fields of ProjectedSonarImage, "
+                   "RawSonarImage or Image, as ros2 topic echo --full-length prints them");
 }
 
 void read_one(const std::string& text, const SourcePlace& begin, const std::optional<std::string>& type,
               const std::function<void(const ros::Message&)>& take) {
   // Measured: for a list with one number per line, YAML needs about 70 bytes of memory per byte of text.
   constexpr double memory_a_byte = 80;
-  require_memory(memory_a_byte * static_cast<double>(text.size()), begin, "a message as text",
+  require_memory(memory_a_byte * static_cast<double>(text.size()), begin, "the message as text",
                  "record a bag (ros2 bag record) instead");
   try {
     const YAML::Node node = YAML::Load(text);
@@ -134,8 +136,8 @@ void read_one(const std::string& text, const SourcePlace& begin, const std::opti
       place.line += error.mark.line;
       place.column = error.mark.column + 1;
     }
-    throw InputError(
-        place, fmt::format("is no message as ros2 topic echo prints it (YAML): {}", shown_line(error.msg)));
+    throw InputError(place, fmt::format("is not a message as ros2 topic echo prints it (YAML): {}",
+                                        shown_line(error.msg)));
   }
 }
 

@@ -18,11 +18,11 @@
 namespace tubefoot {
 namespace {
 
-constexpr std::string_view smaller = "cut the recording with ros2 bag convert";
+constexpr std::string_view smaller = "split the recording with ros2 bag convert";
 
 [[noreturn]] void damaged(const SourcePlace& place, const std::string& what, std::string_view kind,
                           std::string_view reason) {
-  throw InputError(place, fmt::format("{}: its {} is damaged or cut off ({})", what, kind, reason));
+  throw InputError(place, fmt::format("{}: its {} data are damaged or cut off ({})", what, kind, reason));
 }
 
 /// Decompresses consecutive frames. `step` receives the remaining input and an output buffer and advances
@@ -51,7 +51,7 @@ std::vector<std::uint8_t> unpack(std::span<const std::uint8_t> packed, std::uint
     const std::size_t left_before = packed.size(), filled_before = filled;
     wants = step(packed, std::span(unpacked).subspan(filled), filled);
     if (wants != 0 && packed.size() == left_before && filled == filled_before)
-      damaged(place, what, kind, "it ends before its end");
+      damaged(place, what, kind, "the data end too early");
   }
   unpacked.resize(filled);
   return unpacked;
@@ -83,10 +83,10 @@ UnpackedBytes::UnpackedBytes(std::uint64_t packed)
 
 void UnpackedBytes::add(std::uint64_t bytes, const SourcePlace& place, const std::string& what) {
   if (bytes > left())
-    throw InputError(place,
-                     fmt::format("{}: the packed parts of the recording unpack to more than {} bytes in all, "
-                                 "which its size does not explain: write it anew without compression",
-                                 what, most_));
+    throw InputError(
+        place, fmt::format("{}: the compressed parts of the recording unpack to more than {} bytes in total, "
+                           "too many for its size: write the recording again without compression",
+                           what, most_));
   taken_ += bytes;
 }
 
@@ -104,8 +104,8 @@ std::vector<std::uint8_t> unpack_zstd(std::span<const std::uint8_t> packed, std:
   const std::uint64_t expected =
       said == ZSTD_CONTENTSIZE_UNKNOWN || said == ZSTD_CONTENTSIZE_ERROR ? most : std::uint64_t{said};
   if (expected > most)
-    throw InputError(
-        place, fmt::format("{}: unpacks to {} bytes, {} are the most: {}", what, expected, most, smaller));
+    throw InputError(place, fmt::format("{}: unpacks to {} bytes, but at most {} are allowed: {}", what,
+                                        expected, most, smaller));
   return unpack(packed, most, std::max<std::uint64_t>(expected, 1), place, what, "zstd",
                 [&](std::span<const std::uint8_t>& in, std::span<std::uint8_t> out, std::size_t& filled) {
                   ZSTD_inBuffer from{in.data(), in.size(), 0};
@@ -129,15 +129,15 @@ std::vector<std::uint8_t> unpack_chunk(std::string_view compression, std::span<c
   else if (compression == "lz4")
     unpacked = unpack_lz4(packed, size, place, what);
   else
-    throw InputError(
-        place, fmt::format("{}: is compressed by '{}', which is not read: expected none, lz4 or zstd (mcap "
-                           "compress writes them)",
-                           what, shown_line(compression)));
+    throw InputError(place, fmt::format("{}: is compressed with '{}', which tubefoot does not read: expected "
+                                        "no compression, lz4 or zstd (mcap compress writes them)",
+                                        what, shown_line(compression)));
   if (unpacked.size() != size)
-    throw InputError(place, fmt::format("{}: unpacks to {} bytes, its header says {}: it is damaged", what,
-                                        unpacked.size() > size ? "more than " + std::to_string(size)
-                                                               : std::to_string(unpacked.size()),
-                                        size));
+    throw InputError(place,
+                     fmt::format("{}: unpacks to {} bytes, but its header declares {}: it is damaged", what,
+                                 unpacked.size() > size ? "more than " + std::to_string(size)
+                                                        : std::to_string(unpacked.size()),
+                                 size));
   return unpacked;
 }
 

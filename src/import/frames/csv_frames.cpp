@@ -59,11 +59,11 @@ class Matrix {
   ForeignData read() {
     std::string line;
     for (place_ = {file_.string(), 1, 0}; next_line(input_.stream(), line, place_); ++place_.line) row(line);
-    if (frame_.rows == 0) throw InputError({file_.string()}, "holds no numbers");
+    if (frame_.rows == 0) throw InputError({file_.string()}, "contains no numbers");
     ForeignData data{{std::move(frame_)}, {}};
     if (ranges_) data.noticed.emplace_back("the first column is the range of each row");
     if (complex_)
-      data.noticed.emplace_back("complex numbers: their magnitudes are taken, which are amplitudes");
+      data.noticed.emplace_back("the numbers are complex: their magnitudes are read as amplitudes");
     return data;
   }
 
@@ -90,7 +90,7 @@ class Matrix {
     if (frame_.rows == 0) frame_.columns = values;
     if (values != frame_.columns || values == 0)
       throw InputError(place_,
-                       fmt::format("has {} values, where the first row has {}", values, frame_.columns));
+                       fmt::format("has {} values, but the first row has {}", values, frame_.columns));
     ++frame_.rows;
   }
 
@@ -117,16 +117,17 @@ class Matrix {
       good = number_in(text, number, complex_);
     }
     if (!good)
-      throw InputError(place,
-                       fmt::format("'{}' is no finite number: a picture is a matrix of numbers, a row a "
-                                   "line{}",
-                                   text, frame_.rows == 0 ? "; begin a line of names with #" : ""));
+      throw InputError(
+          place, fmt::format(
+                     "'{}' is not a finite number: a picture is a matrix of numbers, with one row per line{}",
+                     text, frame_.rows == 0 ? "; begin a header line with #" : ""));
     if (ranges_ && column == 0) {
       frame_.range_m.push_back(number);
       return;
     }
     if (frame_.values.size() == static_cast<std::size_t>(limits::ping_cells))
-      throw InputError(place, fmt::format("is more than a ping can hold ({} values)", limits::ping_cells));
+      throw InputError(
+          place, fmt::format("the picture has more values than a ping can hold ({})", limits::ping_cells));
     frame_.values.push_back(number);
   }
 

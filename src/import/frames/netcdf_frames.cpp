@@ -15,7 +15,7 @@ std::optional<double> number_of(const NetcdfInput& file, int variable, const cha
   const std::string task = fmt::format("read attribute '{}'", attribute);
   file.check(status, task);
   if (length != 1 || type == NC_CHAR || type > NC_UINT64 || type == NC_STRING)
-    file.fail(fmt::format("attribute '{}' is no number", attribute));
+    file.fail(fmt::format("attribute '{}' is not a number", attribute));
   double value = 0;
   file.check(nc_get_att_double(file.id(), variable, attribute, &value), task);
   return value;
@@ -25,7 +25,7 @@ NumberArray array_of(const NetcdfInput& file, EchoVariable table) {
   int id = 0;
   nc_type type = 0;
   file.check(nc_inq_varid(file.id(), table.name.c_str(), &id), "find a variable");
-  file.check(nc_inq_vartype(file.id(), id, &type), "find a variable's type");
+  file.check(nc_inq_vartype(file.id(), id, &type), "read a variable's type");
   const auto fill = number_of(file, id, "_FillValue"), scale = number_of(file, id, "scale_factor"),
              offset = number_of(file, id, "add_offset");
   for (double& value : table.values)
@@ -41,7 +41,7 @@ ForeignData read_netcdf_frames(const std::filesystem::path& path, const WantedAr
   const std::vector<std::string> names = root.tables();
   double bytes = 0;
   for (const std::string& name : names) bytes += 2 * root.bytes_of(name.c_str());
-  require_memory(bytes, {path.string()}, "its values", "write fewer a file");
+  require_memory(bytes, {path.string()}, "its values", "write fewer values per file");
   std::vector<NumberArray> arrays;
   for (const std::string& name : names) arrays.push_back(array_of(file, root.table(name)));
   return frames_of(arrays, wanted, {path.string()});

@@ -55,7 +55,7 @@ class HeaderText {
         header.shape = tuple();
         shape = true;
       } else {
-        fail(fmt::format("has the key '{}' in its header, which NumPy does not write there", key));
+        fail(fmt::format("has the key '{}' in its header, which NumPy does not write", key));
       }
       if (!take(',') && peek() != '}') fail("has a header that is cut off or damaged");
     }
@@ -103,12 +103,12 @@ class HeaderText {
       std::size_t value = 0;
       const char *first = text_.data() + at_, *last = text_.data() + text_.size();
       const auto [end, error] = std::from_chars(first, last, value);
-      if (error != std::errc{}) fail("has a 'shape' that is no list of lengths");
+      if (error != std::errc{}) fail("has a 'shape' that is not a list of lengths");
       at_ += static_cast<std::size_t>(end - first);
       take('L');  // Python 2 writes an L after long integers
       values.push_back(value);
       if (values.size() > most_axes) fail(fmt::format("has more than {} axes", most_axes));
-      if (!take(',') && peek() != ')') fail("has a 'shape' that is no list of lengths");
+      if (!take(',') && peek() != ')') fail("has a 'shape' that is not a list of lengths");
     }
     return values;
   }
@@ -172,14 +172,13 @@ const NumberType& type_of(const std::string& descr, const SourcePlace& place) {
       std::string_view(descr).substr(!descr.empty() && std::strchr("<>=|", descr[0]) ? 1 : 0);
   if (word.starts_with('O'))
     throw InputError(place,
-                     "the NPY file holds Python objects, which would have to be run to be read: write "
-                     "plain numbers (array.astype(float))");
+                     "the NPY file contains Python objects, which tubefoot does not read because it would "
+                     "have to run them: write plain numbers (array.astype(float))");
   const auto found = std::ranges::find(number_types, word, &NumberType::word);
   if (found == std::end(number_types))
-    throw InputError(place,
-                     fmt::format("the NPY file has numbers of type '{}', which is not read: write float64, "
-                                 "float32 or uint8",
-                                 descr));
+    throw InputError(place, fmt::format("the NPY file has numbers of type '{}', which tubefoot does not "
+                                        "read: write float64, float32 or uint8",
+                                        descr));
   return *found;
 }
 
@@ -206,29 +205,28 @@ NumberArray read_npy(std::string_view bytes, const SourcePlace& place) {
   const auto cut_off = [&]() -> InputError {
     return {place, "the NPY file is cut off or damaged: write it again"};
   };
-  if (!bytes.starts_with(magic)) throw InputError(place, "is no NPY file (it does not begin as one)");
+  if (!bytes.starts_with(magic)) throw InputError(place, "is not an NPY file (it does not begin like one)");
   if (bytes.size() < 10) throw cut_off();
   const int version = bytes[6];
   if (version < 1 || version > 3)
-    throw InputError(place, fmt::format("has version {} of the NPY format; 1 to 3 are read", version));
+    throw InputError(place, fmt::format("has version {} of the NPY format, expected 1 to 3", version));
   const std::size_t begin = version == 1 ? 10 : 12;
   if (bytes.size() < begin) throw cut_off();
   constexpr bool swapped_here = std::endian::native == std::endian::big;
   const std::size_t length = version == 1 ? stored_at<std::uint16_t>(&bytes[8], swapped_here)
                                           : stored_at<std::uint32_t>(&bytes[8], swapped_here);
-  if (length > longest_header) throw InputError(place, "the NPY file has a header longer than any");
+  if (length > longest_header) throw InputError(place, "the header of the NPY file is too long");
   if (bytes.size() < begin + length) throw cut_off();
   const Header header = HeaderText(bytes.substr(begin, length), place).read();
   const NumberType& type = type_of(header.type, place);
   const std::string_view data = bytes.substr(begin + length);
   const std::size_t count = counted(header.shape, place);
   if (count > data.size() / type.bytes || count * type.bytes != data.size())
-    throw InputError(place,
-                     fmt::format("the NPY file claims {} values of {} bytes, but has {} bytes of them: it "
-                                 "is cut off or damaged, write it again",
-                                 fmt::join(header.shape, " x "), type.bytes, data.size()));
+    throw InputError(place, fmt::format("the NPY file declares {} values of {} bytes, but has {} bytes of "
+                                        "data: it is cut off or damaged; write it again",
+                                        fmt::join(header.shape, " x "), type.bytes, data.size()));
   require_memory(2.0 * sizeof(double) * static_cast<double>(count), place, "its values",
-                 "write fewer a file");
+                 "write fewer values per file");
   const bool swapped = header.type[0] == '>' ? std::endian::native == std::endian::little : swapped_here;
   NumberArray array{"", header.shape, std::vector<double>(count), type.word == "u1"};
   for (std::size_t k = 0; k < count; ++k) {

@@ -59,15 +59,15 @@ class Archive {
         !(found.valid & ZIP_STAT_COMP_SIZE))
       fail(zip_strerror(archive_.get()));
     if (found.size / densest > found.comp_size)
-      fail(fmt::format("'{}' claims {} bytes of {} packed ones, which nothing can be", found.name, found.size,
-                       found.comp_size));
+      fail(fmt::format("'{}' declares {} bytes in {} compressed bytes, which is impossible", found.name,
+                       found.size, found.comp_size));
     return found;
   }
 
   /// Returns all bytes of a member. libzip checks the checksum when it reaches the end.
   std::string bytes_of(const zip_stat_t& member) const {
     require_memory(3.0 * static_cast<double>(member.size), place_,
-                   fmt::format("the values of '{}'", member.name), "write fewer a file");
+                   fmt::format("the values of '{}'", member.name), "write fewer arrays per file");
     const std::unique_ptr<zip_file_t, CloseMember> file(zip_fopen_index(archive_.get(), member.index, 0));
     if (!file) fail(fmt::format("'{}': {}", member.name, zip_strerror(archive_.get())));
     std::string bytes(member.size, '\0');
@@ -84,15 +84,16 @@ class Archive {
       have += static_cast<std::size_t>(got);
       if (have > bytes.size()) break;
     }
-    if (have != bytes.size()) fail(fmt::format("'{}' has another length than it says", member.name));
+    if (have != bytes.size()) fail(fmt::format("'{}' does not have its declared length", member.name));
     return bytes;
   }
 
   [[noreturn]] void fail(const std::string& why) const {
-    throw InputError(place_,
-                     fmt::format("cannot be read as NPZ: {}: the archive is cut off or damaged, write it "
-                                 "again (numpy.savez)",
-                                 why));
+    throw InputError(
+        place_,
+        fmt::format(
+            "cannot be read as NPZ: {}: the archive is cut off or damaged; write it again (numpy.savez)",
+            why));
   }
 
  private:
@@ -113,10 +114,10 @@ std::vector<NumberArray> read_npz(std::string_view bytes, const SourcePlace& pla
   for (std::int64_t index = 0; index < archive.members(); ++index) {
     unpacked += std::min<std::uint64_t>(archive.member(index).size, most_unpacked + 1);
     if (unpacked > most_unpacked)
-      throw InputError(place, fmt::format("its members unpack to more than {} bytes in all, which its size "
-                                          "does not explain: write fewer a file, or numpy.savez without "
-                                          "compression",
-                                          most_unpacked));
+      throw InputError(
+          place, fmt::format("its members unpack to more than {} bytes in total, too many for its size: "
+                             "write fewer arrays per file, or use numpy.savez without compression",
+                             most_unpacked));
   }
   for (std::int64_t index = 0; index < archive.members(); ++index) {
     const zip_stat_t member = archive.member(index);
@@ -126,9 +127,9 @@ std::vector<NumberArray> read_npz(std::string_view bytes, const SourcePlace& pla
     arrays.push_back(read_npy(archive.bytes_of(member), {fmt::format("{}({}.npy)", place.file, name)}));
     arrays.back().name = name;
     values += static_cast<double>(arrays.back().values.size());
-    require_memory(2 * sizeof(double) * values, place, "its arrays", "write fewer a file");
+    require_memory(2 * sizeof(double) * values, place, "its arrays", "write fewer arrays per file");
   }
-  if (arrays.empty()) throw InputError(place, "is an archive without any NPY file in it");
+  if (arrays.empty()) throw InputError(place, "is an archive without NPY files");
   return arrays;
 }
 

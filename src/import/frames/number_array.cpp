@@ -29,14 +29,13 @@ std::vector<double> line_of(const NumberArray* array, std::size_t rows, std::siz
   if (!array) return {};
   // A table with a range for every bin is not an axis.
   if (std::ranges::count_if(array->shape, [](std::size_t n) { return n != 1; }) > 1)
-    throw InputError(
-        place, fmt::format("array {} is no axis: expected one value a row or a column", in_words(*array)));
+    throw InputError(place, fmt::format("array {} is not an axis: expected one value per row or per column",
+                                        in_words(*array)));
   const std::size_t count = array->values.size();
   if (count != rows && count != columns && 2 * count != columns && (count != 2 || columns % 2 != 0))
-    throw InputError(
-        place, fmt::format("array {} is no axis of pictures of {} rows and {} columns: expected one value a "
-                           "row or a column",
-                           in_words(*array), rows, columns));
+    throw InputError(place, fmt::format("array {} is not an axis of pictures with {} rows and {} columns: "
+                                        "expected one value per row or per column",
+                                        in_words(*array), rows, columns));
   return array->values;
 }
 
@@ -77,10 +76,9 @@ ForeignData of_points(const NumberArray& map, const SourcePlace& place) {
                    azimuth = frame.azimuth_rad[column];
       if (!(std::hypot(at[0] - range_m * std::sin(azimuth), at[1] - range_m * std::cos(azimuth)) <=
             1e-3 * frame.range_m[rows - 1]))
-        throw InputError(place,
-                         fmt::format("array {} is no fan: row {}, column {} is at x {:g}, y {:g}, where "
-                                     "its row's range and its column's azimuth are not",
-                                     in_words(map), row, column, at[0], at[1]));
+        throw InputError(place, fmt::format("array {} is not a fan: row {}, column {} is at x {:g}, y {:g}, "
+                                            "not at the range of its row and the azimuth of its column",
+                                            in_words(map), row, column, at[0], at[1]));
     }
   return {{std::move(frame)}, {"ranges and azimuths are those of the points"}};
 }
@@ -102,8 +100,8 @@ std::size_t counted(const std::vector<std::size_t>& shape, const SourcePlace& pl
   std::size_t count = 1;
   for (const std::size_t length : shape)
     if (__builtin_mul_overflow(count, length, &count))
-      throw InputError(
-          place, fmt::format("claims to have {} values: more than there can be", fmt::join(shape, " x ")));
+      throw InputError(place,
+                       fmt::format("declares {} values, an impossible number", fmt::join(shape, " x ")));
   return count;
 }
 
@@ -117,22 +115,23 @@ ForeignData frames_of(const NumberArray& given, const NumberArray* ranges, const
     if (picture.values.empty()) throw InputError(place, fmt::format("array {} is empty", in_words(given)));
     if (ranges || azimuths)
       throw UsageError(
-          fmt::format("--{}-variable: array {} has points, which say where they are: leave it out",
+          fmt::format("--{}-variable: the points of array {} already have positions: omit the option",
                       ranges ? "range" : "azimuth", in_words(given)));
     return of_points(picture, place);
   }
   if (shape.size() == 3 && picture.eight_bits && (shape[2] == 3 || shape[2] == 4))
     picture = without_colours(picture, place);
   if (shape.empty() || shape.size() > 3)
-    throw InputError(place, fmt::format("array {} is no picture: expected two axes, or three for several "
-                                        "pictures",
-                                        in_words(given)));
+    throw InputError(
+        place, fmt::format("array {} is not a picture: expected two axes, or three for several pictures",
+                           in_words(given)));
   if (picture.values.empty()) throw InputError(place, fmt::format("array {} is empty", in_words(given)));
   const std::size_t frames = shape.size() == 3 ? shape[0] : 1, rows = shape[shape.size() - 2],
                     columns = shape.back();
   if (static_cast<double>(rows) * static_cast<double>(columns) > static_cast<double>(limits::ping_cells))
-    throw InputError(place, fmt::format("a picture of {} x {} values is larger than any ping ({} at most)",
-                                        rows, columns, limits::ping_cells));
+    throw InputError(
+        place, fmt::format("a picture of {} x {} values is larger than any ping (at most {} values)", rows,
+                           columns, limits::ping_cells));
   const std::vector<double> range_m = line_of(ranges, rows, columns, place),
                             azimuth_rad = line_of(azimuths, rows, columns, place);
   ForeignData data;
@@ -161,8 +160,8 @@ ForeignData frames_of(const std::vector<NumberArray>& arrays, const WantedArrays
       }
     if (names.size() != 1)
       throw InputError(place, names.empty()
-                                  ? "holds no array of two axes or more"
-                                  : fmt::format("holds several pictures, {}: say which with --variable",
+                                  ? "contains no array with two or more axes"
+                                  : fmt::format("contains several pictures, {}: choose one with --variable",
                                                 fmt::join(names, " and ")));
   }
   ForeignData data = frames_of(*picture, named(arrays, wanted.range_variable, place),

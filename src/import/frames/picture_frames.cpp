@@ -49,29 +49,30 @@ class PictureFile {
     }
     if (data.frames.empty()) fail(input_->geterror());
     if (data.frames.size() > 1)
-      data.noticed.push_back(fmt::format("{} pages, each taken for a ping", data.frames.size()));
+      data.noticed.push_back(
+          fmt::format("there are {} pages, and each is read as a ping", data.frames.size()));
     return data;
   }
 
  private:
   [[noreturn]] void fail(const std::string& why) const {
     throw InputError(place_,
-                     fmt::format("cannot be read as a picture: {}: it is cut off or damaged, write it again",
-                                 why.empty() ? "no reason is given" : why));
+                     fmt::format("cannot be read as a picture: {}: it is cut off or damaged; write it again",
+                                 why.empty() ? "the reason is unknown" : why));
   }
 
   ForeignFrame frame(int page) {
     const OIIO::ImageSpec spec = input_->spec();
     if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 ||
         spec.nchannels > most_channels)
-      fail(fmt::format("{} x {} x {} pixels of {} channels", spec.width, spec.height, spec.depth,
+      fail(fmt::format("it has {} x {} x {} pixels with {} channels", spec.width, spec.height, spec.depth,
                        spec.nchannels));
     const double pixels = static_cast<double>(spec.width) * spec.height;
     if (pixels > static_cast<double>(limits::ping_cells))
-      throw InputError(place_, fmt::format("has {} x {} pixels, more than any ping ({} at most)", spec.width,
+      throw InputError(place_, fmt::format("has {} x {} pixels, more than any ping (at most {})", spec.width,
                                            spec.height, limits::ping_cells));
     total_ += pixels * (sizeof(double) + 8.0 * spec.nchannels);
-    require_memory(total_, place_, "its pixels", "bring fewer a file");
+    require_memory(total_, place_, "its pixels", "write fewer pages per file");
     switch (spec.format.basetype) {
       case OIIO::TypeDesc::UINT8:
         return frame_of<std::uint8_t>(spec, page);
@@ -108,11 +109,10 @@ class PictureFile {
       if (colours && (pixels[k] != pixels[k + 1] || pixels[k] != pixels[k + 2]))
         throw InputError(
             place_,
-            fmt::format(
-                "is in colours (row {}, column {}: red {}, green {}, blue {}), which are no measure: write "
-                "the intensities in grey, or pick a channel with --variable {}",
-                k / channels / columns, k / channels % columns, +pixels[k], +pixels[k + 1], +pixels[k + 2],
-                one_of(spec.channelnames, '\'')));
+            fmt::format("is in colours (row {}, column {}: red {}, green {}, blue {}), which do not measure "
+                        "intensity: write the intensities in grey, or choose a channel with --variable {}",
+                        k / channels / columns, k / channels % columns, +pixels[k], +pixels[k + 1],
+                        +pixels[k + 2], one_of(spec.channelnames, '\'')));
       result.values.push_back(static_cast<double>(pixels[k + taken]));
     }
     return result;
@@ -121,7 +121,7 @@ class PictureFile {
   std::size_t channel_of(const OIIO::ImageSpec& spec) const {
     if (channel_.empty()) {
       if (spec.nchannels <= 4 && spec.format.basetype != OIIO::TypeDesc::UNKNOWN) return 0;
-      throw InputError(place_, fmt::format("has {} channels: say which with --variable {}", spec.nchannels,
+      throw InputError(place_, fmt::format("has {} channels: choose one with --variable {}", spec.nchannels,
                                            one_of(spec.channelnames, '\'')));
     }
     const auto found = std::ranges::find(spec.channelnames, channel_);

@@ -53,7 +53,7 @@ std::string difference_of_builds(const Json& theirs, const Json& ours) {
     words +=
         fmt::format("{}{} {}, here {}", words.empty() ? "" : "; ", key, in_words(other), in_words(value));
   }
-  return words.empty() ? "it names more than is known here" : words;
+  return words.empty() ? "it names libraries that this build does not have" : words;
 }
 
 std::string build_in_words() {

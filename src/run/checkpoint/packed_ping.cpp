@@ -97,11 +97,11 @@ std::string packed_ping(const StoreLayout& layout, const PingUnit& unit, const P
 
 PackedHead head_of_packed(std::string_view bytes, const StoreLayout& layout) {
   PackedHead head;
-  if (bytes.size() < sizeof head) damaged("it is cut short");
+  if (bytes.size() < sizeof head) damaged("it is incomplete");
   std::memcpy(&head, bytes.data(), sizeof head);
-  if (head.head_checksum != checksum_of(head)) damaged("its head is damaged");
+  if (head.head_checksum != checksum_of(head)) damaged("its header is damaged");
   if (head.unit.group >= layout.groups.size() || head.unit.ping >= layout.groups[head.unit.group].pings)
-    damaged("it is a ping of another run");
+    damaged("it belongs to another run");
   if (head.bytes > most_packed(layout, head.unit.group) - sizeof head) damaged("it is too long");
   return head;
 }
@@ -124,11 +124,11 @@ PackedContents contents_of_packed(std::string_view beginning, const StoreLayout&
     std::uint64_t length = 0;
     std::memcpy(&length, length_at, sizeof length);
     length_at += sizeof length;
-    if (length > end - next) damaged("it ends before its end");
+    if (length > end - next) damaged("it ends too early");
     contents.chunks.push_back({next, length});
     next += length;
   });
-  if (next != end) damaged("its length is another");
+  if (next != end) damaged("its length differs");
   return contents;
 }
 
@@ -147,7 +147,7 @@ PingCounts unpack_ping(std::string_view packed, const StoreLayout& layout, PingV
     ++place;
     if (!unpack_chunk({reinterpret_cast<const unsigned char*>(chunk.data()), chunk.size()},
                       values_of(values, layout, name)))
-      damaged("it cannot be unpacked");
+      damaged("it cannot be decompressed");
   });
   return contents.counts;
 }

@@ -67,7 +67,7 @@ PartFile::PartFile(fs::path file) : path_(std::move(file)), file_(take_ping_file
   Header header;
   if (!read_at(file_, 0, &header, sizeof header) ||
       std::memcmp(header.magic, Header{}.magic, sizeof header.magic) != 0)
-    throw unusable("is not a part of a run, of this version");
+    throw unusable("is not a shard of this version of tubefoot");
   if (header.identity_bytes > most_identity_bytes) throw unusable("is damaged");
   // the run was killed before it wrote the identity
   if (header.identity_bytes > size - sizeof header) return;
@@ -185,7 +185,7 @@ void PartFile::sync() const {
   do {
     status = fdatasync(file_.number());
   } while (status != 0 && errno == EINTR);
-  if (status != 0) fail(path_, "bring the part to the disk", errno);
+  if (status != 0) fail(path_, "write the shard to the disk", errno);
 }
 
 }  // namespace tubefoot

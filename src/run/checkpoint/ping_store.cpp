@@ -74,12 +74,12 @@ StoreSummary read_summary(const Descriptor& opened, const fs::path& path, Header
   const auto unusable = [&](const char* why) {
     return UnusableStore(fmt::format("'{}' {}", path.string(), why));
   };
-  if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) throw unusable("is not a file of pings");
+  if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) throw unusable("is not a checkpoint");
   const auto size = static_cast<std::uint64_t>(status.st_size);
   if (size == 0) return {};  // the run was killed before it wrote the header
   if (pread(file, &header, sizeof header, 0) != sizeof header ||
       std::memcmp(header.magic, Header{}.magic, sizeof header.magic) != 0)
-    throw unusable("is not a file of pings of this version");
+    throw unusable("is a checkpoint of another version of tubefoot");
   // the run was killed before it reserved its disk space
   const bool begun = header.identity_bytes == size - sizeof header;
   if ((header.bytes != size && !begun) || header.identity_bytes > size - sizeof header)
@@ -106,11 +106,11 @@ uid_t owner_of_new_files(const fs::path& beside) {
 /// name could make the run overwrite another file, or let others change its pings.
 void require_own(const Descriptor& file, const fs::path& path) {
   struct stat status {};
-  const char* foreign =
-      fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode) ? "is not a file of pings"
-      : status.st_nlink > 1                                          ? "has a second name elsewhere"
-      : status.st_uid != geteuid() && status.st_uid != owner_of_new_files(path) ? "belongs to somebody else"
-                                                                                : nullptr;
+  const char* foreign = fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode) ? "is not a checkpoint"
+                        : status.st_nlink > 1 ? "has a second hard link"
+                        : status.st_uid != geteuid() && status.st_uid != owner_of_new_files(path)
+                            ? "belongs to another user"
+                            : nullptr;
   if (foreign != nullptr) throw UnusableStore(fmt::format("'{}' {}", path.string(), foreign));
 }
 
@@ -125,17 +125,17 @@ Descriptor take_ping_file(const fs::path& path, bool make) {
     Descriptor file = open_own(path, O_RDWR | (make ? O_CREAT | O_EXCL : 0));
     if (!file) {
       if (make && errno == EEXIST) throw StoreInUse(path);
-      if (make) fail(path, "create the file of pings", errno);
+      if (make) fail(path, "create the checkpoint", errno);
       if (errno == ENOENT) return file;
-      throw UnusableStore(fmt::format("'{}' cannot be opened as a file of pings ({})", path.string(),
-                                      errno == ELOOP ? "it is a link" : std::strerror(errno)));
+      throw UnusableStore(fmt::format("cannot open the checkpoint '{}' ({})", path.string(),
+                                      errno == ELOOP ? "it is a symbolic link" : std::strerror(errno)));
     }
     require_own(file, path);
     try {
       if (!take_lock(file)) throw StoreInUse(path);
     } catch (const std::system_error& error) {
       if (make) fs::remove(path);
-      fail(path, "lock the file of pings", error.code().value());
+      fail(path, "lock the checkpoint", error.code().value());
     }
     if (is_still_at(path, file)) return file;
   }
@@ -229,9 +229,9 @@ PingStore::PingStore(const StoreLayout& layout, fs::path path, std::size_t ident
   for (const StoreLayout::Sensor& sensor : layout_.sensors)
     requested += static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells) * sizeof(double);
   if (constexpr double most = 0x1p60; requested > most)
-    throw std::runtime_error(
-        fmt::format("{}: the pings' energies would take {:.3g} GB: ask for fewer pings, in several scenes",
-                    path_.string(), requested / 1e9));
+    throw std::runtime_error(fmt::format(
+        "{}: the energies of the pings would need {:.3g} GB: reduce the number of pings per scene",
+        path_.string(), requested / 1e9));
   mapped_bytes_ = bytes_;
   end_ = bytes_;
   if (!path_.empty()) {
@@ -265,7 +265,7 @@ PingStore::PingStore(const StoreLayout& layout, const fs::path& file, Descriptor
   file_ = std::move(taken);
   const auto abandon = [&](int error) {  // the destructor closes the file
     fs::remove(file);
-    fail(file, fmt::format("set {:.1f} MB aside for the pings", double(bytes_) / 1e6).c_str(), error);
+    fail(file, fmt::format("reserve {:.1f} MB for the pings", double(bytes_) / 1e6).c_str(), error);
   };
   Header header;
   header.identity_bytes = identity.size();
@@ -299,7 +299,7 @@ PingStore::PingStore(const StoreLayout& layout, const fs::path& file, Descriptor
 
 std::unique_ptr<PingStore> PingStore::reopen(const StoreLayout& layout, const fs::path& path) {
   Descriptor there = take_ping_file(path, false);
-  if (!there) throw UnusableStore(fmt::format("'{}': there is no such file", path.string()));
+  if (!there) throw UnusableStore(fmt::format("'{}': no such file", path.string()));
   return reopen(layout, path, std::move(there));
 }
 
@@ -309,7 +309,7 @@ std::unique_ptr<PingStore> PingStore::reopen(const StoreLayout& layout, const fs
   const StoreSummary summary = read_summary(taken, path, header);
   std::unique_ptr<PingStore> store(new PingStore(layout, path, summary.identity.size()));
   if (header.units != layout.units() || header.bytes != store->bytes_)
-    throw UnusableStore(fmt::format("'{}' holds other pings than this run makes", path.string()));
+    throw UnusableStore(fmt::format("'{}' contains pings of another run", path.string()));
   store->file_ = std::move(taken);
   store->map();
   store->look_through();
@@ -384,7 +384,7 @@ void PingStore::read(std::uint64_t first, void* bytes, std::size_t count) const 
   for (auto* to = static_cast<char*>(bytes); count > 0;) {
     const ssize_t got = pread(file_.number(), to, count, static_cast<off_t>(first));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) fail(path_, "read a ping that was kept", got < 0 ? errno : EIO);
+    if (got <= 0) fail(path_, "read a stored ping", got < 0 ? errno : EIO);
     to += got, first += std::uint64_t(got), count -= std::size_t(got);
   }
 }
@@ -456,7 +456,8 @@ std::shared_ptr<const double> PingStore::values(std::size_t ping, const ChunkNam
   if (!made) {
     made = unpacked_->room(count);
     if (!unpack_chunk(chunk(ping, name), *made))
-      throw std::runtime_error(fmt::format("{}: ping {} can no longer be unpacked", path_.string(), ping));
+      throw std::runtime_error(
+          fmt::format("{}: ping {} can no longer be decompressed", path_.string(), ping));
     unpacked_->keep(key, made);
   }
   return {made, made->data()};
@@ -466,7 +467,8 @@ std::vector<unsigned char> PingStore::chunk(std::size_t ping, const ChunkName& n
   const std::size_t group = group_of_.at(name.sensor);
   const Unit& kept = unit(group, ping);
   const auto gone = [&] {
-    return std::runtime_error(fmt::format("{}: ping {} is no longer as it was kept", path_.string(), ping));
+    return std::runtime_error(
+        fmt::format("{}: ping {} has changed since it was stored", path_.string(), ping));
   };
   std::string beginning(before_chunks(layout_, group), '\0');
   if (kept.checksum == 0 || kept.bytes < beginning.size()) throw gone();
@@ -490,7 +492,7 @@ void PingStore::sync() const {
   do {
     status = fdatasync(file_.number());  // for a mapped file, this also writes its pages
   } while (status != 0 && errno == EINTR);
-  if (status != 0) fail(path_, "bring the pings to the disk", errno);
+  if (status != 0) fail(path_, "write the pings to the disk", errno);
 }
 
 StoreSummary summary_of(const fs::path& path) {

@@ -21,10 +21,11 @@ namespace tubefoot {
 namespace {
 
 constexpr std::string_view out_of_memory =
-    "out of memory: raise the limit, take fewer --threads, a window, a coarser decimation or a smaller scene";
+    "out of memory: raise the limit, or use fewer --threads, a window of the terrain, a coarser decimation "
+    "or a smaller scene";
 constexpr std::string_view no_threads =
-    "no thread can be started: too little memory (ulimit -v) or too many processes (ulimit -u, the limit of "
-    "a container)";
+    "cannot start a thread: too little memory (ulimit -v) or too many processes (ulimit -u, the limit of a "
+    "container)";
 
 constexpr rlim_t mb = rlim_t{1} << 20;
 /// Memory and threads that the initializers of libraries need, with a reserve. They need 31 MB on Debian 12,
@@ -92,8 +93,8 @@ void before_libraries_start() {
   if (left >= needed) return;
   const int length =
       std::snprintf(text, sizeof text,
-                    "tubefoot: out of memory: the libraries need %llu MB of addresses to start, "
-                    "%llu MB are left: raise the limit (ulimit -v)\n",
+                    "tubefoot: out of memory: the libraries need %llu MB of address space, but %llu MB are "
+                    "left: raise the limit (ulimit -v)\n",
                     static_cast<unsigned long long>(needed / mb), static_cast<unsigned long long>(left / mb));
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, static_cast<std::size_t>(length));
   _exit(1);

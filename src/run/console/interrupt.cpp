@@ -51,7 +51,7 @@ void end_by(int signal) {
 
 /// Handler of alarm(): the time to stop has passed.
 void end_now(int) {
-  say_without_waiting("\nending: the work did not stop within 5 s\n");
+  say_without_waiting("\nterminating: the work did not stop within 5 s\n");
   end_by(requested_by);
 }
 
@@ -64,7 +64,7 @@ void note(int signal) {
     // Work that waits in a library or in a system call does not check the flag.
     set(SIGALRM, end_now);
     if (const unsigned left = alarm(patience_s); left != 0 && left < patience_s) alarm(left);
-    say_without_waiting("\nstopping; once more: stopping at once\n");
+    say_without_waiting("\nstopping; a second signal stops immediately\n");
   }
   errno = before;
 }

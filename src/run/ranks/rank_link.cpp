@@ -42,8 +42,8 @@ std::unique_ptr<RankLink> join_ranks() {
   if (!is_one_of_several_ranks()) {
     if (!size && number_in("PMI_SIZE").value_or(1) > 1)
       throw UsageError(
-          "started as several processes, but not by Open MPI: use its mpirun, or srun --mpi=pmix "
-          "(docs/cluster.md)");
+          "there are several processes, but Open MPI did not start them: use its mpirun, or srun --mpi=pmix "
+          "(docs/large-jobs.md)");
     return nullptr;
   }
   std::error_code ignored;
@@ -58,12 +58,11 @@ std::unique_ptr<RankLink> join_ranks() {
         return std::unique_ptr<RankLink>(join(most_at_once));
     }
     const char* error = dlerror();
-    if (why.empty() || fs::exists(place, ignored))
-      why = error != nullptr ? error : "it is of another version";
+    if (why.empty() || fs::exists(place, ignored)) why = error != nullptr ? error : "it has another version";
   }
   throw UsageError(
-      fmt::format("mpirun started several processes, but the library by which they share one run cannot be "
-                  "loaded ({}): build tubefoot where libopenmpi-dev is installed (docs/cluster.md)",
+      fmt::format("mpirun started several processes, but the library by which they share a run cannot be "
+                  "loaded ({}): build tubefoot where libopenmpi-dev is installed (docs/large-jobs.md)",
                   why));
 }
 

@@ -11,8 +11,8 @@
 #include "files/input_error.hpp"
 #include "files/usage_error.hpp"
 
-// This file encodes and decodes the messages between ranks (docs/cluster.md). A letter is followed by JSON,
-// by numbers in the byte order of the machine, or by a packed ping.
+// This file encodes and decodes the messages between ranks (docs/large-jobs.md). A letter is followed by
+// JSON, by numbers in the byte order of the machine, or by a packed ping.
 
 namespace tubefoot {
 namespace {
@@ -28,7 +28,7 @@ class Reader {
   template <class Value>
   void read(Value* values, std::size_t count) {
     const std::size_t bytes = count * sizeof(Value);
-    if (rest_.size() < bytes) throw std::runtime_error("a rank sent a ping that is cut short");
+    if (rest_.size() < bytes) throw std::runtime_error("a rank sent an incomplete ping");
     if (bytes > 0) std::memcpy(values, rest_.data(), bytes);
     rest_.remove_prefix(bytes);
   }
@@ -86,7 +86,8 @@ bool take_result(std::string_view message, const StoreLayout& layout, PingStore&
     store.keep(packed);
     return true;
   } catch (const DamagedPing& error) {
-    throw std::runtime_error(fmt::format("a rank sent a ping that is not one of this run: {}", error.what()));
+    throw std::runtime_error(
+        fmt::format("a rank sent a ping that does not belong to this run: {}", error.what()));
   }
 }
 

@@ -58,14 +58,14 @@ class HelpingRank {
     const Json lead_build = told.at("asked").value("build", Json());
     if (lead_build != scene_request.at("build"))
       throw UsageError(fmt::format(
-          "rank {} on '{}' is another build of tubefoot than rank 0 (rank 0: {}): install the same "
-          "on all machines; 'tubefoot --version' tells a build",
+          "rank {} on '{}' uses a different build of tubefoot than rank 0 (rank 0: {}): install the same "
+          "build on all machines; 'tubefoot --version' identifies a build",
           link_.rank(), link_.host(), difference_of_builds(lead_build, scene_request.at("build"))));
     if (told.at("asked") != scene_request)
-      throw UsageError(fmt::format(
-          "rank {} on '{}' is asked for another run than rank 0, or reads another scene: all need "
-          "the same command and the same files",
-          link_.rank(), link_.host()));
+      throw UsageError(
+          fmt::format("rank {} on '{}' has a different command or scene than rank 0: all ranks need the same "
+                      "command and the same files",
+                      link_.rank(), link_.host()));
     request = request_of(told.at("run"), std::move(request));
     const ThreadLimit limit(description.run.threads > 0 ? description.run.threads
                                                         : threads_of_rank(link_.local_ranks()));

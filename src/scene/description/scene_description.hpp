@@ -19,7 +19,7 @@
 #include "scene/description/water_description.hpp"
 
 // Description of a scene file, key by key, in the units of the file (degrees, metres, kHz). No further file
-// is loaded. docs/scene-file.md documents every key with unit, default and range.
+// is loaded. docs/scene-keys.md documents every key with unit, default and range.
 // Each section has its own header. Include that header alone where possible, because this one changes with
 // every section.
 namespace tubefoot {
@@ -30,8 +30,9 @@ struct SceneDescription {
       sha256;  ///< scene hash: SHA-256 of the scene file's text and of every file that it names, in order
   /// The hashed files: the scene file first, then every file that it names and its companions.
   std::vector<std::filesystem::path> inputs;
-  /// Messages about hashed files outside of the scene file's folder. Such files are an error if `confined`.
-  std::vector<std::string> outside;
+  /// Messages about deprecated keys, and about hashed files outside of the scene file's folder. Such files
+  /// are an error if `confined`.
+  std::vector<std::string> warnings;
   bool confined = false;
   std::string title;
   std::optional<GeoreferenceDescription> georeference;

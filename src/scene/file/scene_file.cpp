@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Reads a scene file (TOML, docs/scene-file.md): it parses the text, applies presets, reads all sections,
-// resolves references between them, and computes the scene hash. The hash is the SHA-256 of the text and of
-// the hashes of all named files.
+// Reads a scene file (TOML, docs/scene-keys.md). It parses the text, replaces former names of keys and
+// applies presets. Then it reads all sections, resolves references between them, and computes the scene hash.
+// The hash is the SHA-256 of the text and of the hashes of all named files.
 
 #include <toml++/toml.h>
 
@@ -35,7 +35,7 @@ std::string scene_text(const fs::path& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (status.type() == fs::file_type::not_found) throw InputError(place, "there is no such scene file");
-  if (status.type() == fs::file_type::none) throw InputError(place, "cannot look at it: " + error.message());
+  if (status.type() == fs::file_type::none) throw InputError(place, "cannot be accessed: " + error.message());
   return read_whole(file, place, limits::scene_file_bytes, "a scene file (TOML text)");
 }
 
@@ -55,7 +55,7 @@ class InputHash {
     const auto admit = [&](const fs::path& companion) {
       refuse_or_note(
           companion, named.place,
-          fmt::format("'{}', which is read along with \"{}\",", companion.filename().string(), named.name));
+          fmt::format("'{}', which belongs to \"{}\",", companion.filename().string(), named.name));
     };
     try {
       const bool through_gdal = gdal_driver_of(format_of(named.file)) != nullptr;
@@ -75,11 +75,13 @@ class InputHash {
   void refuse_or_note(const fs::path& file, const SourcePlace& place, const std::string& who) {
     const auto real = place_outside(folder_, file);
     if (!real) return;
-    const std::string what = fmt::format("{} leaves the scene's folder: it is '{}'", who, real->string());
+    const std::string what =
+        fmt::format("{} lies outside of the scene's folder, at '{}'", who, real->string());
     if (scene_.confined)
-      throw InputError(place,
-                       what + ", and --confined reads nothing outside: copy it there, or leave it out");
-    scene_.outside.push_back(fmt::format("{}: {}", to_string(place), what));
+      throw InputError(place, what +
+                                  ", and --confined permits only files inside: copy the file into the "
+                                  "folder, or omit --confined");
+    scene_.warnings.push_back(fmt::format("{}: {}", to_string(place), what));
   }
 
   void take(const fs::path& file, const SourcePlace& place, bool through_gdal) {
@@ -105,9 +107,8 @@ class InputHash {
 void refuse_preset_as_kind(const toml::table& sensor, const TomlSource& source) {
   const auto kind = sensor["kind"].value<std::string>();
   if (kind && std::ranges::any_of(sensor_presets(), [&](const SensorPreset& p) { return p.name == *kind; }))
-    throw InputError(
-        source.place(sensor.get("kind")->source()),
-        fmt::format("\"{0}\" is a preset and no kind: write preset = \"{0}\" in its place", *kind));
+    throw InputError(source.place(sensor.get("kind")->source()),
+                     fmt::format("\"{0}\" is a preset, not a kind: write preset = \"{0}\" instead", *kind));
 }
 
 /// Adds the keys of a sensor's preset that the sensor does not have. If the sensor has a pattern, that
@@ -124,7 +125,7 @@ void apply_preset(toml::table& sensor, const TomlSource& source) {
     if (const auto kind = sensor["kind"].value<std::string>();
         kind && kind != keys["kind"].value<std::string>())
       throw InputError(source.place(sensor.get("kind")->source()),
-                       fmt::format("the preset \"{}\" is of {}: remove 'kind', or the preset", name,
+                       fmt::format("the preset \"{}\" has {}: remove 'kind' or the preset", name,
                                    fmt::format("kind = \"{}\"", *keys["kind"].value<std::string>())));
     for (const auto& [key, value] : keys) {
       bool replaced = sensor.contains(key);
@@ -142,7 +143,7 @@ void apply_preset(toml::table& sensor, const TomlSource& source) {
   const std::vector<std::string> names = sensor_preset_names();
   const std::string_view meant = nearest(name, names);
   throw InputError(source.place(named->source()),
-                   fmt::format("there is no preset \"{}\"{}: `tubefoot presets` lists those there are", name,
+                   fmt::format("there is no preset \"{}\"{}: `tubefoot presets` lists the presets", name,
                                meant.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", meant)));
 }
 
@@ -168,7 +169,7 @@ void read_section(const TomlEntry& entry, const TomlSection<S>& section, TomlSou
     if (!node.is_table()) {
       throw InputError(source.place(node.source()),
                        fmt::format("'{}' must be {}: write {}{}", entry.key, many ? "tables" : "one table",
-                                   section.name(), many ? "" : ", once"));
+                                   section.name(), many ? "" : " once"));
     }
     const TomlTable table{node.as_table(), source.place(node.source()), &source};
     entries.push_back({section.read(table, source), table});
@@ -244,10 +245,9 @@ Names unique_names(const std::vector<Entry<S>>& entries, const TomlSection<S>& s
     const SourcePlace place = entry.table.place_of("name");
     const auto [first, is_new] = taken.emplace(entry.description.name, place);
     if (!is_new) {
-      throw InputError(place,
-                       fmt::format("the name \"{}\" is taken at {} already: every entry of {} needs its own "
-                                   "'name'",
-                                   entry.description.name, to_string(first->second), section.name()));
+      throw InputError(
+          place, fmt::format("the name \"{}\" is already used at {}: every entry of {} needs its own 'name'",
+                             entry.description.name, to_string(first->second), section.name()));
     }
   }
   return taken;
@@ -258,7 +258,8 @@ void resolve(std::string& name, SourcePlace& place, const TomlTable& table, std:
              const Names& names, std::string_view section) {
   place = table.place_of(key);
   if (names.empty()) {
-    throw InputError(place, fmt::format("no '{}' to refer to: the scene has no {} section", key, section));
+    throw InputError(place, fmt::format("'{}' has nothing to refer to, because the scene has no {} section",
+                                        key, section));
   }
   if (name.empty() && names.size() == 1) name = names.begin()->first;
   if (names.contains(name)) return;
@@ -299,7 +300,7 @@ void check_scene(SceneEntries& all, const TomlSection<SensorDescription>& sensor
       for (const MaterialClass& c : mesh->materials) check_material_name(c.material, c.place, materials);
     if (entry.description.position_lat_lon_deg && all.georeference.empty()) {
       throw InputError(entry.table.place_of("position_lat_lon_deg"),
-                       "'position_lat_lon_deg' needs to know where the frame lies: add [georeference]");
+                       "'position_lat_lon_deg' needs the position of the frame on Earth: add [georeference]");
     }
     if (entry.description.on_terrain_m && all.terrains.empty()) {
       throw InputError(entry.table.place_of("on_terrain_m"),
@@ -329,32 +330,73 @@ S only(const std::vector<Entry<S>>& entries, const fs::path& file) {
   return s;
 }
 
-template <class S>
-void append_keys(const TomlSection<S>& section, std::vector<SceneKey>& keys) {
-  const std::vector<TomlKey> own = section.all_keys();
-  keys.insert(keys.end(), own.begin(), own.end());
+/// Calls `call` with each section, in the order of the documentation.
+template <class Call>
+void for_each_section(const TomlSection<SensorDescription>& sensors, Call call) {
+  call(georeference_section());
+  call(water_section());
+  call(sea_surface_section());
+  call(material_section());
+  call(reflectivity_section());
+  call(relief_section());
+  call(terrain_section());
+  call(material_map_section());
+  call(object_section());
+  call(trajectory_section());
+  call(sensors);
+  call(refinement_section());
+  call(paths_section());
+  call(scatterers_section());
+  call(run_section());
+}
+
+/// Calls rename_former_key() for each table of a section. `path` is the name of the section without brackets,
+/// such as "materials.relief".
+void rename_in_tables(toml::node& node, std::string_view path, const SceneKey& key, TomlSource& source) {
+  if (toml::array* tables = node.as_array()) {
+    for (toml::node& table : *tables) rename_in_tables(table, path, key, source);
+    return;
+  }
+  toml::table* table = node.as_table();
+  if (table == nullptr) return;  // the section's reader rejects other values
+  if (path.empty()) return rename_former_key(*table, key, source);
+  const std::size_t dot = path.find('.');
+  if (toml::node* inner = table->get(path.substr(0, dot)))
+    rename_in_tables(*inner, dot == std::string_view::npos ? "" : path.substr(dot + 1), key, source);
+}
+
+/// Replaces former names of keys, so that all other functions see the present names only.
+void rename_former_keys(toml::table& root, const TomlSection<SensorDescription>& sensors,
+                        TomlSource& source) {
+  for_each_section(sensors, [&](const auto& section) {
+    for (const SceneKey& key : section.renamed_keys()) {
+      std::string path;
+      std::ranges::copy_if(section.name(), std::back_inserter(path),
+                           [](char c) { return c != '[' && c != ']'; });
+      rename_in_tables(root, path, key, source);
+      if (path == "trajectories") rename_in_tables(root, "trajectory", key, source);
+    }
+  });
 }
 
 }  // namespace
 
 std::vector<SceneKey> scene_file_keys(const SensorSections& kinds) {
   std::vector<SceneKey> keys{title_field().key};
-  append_keys(georeference_section(), keys);
-  append_keys(water_section(), keys);
-  append_keys(sea_surface_section(), keys);
-  append_keys(material_section(), keys);
-  append_keys(reflectivity_section(), keys);
-  append_keys(relief_section(), keys);
-  append_keys(terrain_section(), keys);
-  append_keys(material_map_section(), keys);
-  append_keys(object_section(), keys);
-  append_keys(trajectory_section(), keys);
-  append_keys(sensor_section(kinds), keys);
-  append_keys(refinement_section(), keys);
-  append_keys(paths_section(), keys);
-  append_keys(scatterers_section(), keys);
-  append_keys(run_section(), keys);
+  for_each_section(sensor_section(kinds), [&](const auto& section) {
+    const std::vector<TomlKey> own = section.all_keys();
+    keys.insert(keys.end(), own.begin(), own.end());
+  });
   return keys;
+}
+
+std::vector<SceneSection> scene_file_sections(const SensorSections& kinds) {
+  std::vector<SceneSection> sections{{{}, {}, "Keys before all sections."}};
+  for_each_section(sensor_section(kinds), [&](const auto& section) {
+    const std::vector<SceneSection> own = section.documentation();
+    sections.insert(sections.end(), own.begin(), own.end());
+  });
+  return sections;
 }
 
 SceneDescription read_scene_file(const fs::path& file, const SensorSections& kinds, bool confined) {
@@ -363,15 +405,17 @@ SceneDescription read_scene_file(const fs::path& file, const SensorSections& kin
 
 SceneDescription read_scene_text(const std::string& text, const fs::path& file, const SensorSections& kinds,
                                  bool confined) {
-  TomlSource source{file, {}};
+  TomlSource source{file, {}, {}};
   toml::table root = parse_toml(text, source);
-  apply_presets(root, source);
   const TomlSection<SensorDescription> sensors = sensor_section(kinds);
+  rename_former_keys(root, sensors, source);
+  apply_presets(root, source);
   SceneEntries all = read_entries(root, sensors, source);
   check_scene(all, sensors, file);
 
   SceneDescription scene = std::move(all.scene);
   scene.file = file;
+  scene.warnings = std::move(source.warnings);
   if (!all.georeference.empty()) scene.georeference = all.georeference.front().description;
   scene.water = only(all.water, file);
   if (!all.sea_surface.empty()) scene.sea_surface = all.sea_surface.front().description;

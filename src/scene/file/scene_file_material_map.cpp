@@ -14,7 +14,11 @@ namespace {
 
 TomlField<PatchMaterialMap> shares_field() {
   return table_field<PatchMaterialMap>(
-      "shares", {.required = true}, [](const toml::table& table, TomlSource& source, PatchMaterialMap& map) {
+      "shares",
+      {.meaning = "Materials and their relative shares of the patches, each above 0 and up to 1000000, for "
+                  "example `{ sand = 2, mud = 1 }`.",
+       .required = true},
+      [](const toml::table& table, TomlSource& source, PatchMaterialMap& map) {
         constexpr ValueRange share{.lo = 0, .hi = 1e6, .lo_excluded = true};
         for (const auto& [name, node] :
              table) {  // sorted by name, because their order in the file has no meaning
@@ -43,7 +47,7 @@ void check_map(const MaterialMapDescription& map, const TomlTable& table) {
                        fmt::format("'classes' of a raster are whole numbers, like 3 = \"{}\", not '{}'",
                                    c.material, c.value));
     if (!taken.insert(value).second)
-      throw InputError(c.place, fmt::format("the class {} has a material already", value));
+      throw InputError(c.place, fmt::format("the class {} already has a material", value));
   }
 }
 
@@ -54,28 +58,70 @@ const TomlSection<MaterialMapDescription>& material_map_section() {
   using Polygons = PolygonMaterialMap;
   using Patches = PatchMaterialMap;
   static const auto section =
-      TomlSection<MaterialMapDescription>("[terrain.material_map]")
+      TomlSection<MaterialMapDescription>("[terrain.material_map]",
+                                          "Materials of the preceding terrain as a function of position. "
+                                          "Borders between materials cut the facets.")
           .kind<Raster>("kind", "raster",
-                        {field("file", &Raster::file, {.required = true}),
-                         classes_field("classes", &Raster::classes, {.required = true}),
-                         field("origin_m", &Raster::origin_m, {.ranges = {coordinate}}),
-                         field("cell_m", &Raster::cell_m, {.ranges = {size}})})
+                        "Raster of classes, north up, with at most 50 million cells. Cells without data have "
+                        "the `material` of the terrain.",
+                        {field("file", &Raster::file,
+                               {.meaning = "Raster with one class per cell in band 1: GeoTIFF, ESRI ASCII "
+                                           "grid, netCDF, BAG or PNG.",
+                                .required = true}),
+                         classes_field("classes", &Raster::classes,
+                                       {.meaning = "Material of each integer value that occurs, for example "
+                                                   "`{ 1 = \"mud\", 2 = \"gravel\" }`.",
+                                        .required = true}),
+                         field("origin_m", &Raster::origin_m,
+                               {.meaning = "East and north coordinates of the south-west corner of the "
+                                           "raster, instead of the georeference of the file. Needs `cell_m`.",
+                                .ranges = {coordinate}}),
+                         field("cell_m", &Raster::cell_m,
+                               {.meaning = "Side of a cell. Needs `origin_m`.", .ranges = {size}})})
           .kind<Polygons>(
               "kind", "polygons",
-              {field("file", &Polygons::file, {.required = true}), field("layer", &Polygons::layer),
-               field("attribute", &Polygons::attribute), classes_field("classes", &Polygons::classes),
-               field("overlaps", &Polygons::overlaps, {.choices = {"last", "first"}}),
-               field("coordinates", &Polygons::coordinates, {.choices = {"crs", "local"}})})
-          .kind<Patches>("kind", "patches",
-                         {field("patch_size_m", &Patches::patch_size_m, {.ranges = {size}, .required = true}),
-                          shares_field(), field("seed", &Patches::seed, {.ranges = {not_negative}})})
+              "Polygons from a file. Outside all polygons, the seabed has the `material` of the terrain.",
+              {field("file", &Polygons::file,
+                     {.meaning = "File with the polygons: GeoPackage, GeoJSON, or the `.shp` file of a "
+                                 "Shapefile. Inner rings are holes.",
+                      .required = true}),
+               field("layer", &Polygons::layer,
+                     {.meaning = "Name of the layer. Optional if the file has only one layer."}),
+               field("attribute", &Polygons::attribute,
+                     {.meaning = "Name of the attribute that contains the material of a polygon."}),
+               classes_field(
+                   "classes", &Polygons::classes,
+                   {.meaning = "Material of each value of the attribute, for example `{ \"Silty sand\" = "
+                               "\"sand\" }`. Default: the values are names of materials."}),
+               field(
+                   "overlaps", &Polygons::overlaps,
+                   {.meaning =
+                        "Polygon that applies where polygons overlap: the last or the first one in the file.",
+                    .choices = {"last", "first"}}),
+               field("coordinates", &Polygons::coordinates,
+                     {.meaning = "crs: the coordinate reference system of the file applies. local: the "
+                                 "coordinates are metres in the local frame.",
+                      .choices = {"crs", "local"}})})
+          .kind<Patches>("kind", "patches", "Random polygonal patches of similar size.",
+                         {field("patch_size_m", &Patches::patch_size_m,
+                                {.meaning = "Side of the square with the average area of a patch. At most "
+                                            "200000 patches, including those around the terrain.",
+                                 .ranges = {size},
+                                 .required = true}),
+                          shares_field(),
+                          field("seed", &Patches::seed,
+                                {.meaning = "Seed of the patches. The same seed gives the same patches.",
+                                 .ranges = {not_negative}})})
           .check(check_map);
   return section;
 }
 
 TomlField<TerrainDescription> material_map_field() {
   return table_field<TerrainDescription>(
-      "material_map", {}, [](const toml::table& table, TomlSource& source, TerrainDescription& terrain) {
+      "material_map",
+      {.meaning = "Materials as a function of position, in the section `[terrain.material_map]`. `material` "
+                  "then applies to the rest of the terrain."},
+      [](const toml::table& table, TomlSource& source, TerrainDescription& terrain) {
         const TomlTable map{&table, source.place(table.source()), &source};
         terrain.material_map = material_map_section().read(map, source);
       });

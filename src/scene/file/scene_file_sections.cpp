@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
 // Defines the sections of a scene file with their keys, ranges and checks: [georeference], [[materials]],
-// [[terrain]], [[objects]], [[trajectories]], [run] and others (docs/scene-file.md).
+// [[terrain]], [[objects]], [[trajectories]], [run] and others (docs/scene-keys.md).
 
 #include "scene/file/scene_file_sections.hpp"
 
@@ -21,7 +21,7 @@ void check_georeference(const GeoreferenceDescription& g, const TomlTable& table
   if (g.origin_lat_lon_deg && (g.crs || g.origin_crs)) {
     throw InputError(
         place_of_pair(table, "origin_crs", "crs"),
-        "the frame lies at 'origin_lat_lon_deg' or in 'crs' at 'origin_crs': give only one of the two");
+        "'origin_lat_lon_deg' and 'crs' with 'origin_crs' both define the frame: give only one of the two");
   }
   if (!g.origin_lat_lon_deg && !g.crs && !g.origin_crs) {
     throw InputError(table.place, "[georeference] needs 'origin_lat_lon_deg', or 'crs' with 'origin_crs'");
@@ -42,58 +42,19 @@ void check_material(const MaterialDescription& material, const TomlTable& table)
   if (scattered + std::pow(10, -*material.specular_loss_db / 10) > 1)
     throw InputError(
         table.place_of("specular_loss_db"),
-        fmt::format(
-            "'{}' would return more than it receives: Lambert's law scatters {:.3g} of it, so what it "
-            "mirrors must lose {:.6f} dB at least (or lower 'lambert_db')",
-            material.name, scattered, std::max(0.0, -10 * std::log10(1 - scattered)) + 1e-6));
+        fmt::format("'{}' would return more energy than it receives: Lambert's law scatters a share of "
+                    "{:.3g}, so 'specular_loss_db' must be at least {:.6f} (or reduce 'lambert_db')",
+                    material.name, scattered, std::max(0.0, -10 * std::log10(1 - scattered)) + 1e-6));
 }
 
 void check_terrain(const TerrainDescription& terrain, const TomlTable& table) {
   const auto* fractal = std::get_if<FractalTerrain>(&terrain.kind);
   if (fractal != nullptr && fractal->ripple_height_m > 0 &&
       fractal->ripple_wavelength_m <= 2 * fractal->cell_m) {
-    throw InputError(
-        place_of_pair(table, "ripple_wavelength_m", "cell_m"),
-        fmt::format("cells of {} metres cannot show ripples of {} metres: 'cell_m' must be less than "
-                    "half of 'ripple_wavelength_m'",
-                    fractal->cell_m, fractal->ripple_wavelength_m));
-  }
-}
-
-void check_survey(const SurveyTrajectory& survey, const TomlTable& table) {
-  if (table.has("centre_m") + survey.centre_lat_lon_deg.has_value() + survey.centre_crs.has_value() > 1)
-    throw InputError(table.place_of(survey.centre_crs ? "centre_crs" : "centre_lat_lon_deg"),
-                     "the survey has more than one centre: keep one of 'centre_m', 'centre_lat_lon_deg' and "
-                     "'centre_crs'");
-  const int heights = survey.up_m.has_value() + survey.depth_m.has_value() + survey.altitude_m.has_value();
-  if (heights != 1)
-    throw InputError(
-        table.place,
-        fmt::format("a survey has {} height: give one of 'up_m' (in the local frame), 'depth_m' (below "
-                    "the water's surface) and 'altitude_m' (above the terrain)",
-                    heights == 0 ? "no" : "more than one"));
-  if (survey.altitude_step_m && !survey.altitude_m)
-    throw InputError(table.place_of("altitude_step_m"),
-                     "'altitude_step_m' goes with 'altitude_m': remove it, or give the height by that");
-}
-
-void check_trajectory(const TrajectoryDescription& trajectory, const TomlTable& table) {
-  if (const auto* survey = std::get_if<SurveyTrajectory>(&trajectory.kind)) check_survey(*survey, table);
-  if (const auto* waypoints = std::get_if<WaypointTrajectory>(&trajectory.kind))
-    if (table.has("turn_s") && !waypoints->speed_m_s)
-      throw InputError(table.place_of("turn_s"),
-                       "'turn_s' is for files without times: give 'speed_m_s', or remove 'turn_s'");
-  const auto* line = std::get_if<LineTrajectory>(&trajectory.kind);
-  if (line == nullptr) return;
-  if (line->start_m == line->end_m) {
-    throw InputError(table.place_of("end_m"),
-                     "'end_m' equals 'start_m': a line has a length (kind = \"fixed\" stays in place)");
-  }
-  if (line->start_m[0] == line->end_m[0] && line->start_m[1] == line->end_m[1]) {
-    throw InputError(
-        table.place_of("end_m"),
-        "'end_m' lies straight above or below 'start_m': heading follows the line, so a vertical one has "
-        "none (use kind = \"waypoints\")");
+    throw InputError(place_of_pair(table, "ripple_wavelength_m", "cell_m"),
+                     fmt::format("cells of {} metres cannot resolve ripples of {} metres: 'cell_m' must be "
+                                 "less than half of 'ripple_wavelength_m'",
+                                 fractal->cell_m, fractal->ripple_wavelength_m));
   }
 }
 
@@ -106,24 +67,37 @@ void check_run(const RunDescription& run, const TomlTable& table) {
                     run.start_utc));
   if (run.rays_per_beam && table.has("rays_per_ping")) {
     throw InputError(table.place_of("rays_per_beam"),
-                     "rays are counted by ping or by beam: remove 'rays_per_ping' or 'rays_per_beam'");
+                     "rays are counted per ping or per beam: remove 'rays_per_ping' or 'rays_per_beam'");
   }
 }
 
 }  // namespace
 
 const TomlField<SceneDescription>& title_field() {
-  static const auto title = field("title", &SceneDescription::title, {.longest = limits::title_bytes});
+  static const auto title = field("title", &SceneDescription::title,
+                                  {.meaning = "Title of the scene. tubefoot copies the title to the results.",
+                                   .longest = limits::title_bytes});
   return title;
 }
 
 const TomlSection<GeoreferenceDescription>& georeference_section() {
   using G = GeoreferenceDescription;
   static const auto section =
-      TomlSection<G>("[georeference]")
-          .keys({field("origin_lat_lon_deg", &G::origin_lat_lon_deg, {.ranges = {latitude, longitude}}),
-                 field("crs", &G::crs), field("origin_crs", &G::origin_crs),
-                 field("origin_height_m", &G::origin_height_m, {.ranges = {{.lo = -12000, .hi = 12000}}})})
+      TomlSection<G>("[georeference]",
+                     "Position of the local frame on the Earth. Give `origin_lat_lon_deg`, or `crs` with "
+                     "`origin_crs`. Without this section, coordinates are local metres without a projection.")
+          .keys({field("origin_lat_lon_deg", &G::origin_lat_lon_deg,
+                       {.meaning = "Latitude and longitude (WGS 84) of the origin, where the frame is "
+                                   "tangent to the ellipsoid. Not together with `crs`.",
+                        .ranges = {latitude, longitude}}),
+                 field("crs", &G::crs,
+                       {.meaning = "Projected coordinate reference system, for example `\"EPSG:32602\"`. Its "
+                                   "axes become those of the frame. Needs `origin_crs`."}),
+                 field("origin_crs", &G::origin_crs,
+                       {.meaning = "Easting and northing of the origin, in the units of `crs`."}),
+                 field("origin_height_m", &G::origin_height_m,
+                       {.meaning = "Height of z = 0 in the vertical datum of the files.",
+                        .ranges = {{.lo = -12000, .hi = 12000}}})})
           .check(check_georeference);
   return section;
 }
@@ -131,10 +105,16 @@ const TomlSection<GeoreferenceDescription>& georeference_section() {
 const TomlSection<MaterialDescription>& material_section() {
   using M = MaterialDescription;
   static const auto section =
-      TomlSection<M>("[[materials]]")
-          .keys({field("name", &M::name, {.required = true, .longest = limits::name_bytes})})
+      TomlSection<M>("[[materials]]", "Material of a surface. A scene needs at least one.")
+          .keys({field("name", &M::name,
+                       {.meaning = "Name by which terrains and objects refer to the material.",
+                        .required = true,
+                        .longest = limits::name_bytes})})
           .keys(scattering_fields())
-          .keys({field("specular_loss_db", &M::specular_loss_db, {.ranges = {{.lo = 0, .hi = 120}}})})
+          .keys({field("specular_loss_db", &M::specular_loss_db,
+                       {.meaning = "Loss per specular reflection at facets of this material. Without this "
+                                   "key, the facets do not reflect.",
+                        .ranges = {{.lo = 0, .hi = 120}}})})
           .keys(smooth_fields())
           .tables("relief", &M::relief, relief_section())
           .tables("reflectivity", &M::reflectivity, reflectivity_section())
@@ -149,41 +129,103 @@ const TomlSection<TerrainDescription>& terrain_section() {
   using Raster = RasterTerrain;
   constexpr ValueRange slope{.lo = -80, .hi = 80};
   static const auto section =
-      TomlSection<T>("[[terrain]]")
-          .keys({field("name", &T::name, {.longest = limits::name_bytes}),
-                 field("material", &T::material, {.default_value = "the only material"}),
-                 material_map_field()})
-          .kind<Flat>("kind", "flat",
-                      {field("width_m", &Flat::width_m, {.ranges = {size}, .required = true}),
-                       field("length_m", &Flat::length_m, {.ranges = {size}, .required = true}),
-                       field("centre_m", &Flat::centre_m, {.ranges = {coordinate}}),
-                       field("cell_m", &Flat::cell_m, {.ranges = {size_or_zero}}),
-                       field("slope_deg", &Flat::slope_deg, {.ranges = {slope}}),
-                       field("slope_heading_deg", &Flat::slope_heading_deg, {.ranges = {heading}})})
+      TomlSection<T>(
+          "[[terrain]]",
+          "Part of the seabed. All entries together form the seabed. A single entry may be written as "
+          "`[terrain]`. A scene needs at least one terrain or object.")
+          .keys(
+              {field("name", &T::name,
+                     {.meaning = "Name of the terrain in reports.", .longest = limits::name_bytes}),
+               field("material", &T::material,
+                     {.meaning =
+                          "Name of an entry of `[[materials]]`. Optional if the scene has only one material.",
+                      .default_value = "the only material"}),
+               material_map_field()})
+          .kind<Flat>(
+              "kind", "flat", "Level or sloping rectangle.",
+              {field("width_m", &Flat::width_m,
+                     {.meaning = "Extent from west to east.", .ranges = {size}, .required = true}),
+               field("length_m", &Flat::length_m,
+                     {.meaning = "Extent from south to north.", .ranges = {size}, .required = true}),
+               field("centre_m", &Flat::centre_m,
+                     {.meaning = "Centre of the terrain: east, north, up.", .ranges = {coordinate}}),
+               field("cell_m", &Flat::cell_m,
+                     {.meaning = "Largest side of a cell, which consists of two facets. 0: the whole terrain "
+                                 "is one cell. At most 50 million cells.",
+                      .ranges = {size_or_zero}}),
+               field("slope_deg", &Flat::slope_deg,
+                     {.meaning = "Slope about the centre.", .ranges = {slope}}),
+               field(
+                   "slope_heading_deg", &Flat::slope_heading_deg,
+                   {.meaning =
+                        "Downslope direction, clockwise from north. 90: the terrain is deepest in the east.",
+                    .ranges = {heading}})})
           .kind<Fractal>(
               "kind", "fractal",
-              {field("width_m", &Fractal::width_m, {.ranges = {size}, .required = true}),
-               field("length_m", &Fractal::length_m, {.ranges = {size}, .required = true}),
-               field("centre_m", &Fractal::centre_m, {.ranges = {coordinate}}),
-               field("cell_m", &Fractal::cell_m, {.ranges = {size}}),
-               field("slope_deg", &Fractal::slope_deg, {.ranges = {slope}}),
-               field("slope_heading_deg", &Fractal::slope_heading_deg, {.ranges = {heading}}),
-               field("rms_height_m", &Fractal::rms_height_m, {.ranges = {height}}),
+              "Rectangle with random fractal relief (a fractional Brownian surface) and optional sand "
+              "ripples.",
+              {field("width_m", &Fractal::width_m,
+                     {.meaning = "Extent from west to east.", .ranges = {size}, .required = true}),
+               field("length_m", &Fractal::length_m,
+                     {.meaning = "Extent from south to north.", .ranges = {size}, .required = true}),
+               field("centre_m", &Fractal::centre_m,
+                     {.meaning = "Centre of the terrain: east, north, up.", .ranges = {coordinate}}),
+               field("cell_m", &Fractal::cell_m,
+                     {.meaning =
+                          "Largest side of a cell, which consists of two facets. At most 50 million cells.",
+                      .ranges = {size}}),
+               field("slope_deg", &Fractal::slope_deg,
+                     {.meaning = "Slope about the centre.", .ranges = {slope}}),
+               field(
+                   "slope_heading_deg", &Fractal::slope_heading_deg,
+                   {.meaning =
+                        "Downslope direction, clockwise from north. 90: the terrain is deepest in the east.",
+                    .ranges = {heading}}),
+               field("rms_height_m", &Fractal::rms_height_m,
+                     {.meaning = "Root mean square height of the relief about its mean, without ripples.",
+                      .ranges = {height}}),
                field("hurst", &Fractal::hurst,
-                     {.ranges = {{.lo = 0, .hi = 1, .lo_excluded = true, .hi_excluded = true}}}),
-               field("largest_wavelength_m", &Fractal::largest_wavelength_m, {.ranges = {size_or_zero}}),
-               field("seed", &Fractal::seed, {.ranges = {not_negative}}),
-               field("ripple_height_m", &Fractal::ripple_height_m, {.ranges = {height}}),
-               field("ripple_wavelength_m", &Fractal::ripple_wavelength_m, {.ranges = {size}}),
-               field("ripple_direction_deg", &Fractal::ripple_direction_deg, {.ranges = {heading}})})
+                     {.meaning = "Hurst exponent of the relief: rough near 0, smooth near 1.",
+                      .ranges = {{.lo = 0, .hi = 1, .lo_excluded = true, .hi_excluded = true}}}),
+               field("largest_wavelength_m", &Fractal::largest_wavelength_m,
+                     {.meaning = "Longest wavelength of the relief. 0: the larger of the two extents.",
+                      .ranges = {size_or_zero}}),
+               field("seed", &Fractal::seed,
+                     {.meaning = "Seed of the relief. The same seed gives the same relief.",
+                      .ranges = {not_negative}}),
+               field("ripple_height_m", &Fractal::ripple_height_m,
+                     {.meaning = "Height of sinusoidal sand ripples from trough to crest. 0: no ripples.",
+                      .ranges = {height}}),
+               field("ripple_wavelength_m", &Fractal::ripple_wavelength_m,
+                     {.meaning = "Distance from crest to crest, which must exceed two cells.",
+                      .ranges = {size}}),
+               field("ripple_direction_deg", &Fractal::ripple_direction_deg,
+                     {.meaning = "Compass direction perpendicular to the crests, clockwise from north.",
+                      .ranges = {heading}})})
           .kind<Raster>(
-              "kind", "raster",
-              {field("file", &Raster::file, {.required = true}),
-               field("window", &Raster::window, {.ranges = {index, index, count_of_two, count_of_two}}),
-               field("decimate", &Raster::decimate, {.ranges = {{.lo = 1, .hi = 10000}}}),
-               field("resolution_m", &Raster::resolution_m, {.ranges = {size_or_zero}}),
-               field("depth_positive_down", &Raster::depth_positive_down),
-               field("load", &Raster::load, {.choices = {"auto", "whole", "tiles"}})})
+              "kind", "raster", "Bathymetric grid from a file.",
+              {field("file", &Raster::file,
+                     {.meaning = "Grid in a format that GDAL reads: GeoTIFF, BAG, ESRI ASCII grid, netCDF, "
+                                 "or VRT of local files. Cells without data are holes.",
+                      .required = true}),
+               field(
+                   "window", &Raster::window,
+                   {.meaning =
+                        "Part of the raster to load: first column, first row, columns, rows, from the "
+                        "north-west corner. For a BAG of variable resolution, the numbers count supergrids.",
+                    .ranges = {index, index, count_of_two, count_of_two}}),
+               field("decimate", &Raster::decimate,
+                     {.meaning = "Load every n-th row and column.", .ranges = {{.lo = 1, .hi = 10000}}}),
+               field("resolution_m", &Raster::resolution_m,
+                     {.meaning = "For a BAG of variable resolution: side of the square cells to which the "
+                                 "surface is resampled. 0: all nodes, without resampling.",
+                      .ranges = {size_or_zero}}),
+               field("depth_positive_down", &Raster::depth_positive_down,
+                     {.meaning = "true: the values are depths. false: the values are heights."}),
+               field("load", &Raster::load,
+                     {.meaning = "Load the whole raster at once, or only the tiles that a ping needs. auto: "
+                                 "tiles for rasters of 20 million pixels or more.",
+                      .choices = {"auto", "whole", "tiles"}})})
           .check(check_terrain);
   return section;
 }
@@ -194,106 +236,145 @@ const TomlSection<ObjectDescription>& object_section() {
   using Cylinder = CylinderPrimitive;
   using Cone = ConePrimitive;
   constexpr ValueRange mesh_unit{.lo = 0, .hi = 1e6, .lo_excluded = true};
-  static const auto chord_error = field("chord_error_m", &O::chord_error_m,
-                                        {.ranges = {size}, .default_value = "as fine as the sensors see"});
+  static const auto chord_error =
+      field("chord_error_m", &O::chord_error_m,
+            {.meaning = "Largest distance between the curved surface and its facets. Default: a sixteenth of "
+                        "the sensor resolution, at least 3/10000 and at most 1/50 of the radius.",
+             .ranges = {size},
+             .default_value = "computed from the sensor resolution"});
   static const auto section =
-      TomlSection<O>("[[objects]]")
-          .keys({field("name", &O::name, {.required = true, .longest = limits::name_bytes}),
-                 field("material", &O::material, {.default_value = "the only material"}),
-                 field("position_m", &O::position_m, {.ranges = {coordinate}}),
-                 field("position_lat_lon_deg", &O::position_lat_lon_deg, {.ranges = {latitude, longitude}}),
-                 field("on_terrain_m", &O::on_terrain_m, {.ranges = {coordinate}}),
-                 field("heading_deg", &O::heading_deg, {.ranges = {heading}}),
-                 field("pitch_deg", &O::pitch_deg, {.ranges = {pitch}}),
-                 field("roll_deg", &O::roll_deg, {.ranges = {roll}}),
-                 field("scale", &O::scale, {.ranges = {{.lo = 0, .hi = 1e6, .lo_excluded = true}}})})
-          .kind<MeshFile>("shape", "mesh",
-                          {field("file", &MeshFile::file, {.required = true}),
-                           field("up", &MeshFile::up, {.choices = {"x", "y", "z"}}),
-                           field("unit_m", &MeshFile::unit_m, {.ranges = {mesh_unit}}),
-                           classes_field("materials", &MeshFile::materials)})
-          .kind<Sphere>("shape", "sphere", {field("radius_m", &Sphere::radius_m, {.ranges = {size}})},
-                        {chord_error})
+      TomlSection<O>("[[objects]]", "Object in the water or on the seabed.")
+          .keys(
+              {field("name", &O::name,
+                     {.meaning = "Name of the object in reports.",
+                      .required = true,
+                      .longest = limits::name_bytes}),
+               field("material", &O::material,
+                     {.meaning =
+                          "Name of an entry of `[[materials]]`. Optional if the scene has only one material.",
+                      .default_value = "the only material"}),
+               field("position_m", &O::position_m,
+                     {.meaning = "Centre of a primitive, or origin of a mesh file: east, north, up.",
+                      .ranges = {coordinate}}),
+               field("position_lat_lon_deg", &O::position_lat_lon_deg,
+                     {.meaning = "Latitude and longitude (WGS 84), instead of the first two numbers of "
+                                 "`position_m`. Needs `[georeference]`.",
+                      .ranges = {latitude, longitude}}),
+               field("on_terrain_m", &O::on_terrain_m,
+                     {.meaning = "Height of the lowest point of the object above the highest terrain at this "
+                                 "position, instead of the third number of `position_m`. Negative values "
+                                 "embed the object in the terrain.",
+                      .ranges = {coordinate}}),
+               field("heading_deg", &O::heading_deg,
+                     {.meaning = "Rotation about the vertical, clockwise from north.", .ranges = {heading}}),
+               field("pitch_deg", &O::pitch_deg,
+                     {.meaning = "Rotation that raises the y axis (bow) of the object.", .ranges = {pitch}}),
+               field("roll_deg", &O::roll_deg,
+                     {.meaning = "Rotation that lowers the x axis (starboard side) of the object.",
+                      .ranges = {roll}}),
+               field("scale", &O::scale,
+                     {.meaning = "Scale factors along the axes of the object, applied before the rotations. "
+                                 "For a mesh, the rotation by `up` comes first.",
+                      .ranges = {{.lo = 0, .hi = 1e6, .lo_excluded = true}}})})
+          .kind<MeshFile>(
+              "shape", "mesh", "Facets from a mesh file.",
+              {field("file", &MeshFile::file,
+                     {.meaning = "Mesh file: OBJ, PLY, STL, OFF, COLLADA, glTF (GLB), 3DS or FBX.",
+                      .required = true}),
+               field("up", &MeshFile::up,
+                     {.meaning = "Axis of the file that points up. Default: z for OBJ, PLY, STL and OFF, y "
+                                 "for glTF, and the stated axis for COLLADA and FBX. Required for 3DS.",
+                      .choices = {"x", "y", "z"}}),
+               field("unit_m", &MeshFile::unit_m,
+                     {.meaning = "Length of one unit of the file, for example 0.001 for millimetres. "
+                                 "Default: 1 for OBJ, PLY, STL, OFF and glTF, and the stated unit for "
+                                 "COLLADA and FBX. Required for 3DS.",
+                      .ranges = {mesh_unit}}),
+               classes_field("materials", &MeshFile::materials,
+                             {.meaning = "Names of faces in the mesh and their materials in the scene. Other "
+                                         "faces have the `material` of the object."})})
+          .kind<Sphere>(
+              "shape", "sphere",
+              "Sphere with its centre at `position_m`. The facets together have the area of the sphere.",
+              {field("radius_m", &Sphere::radius_m, {.meaning = "Radius of the sphere.", .ranges = {size}})},
+              {chord_error})
           .kind<Cylinder>("shape", "cylinder",
-                          {field("radius_m", &Cylinder::radius_m, {.ranges = {size}}),
-                           field("height_m", &Cylinder::height_m, {.ranges = {size}})},
+                          "Closed cylinder along the z axis of the object, with its centre at `position_m`. "
+                          "The side facets together have the area of the curved side.",
+                          {field("radius_m", &Cylinder::radius_m,
+                                 {.meaning = "Radius of the cylinder.", .ranges = {size}}),
+                           field("height_m", &Cylinder::height_m,
+                                 {.meaning = "Height along the z axis of the object.", .ranges = {size}})},
                           {chord_error})
-          .kind<Cone>("shape", "cone",
-                      {field("radius_m", &Cone::radius_m, {.ranges = {size}}),
-                       field("top_radius_m", &Cone::top_radius_m, {.ranges = {size_or_zero}}),
-                       field("height_m", &Cone::height_m, {.ranges = {size}})},
-                      {chord_error})
-          .kind<BoxPrimitive>("shape", "box", {field("size_m", &BoxPrimitive::size_m, {.ranges = {size}})});
-  return section;
-}
-
-const TomlSection<TrajectoryDescription>& trajectory_section() {
-  using T = TrajectoryDescription;
-  using Fixed = FixedTrajectory;
-  using Line = LineTrajectory;
-  using Waypoints = WaypointTrajectory;
-  using Lines = SurveyTrajectory;
-  constexpr ValueRange speed{.lo = 0, .hi = 100, .lo_excluded = true};
-  constexpr ValueRange turn{.lo = 0.001, .hi = 1e6};
-  static const auto section =
-      TomlSection<T>("[[trajectories]]")
-          .keys({field("name", &T::name, {.longest = limits::name_bytes})})
-          .kind<Fixed>("kind", "fixed",
-                       {field("position_m", &Fixed::position_m, {.ranges = {coordinate}}),
-                        field("heading_deg", &Fixed::heading_deg, {.ranges = {heading}}),
-                        field("pitch_deg", &Fixed::pitch_deg, {.ranges = {pitch}}),
-                        field("roll_deg", &Fixed::roll_deg, {.ranges = {roll}})})
-          .kind<Line>("kind", "line",
-                      {field("start_m", &Line::start_m, {.ranges = {coordinate}, .required = true}),
-                       field("end_m", &Line::end_m, {.ranges = {coordinate}, .required = true}),
-                       field("speed_m_s", &Line::speed_m_s, {.ranges = {speed}}),
-                       field("pitch_deg", &Line::pitch_deg, {.ranges = {pitch}}),
-                       field("roll_deg", &Line::roll_deg, {.ranges = {roll}})})
-          .kind<Waypoints>("kind", "waypoints",
-                           {field("file", &Waypoints::file, {.required = true}),
-                            field("speed_m_s", &Waypoints::speed_m_s, {.ranges = {speed}}),
-                            field("turn_s", &Waypoints::turn_s, {.ranges = {turn}})})
-          .kind<Lines>(
-              "kind", "survey",
-              {field("centre_m", &Lines::centre_m, {.ranges = {coordinate}}),
-               field("centre_lat_lon_deg", &Lines::centre_lat_lon_deg, {.ranges = {latitude, longitude}}),
-               field("centre_crs", &Lines::centre_crs),
-               field("length_m", &Lines::length_m, {.ranges = {size}, .required = true}),
-               field("width_m", &Lines::width_m, {.ranges = {size_or_zero}, .required = true}),
-               field("spacing_m", &Lines::spacing_m, {.ranges = {size}, .required = true}),
-               field("heading_deg", &Lines::heading_deg, {.ranges = {heading}}),
-               field("one_way", &Lines::one_way), field("up_m", &Lines::up_m, {.ranges = {coordinate}}),
-               field("depth_m", &Lines::depth_m, {.ranges = {{.lo = 0, .hi = 12000}}}),
-               field("altitude_m", &Lines::altitude_m,
-                     {.ranges = {{.lo = 0, .hi = 12000, .lo_excluded = true}}}),
-               field("altitude_step_m", &Lines::altitude_step_m,
-                     {.ranges = {size}, .default_value = "as altitude_m"}),
-               field("speed_m_s", &Lines::speed_m_s, {.ranges = {speed}}),
-               field("turn_s", &Lines::turn_s, {.ranges = {turn}}),
-               field("pitch_deg", &Lines::pitch_deg, {.ranges = {pitch}}),
-               field("roll_deg", &Lines::roll_deg, {.ranges = {roll}})})
-          .check(check_trajectory);
+          .kind<Cone>(
+              "shape", "cone",
+              "Closed, pointed or truncated cone along the z axis of the object. The point at half of its "
+              "height is at `position_m`.",
+              {field("radius_m", &Cone::radius_m, {.meaning = "Radius at the bottom.", .ranges = {size}}),
+               field("top_radius_m", &Cone::top_radius_m,
+                     {.meaning = "Radius at the top. 0: a pointed cone.", .ranges = {size_or_zero}}),
+               field("height_m", &Cone::height_m,
+                     {.meaning = "Height along the z axis of the object.", .ranges = {size}})},
+              {chord_error})
+          .kind<BoxPrimitive>("shape", "box", "Box with its centre at `position_m`.",
+                              {field("size_m", &BoxPrimitive::size_m,
+                                     {.meaning = "Edge lengths along the x, y and z axes of the object.",
+                                      .ranges = {size}})});
   return section;
 }
 
 const TomlSection<RunDescription>& run_section() {
   using R = RunDescription;
   static const auto section =
-      TomlSection<R>("[run]")
+      TomlSection<R>("[run]",
+                     "Settings of the computation. Options on the command line override these settings.")
           .keys(
-              {field("start_utc", &R::start_utc), field("engine", &R::engine, {.choices = {"tube", "ray"}}),
-               field("arithmetic", &R::arithmetic, {.choices = {"fixed", "filtered", "rational", "double"}}),
-               field("binning", &R::binning, {.choices = {"exact", "spread", "centroid"}}),
-               field("facets_per_split", &R::facets_per_split, {.ranges = {{.lo = 2, .hi = 1e6}}}),
-               field("zero_tolerance", &R::zero_tolerance, {.ranges = {{.lo = 0, .hi = 1e-3}}}),
+              {field("start_utc", &R::start_utc,
+                     {.meaning = "UTC date and time at which the time of trajectories is 0. Files with dates "
+                                 "contain dates relative to this instant."}),
+               field("engine", &R::engine,
+                     {.meaning = "tube: integrates footprints exactly. ray: samples footprints with rays.",
+                      .choices = {"tube", "ray"}}),
+               field("arithmetic", &R::arithmetic,
+                     {.meaning = "Arithmetic of the tube engine. fixed, filtered and rational are exact; "
+                                 "double is for comparison.",
+                      .choices = {"fixed", "filtered", "rational", "double"}}),
+               field("binning", &R::binning,
+                     {.meaning = "Distribution of the energy of a footprint over range bins. exact: "
+                                 "footprints are cut at bin borders. spread: uniformly over the ranges of "
+                                 "the footprint. centroid: all in the bin of the centroid.",
+                      .choices = {"exact", "spread", "centroid"}}),
+               field("facets_per_split", &R::facets_per_split,
+                     {.meaning = "Number of possible occluders above which the tube engine splits a facet "
+                                 "before the subtraction of hidden parts. Affects only the run time.",
+                      .ranges = {{.lo = 2, .hi = 1e6}}}),
+               field("zero_tolerance", &R::zero_tolerance,
+                     {.meaning = "For `arithmetic = \"double\"`: relative magnitude up to which a value "
+                                 "counts as zero.",
+                      .ranges = {{.lo = 0, .hi = 1e-3}}}),
                field("sampling", &R::sampling,
-                     {.choices = {"stratified", "sobol", "adaptive", "regular", "random", "column"}}),
-               field("rays_per_ping", &R::rays_per_ping, {.ranges = {{.lo = 1, .hi = 1e10}}}),
-               field("rays_per_beam", &R::rays_per_beam, {.ranges = {{.lo = 1, .hi = 1e10}}}),
-               field("seed", &R::seed, {.ranges = {not_negative}}),
-               field("grid_exponent", &R::grid_exponent, {.ranges = {{.lo = 0, .hi = finest_grid_exponent}}}),
-               field("threads", &R::threads, {.ranges = {{.lo = 0, .hi = 1024}}}),
-               field("terrain_cache_mb", &R::terrain_cache_mb, {.ranges = {{.lo = 0, .hi = 1e6}}})})
+                     {.meaning = "Directions of rays. stratified: one random ray per cell. sobol: scrambled "
+                                 "Sobol' points. adaptive: more rays where neighbouring cells differ. "
+                                 "regular: cell centres. random: independent. column: one column per beam.",
+                      .choices = {"stratified", "sobol", "adaptive", "regular", "random", "column"}}),
+               field("rays_per_ping", &R::rays_per_ping,
+                     {.meaning = "Number of rays per ping of the ray engine.",
+                      .ranges = {{.lo = 1, .hi = 1e10}}}),
+               field("rays_per_beam", &R::rays_per_beam,
+                     {.meaning = "Number of rays per beam of the ray engine, instead of `rays_per_ping`.",
+                      .ranges = {{.lo = 1, .hi = 1e10}}}),
+               field("seed", &R::seed,
+                     {.meaning = "Seed of the ray engine, of noise and speckle, and of the scatterers.",
+                      .ranges = {not_negative}}),
+               field("grid_exponent", &R::grid_exponent,
+                     {.meaning = "Exponent k of the grid unit, which is 2^-k metres. Default: the largest "
+                                 "value up to 20 for which the scene fits on the grid.",
+                      .ranges = {{.lo = 0, .hi = finest_grid_exponent}}}),
+               field("threads", &R::threads,
+                     {.meaning = "Number of threads. 0: one per core.", .ranges = {{.lo = 0, .hi = 1024}}}),
+               field("terrain_cache_mb", &R::terrain_cache_mb,
+                     {.meaning = "Memory for tiled terrain in megabytes, in addition to the tiles in use.",
+                      .ranges = {{.lo = 0, .hi = 1e6}}})})
           .check(check_run);
   return section;
 }

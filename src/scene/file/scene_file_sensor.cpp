@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Defines the section [[sensors]] of a scene file: keys of all sensors, of their patterns and of their
-// receivers. Each kind of sensor adds its own keys (docs/scene-file.md).
+// receivers. Each kind of sensor adds its own keys (docs/scene-keys.md).
 #include <algorithm>
 
 #include "files/limits.hpp"
@@ -29,10 +29,10 @@ void check_pattern(const PatternDescription& pattern, const std::string& side, c
     const std::string key = side + measure,
                       choice = fmt::format("{}_pattern = \"{}\"", side, pattern.pattern);
     if (given && !takes) {
-      throw InputError(table.place_of(key),
-                       fmt::format("'{}' goes with {}_pattern = {} and not with {}: remove it, or change the "
-                                   "latter",
-                                   key, side, one_of(patterns, '"'), choice));
+      throw InputError(
+          table.place_of(key),
+          fmt::format("'{}' applies to {}_pattern = {}, not to {}: remove the key, or change the pattern",
+                      key, side, one_of(patterns, '"'), choice));
     }
     if (takes && !given && key != side + "_pattern_angle")
       throw InputError(table.place_of(side + "_pattern"), fmt::format("{} needs the key '{}'", choice, key));
@@ -40,7 +40,7 @@ void check_pattern(const PatternDescription& pattern, const std::string& side, c
   if (pattern.pattern == "line" && pattern.angle == "off_axis") {
     throw InputError(table.place_of(side + "_pattern_angle"),
                      fmt::format("a line array's pattern depends on \"azimuth\" or \"elevation\", not on "
-                                 "\"off_axis\": take {}_pattern = \"piston\" for a round aperture",
+                                 "\"off_axis\": set {}_pattern = \"piston\" for a round aperture",
                                  side));
   }
 }
@@ -70,16 +70,15 @@ void check_amounts(const SensorDescription& sensor, const TomlTable& table) {
   if (cells > limits::ping_cells)
     throw InputError(
         place_of_pair(table, "beams", "samples"),
-        fmt::format("'beams' and 'samples' make {} range samples a ping, at most {} are taken: lower "
-                    "one of the two, or share the beams among several sensors",
+        fmt::format("'beams' and 'samples' give {} range bins per ping, but at most {} are allowed: reduce "
+                    "one of the two, or distribute the beams over several sensors",
                     cells, limits::ping_cells));
   const std::int64_t transmissions = sensor.pings.value_or(1) * figures.transmissions;
   if (transmissions > limits::sensor_transmissions)
-    throw InputError(
-        table.place_of("pings"),
-        fmt::format("'pings' of {} transmissions each make {}, at most {} are taken: ask for fewer pings, in "
-                    "several scenes",
-                    figures.transmissions, transmissions, limits::sensor_transmissions));
+    throw InputError(table.place_of("pings"),
+                     fmt::format("'pings' with {} transmissions each give {} transmissions, but at most {} "
+                                 "are allowed: distribute the pings over several scenes",
+                                 figures.transmissions, transmissions, limits::sensor_transmissions));
 }
 
 void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
@@ -89,41 +88,49 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
   constexpr std::size_t longest_name = 64;
   constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
   if (sensor.name.size() > longest_name || sensor.name.find_first_not_of(allowed) != std::string::npos) {
-    throw InputError(
-        table.place_of("name"),
-        fmt::format("a sensor's 'name' becomes the name of files: expected at most {} of the characters "
-                    "A-Z a-z 0-9 _ -, not \"{}\"",
-                    longest_name, sensor.name));
+    throw InputError(table.place_of("name"),
+                     fmt::format("a sensor's 'name' becomes part of file names: expected at most {} of the "
+                                 "characters A-Z a-z 0-9 _ -, not \"{}\"",
+                                 longest_name, sensor.name));
   }
   if (sensor.look_at_m) {
     if (!sensor.kind.section().looks_ahead())
-      throw InputError(
-          table.place_of("look_at_m"),
-          fmt::format("'look_at_m' turns sonars that look ahead, which kind = \"{}\" does not: give "
-                      "'yaw_deg', 'tilt_deg' and 'roll_deg'",
-                      sensor.kind.section().name()));
+      throw InputError(table.place_of("look_at_m"),
+                       fmt::format("'look_at_m' applies only to forward-looking sonars, not to kind = "
+                                   "\"{}\": give 'yaw_deg', 'tilt_deg' and 'roll_deg'",
+                                   sensor.kind.section().name()));
     for (const char* key : {"yaw_deg", "tilt_deg"})
       if (table.has(key))
         throw InputError(
             table.place_of(key),
-            fmt::format("'look_at_m' turns the sensor already: remove '{}' or 'look_at_m'", key));
+            fmt::format("'look_at_m' already sets the direction of the sensor: remove '{}' or 'look_at_m'",
+                        key));
   }
   sensor.kind.section().check(sensor, table);
   check_amounts(sensor, table);
 }
 
-/// Returns the keys of a transmit or receive pattern as keys of the sensor.
-std::vector<TomlField<SensorDescription>> pattern_fields(const std::string& side,
+/// Returns the keys of a transmit or receive pattern as keys of the sensor. `meaning` is that of the pattern.
+std::vector<TomlField<SensorDescription>> pattern_fields(const std::string& side, std::string meaning,
                                                          PatternDescription SensorDescription::*pattern) {
   using P = PatternDescription;
   constexpr ValueRange aperture{.lo = 0, .hi = 1000, .lo_excluded = true};
   constexpr ValueRange width{.lo = 0, .hi = 180, .lo_excluded = true};
   const std::vector<TomlField<P>> own{
-      field(side + "_pattern", &P::pattern, {.choices = {"none", "line", "piston", "gaussian", "table"}}),
-      field(side + "_pattern_angle", &P::angle, {.choices = {"azimuth", "elevation", "off_axis"}}),
-      field(side + "_aperture_m", &P::aperture_m, {.ranges = {aperture}}),
-      field(side + "_beam_width_deg", &P::width_deg, {.ranges = {width}}),
-      field(side + "_pattern_file", &P::file)};
+      field(side + "_pattern", &P::pattern,
+            {.meaning = std::move(meaning), .choices = {"none", "line", "piston", "gaussian", "table"}}),
+      field(side + "_pattern_angle", &P::angle,
+            {.meaning =
+                 "Angle that is the argument of the pattern: across the beam (azimuth), above the beam "
+                 "(elevation), or from the beam axis (off_axis). For a sidescan, azimuth is along the track.",
+             .choices = {"azimuth", "elevation", "off_axis"}}),
+      field(side + "_aperture_m", &P::aperture_m,
+            {.meaning = "Length of a line array, or diameter of a piston.", .ranges = {aperture}}),
+      field(side + "_beam_width_deg", &P::width_deg,
+            {.meaning = "Full one-way width of a Gaussian pattern at -3 dB.", .ranges = {width}}),
+      field(side + "_pattern_file", &P::file,
+            {.meaning = "CSV file of a table pattern with the header line `angle_deg,level_db`. The angles "
+                        "increase from row to row."})};
   std::vector<TomlField<SensorDescription>> fields;
   for (const TomlField<P>& f : own) {
     const bool is_file = f.key.type == "file";
@@ -141,19 +148,43 @@ std::vector<TomlField<SensorDescription>> signal_fields() {
   using G = SignalDescription;
   constexpr ValueRange level{.lo = -300, .hi = 300};
   const std::vector<TomlField<G>> own{
-      field("source_level_db", &G::source_level_db, {.ranges = {level}}),
-      field("noise_level_db", &G::noise_level_db, {.ranges = {level}}),
-      field("speckle", &G::speckle, {.choices = {"none", "rayleigh", "k"}}),
-      field("speckle_looks", &G::speckle_looks, {.ranges = {{.lo = 1, .hi = 1024}}}),
-      field("speckle_shape", &G::speckle_shape, {.ranges = {{.lo = 0.01, .hi = 1e6}}}),
-      field("tvg_spreading", &G::tvg_spreading, {.ranges = {{.lo = 0, .hi = 60}}}),
+      field("source_level_db", &G::source_level_db,
+            {.meaning = "Source level re 1 uPa at 1 m, for files that contain levels. The energy densities "
+                        "in echoes.nc are for a source of 1 J/sr instead.",
+             .ranges = {level}}),
+      field(
+          "noise_level_db", &G::noise_level_db,
+          {.meaning = "Mean noise level in the receiver band, re 1 uPa. Without this key, there is no noise.",
+           .ranges = {level}}),
+      field("speckle", &G::speckle,
+            {.meaning = "Distribution of the interference of many scatterers. tubefoot draws one random "
+                        "value per ping, beam and range bin.",
+             .choices = {"none", "rayleigh", "k"}}),
+      field("speckle_looks", &G::speckle_looks,
+            {.meaning = "Number of independent looks whose energies are averaged.",
+             .ranges = {{.lo = 1, .hi = 1024}}}),
+      field("speckle_shape", &G::speckle_shape,
+            {.meaning = "Shape parameter nu of the K distribution. Smaller values give spikier speckle.",
+             .ranges = {{.lo = 0.01, .hi = 1e6}}}),
+      field("tvg_spreading", &G::tvg_spreading,
+            {.meaning = "Coefficient Sp of the time-varied gain Sp log10 R + 2 alpha R + G in dB. Without "
+                        "this key, there is no gain.",
+             .ranges = {{.lo = 0, .hi = 60}}}),
       field("tvg_absorption_db_per_km", &G::tvg_absorption_db_per_km,
-            {.ranges = {{.lo = 0, .hi = 100000}}, .default_value = "the water's"}),
-      field("tvg_gain_db", &G::tvg_gain_db, {.ranges = {level}}),
-      field("tvg_fixed_below_m", &G::tvg_fixed_below_m, {.ranges = {sonar_range}}),
-      field("display_gain_db", &G::display_gain_db, {.ranges = {{.lo = -100, .hi = 100}}}),
+            {.meaning = "One-way absorption alpha in the time-varied gain.",
+             .ranges = {{.lo = 0, .hi = 100000}},
+             .default_value = "absorption of the water"}),
+      field("tvg_gain_db", &G::tvg_gain_db,
+            {.meaning = "Constant G of the time-varied gain.", .ranges = {level}}),
+      field("tvg_fixed_below_m", &G::tvg_fixed_below_m,
+            {.meaning = "Range below which the gain is constant.", .ranges = {sonar_range}}),
+      field("display_gain_db", &G::display_gain_db,
+            {.meaning = "Additional brightness of pictures. Other files do not change.",
+             .ranges = {{.lo = -100, .hi = 100}}}),
       field("pulse_length_us", &G::pulse_length_us,
-            {.ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}})};
+            {.meaning = "Length tau of the pulse. Files in sonar formats spread each echo over c tau / 2 in "
+                        "range, and levels apply to this pulse. Without this key, echoes are not spread.",
+             .ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}})};
   std::vector<TomlField<SensorDescription>> fields;
   for (const TomlField<G>& f : own)
     fields.push_back({f.key, [read = f.read](const toml::node& node, TomlSource& source,
@@ -169,25 +200,64 @@ TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
   // Files of instruments contain times since 1970 as doubles, with a resolution of a quarter of a
   // microsecond. With a shorter interval, two pings would have the same time.
   constexpr ValueRange ping_interval{.lo = 1e-6, .hi = 1e6};
-  TomlSection<S> section("[[sensors]]");
+  TomlSection<S> section("[[sensors]]", "Sonar that moves along a trajectory. A scene needs at least one.");
   section
-      .keys({field("name", &S::name, {.required = true, .longest = limits::name_bytes}),
-             field("preset", &S::preset, {.longest = limits::name_bytes}),
-             field("trajectory", &S::trajectory, {.default_value = "the only trajectory"}),
-             field("lever_arm_m", &S::lever_arm_m, {.ranges = {lever_arm}}),
-             field("receiver_arm_m", &S::receiver_arm_m,
-                   {.ranges = {lever_arm}, .default_value = "as lever_arm_m"}),
-             field("yaw_deg", &S::yaw_deg, {.ranges = {heading}}),
-             field("tilt_deg", &S::tilt_deg, {.ranges = {pitch}}),
-             field("roll_deg", &S::roll_deg, {.ranges = {roll}}),
-             field("look_at_m", &S::look_at_m, {.ranges = {coordinate}}),
-             field("first_ping_s", &S::first_ping_s, {.ranges = {{.lo = -1e10, .hi = 1e10}}}),
-             field("pings", &S::pings,
-                   {.ranges = {{.lo = 1, .hi = 1e7}}, .default_value = "1; of a survey, all"}),
-             field("ping_interval_s", &S::ping_interval_s, {.ranges = {ping_interval}}),
-             field("cone_tolerance", &S::cone_tolerance, {.ranges = {{.lo = 1e-9, .hi = 0.01}}})})
-      .keys(pattern_fields("transmit", &S::transmit))
-      .keys(pattern_fields("receive", &S::receive))
+      .keys(
+          {field("name", &S::name,
+                 {.meaning = "Name of the sensor and part of file names. Up to 64 letters without accents, "
+                             "digits, underscores and hyphens.",
+                  .required = true,
+                  .longest = limits::name_bytes}),
+           field("preset", &S::preset,
+                 {.meaning = "Name of a real sonar; `tubefoot presets` lists the names. Keys of the entry "
+                             "override the preset, and `kind` becomes optional.",
+                  .longest = limits::name_bytes}),
+           field(
+               "trajectory", &S::trajectory,
+               {.meaning =
+                    "Name of an entry of `[[trajectories]]`. Optional if the scene has only one trajectory.",
+                .default_value = "the only trajectory"}),
+           field("lever_arm_m", &S::lever_arm_m,
+                 {.meaning = "Position of the sensor on the carrier, relative to the reference point: "
+                             "starboard, forward, up.",
+                  .ranges = {lever_arm}}),
+           field("receiver_arm_m", &S::receiver_arm_m,
+                 {.meaning = "Position of a separate receiver with the same mounting angles. The transmitter "
+                             "is then at `lever_arm_m`. Slant ranges are half of the two-way path length.",
+                  .ranges = {lever_arm},
+                  .default_value = "value of lever_arm_m"}),
+           field("yaw_deg", &S::yaw_deg,
+                 {.meaning = "Mounting angle: rotation to starboard.", .ranges = {heading}}),
+           field("tilt_deg", &S::tilt_deg,
+                 {.meaning = "Mounting angle: rotation downwards.", .ranges = {pitch}}),
+           field("roll_deg", &S::roll_deg,
+                 {.meaning = "Mounting angle: rotation that lowers the starboard side.", .ranges = {roll}}),
+           field(
+               "look_at_m", &S::look_at_m,
+               {.meaning = "Point that the sensor faces at every ping, instead of `yaw_deg` and `tilt_deg`: "
+                           "east, north, up. For the kinds array, didson, imaging and scanning.",
+                .ranges = {coordinate}}),
+           field("first_ping_s", &S::first_ping_s,
+                 {.meaning = "Time of the first ping on the trajectory. On a survey, the time is relative to "
+                             "the start of each line.",
+                  .ranges = {{.lo = -1e10, .hi = 1e10}}}),
+           field("pings", &S::pings,
+                 {.meaning =
+                      "Number of pings. On a survey, tubefoot counts from the first ping of the first line.",
+                  .ranges = {{.lo = 1, .hi = 1e7}},
+                  .default_value = "1, or all pings of a survey"}),
+           field("ping_interval_s", &S::ping_interval_s,
+                 {.meaning = "Time between pings.", .ranges = {ping_interval}}),
+           field("cone_tolerance", &S::cone_tolerance,
+                 {.meaning = "Largest relative error in the height of an ideal beam, whose cones are "
+                             "approximated by planes. Determines the number of tubes per beam.",
+                  .ranges = {{.lo = 1e-9, .hi = 0.01}}})})
+      .keys(pattern_fields("transmit",
+                           "Transmitted power as a function of direction, relative to the middle of the fan.",
+                           &S::transmit))
+      .keys(pattern_fields("receive",
+                           "Received power as a function of direction, relative to the axis of each beam.",
+                           &S::receive))
       .keys(signal_fields());
   for (const SensorSection* kind : kinds) kind->add_keys(section);
   section.check(check_sensor);

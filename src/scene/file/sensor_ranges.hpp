@@ -15,9 +15,9 @@ inline constexpr ValueRange range_start{.lo = 0, .hi = 100000};
 inline constexpr ValueRange sonar_range{.lo = 0, .hi = 100000, .lo_excluded = true};
 inline constexpr ValueRange frequency{.lo = 1, .hi = 10000};
 
-inline constexpr const char* no_width = "a sector of no width sees nothing";
+inline constexpr const char* no_width = "a sector without width receives nothing";
 inline constexpr const char* too_wide =
-    "a sector so wide does not project onto a plane, share it among several sensors";
+    "a sector of this width does not project onto a plane, distribute it over several sensors";
 constexpr ValueRange sector(double hi, bool hi_excluded) {
   return {.lo = 0,
           .hi = hi,
@@ -48,7 +48,7 @@ inline void check_beam_angles(const std::vector<double>& angles_deg,
     if (table.has(key))
       throw InputError(
           table.place_of(key),
-          fmt::format("'beam_angles_deg' says where the beams lie: remove '{}', or the list", key));
+          fmt::format("'beam_angles_deg' already defines the beams: remove '{}' or the list", key));
   for (std::size_t k = 1; k < angles_deg.size(); ++k)
     if (!(angles_deg[k] > angles_deg[k - 1]))
       throw InputError(table.place_of("beam_angles_deg"),

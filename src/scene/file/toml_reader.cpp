@@ -52,9 +52,8 @@ std::vector<const toml::node*> elements_of(const toml::array& array) {
   const bool text_for_number = node.is_string() && !key.unit.empty();
   throw InputError(
       source.place(node.source()),
-      fmt::format(
-          "'{}' must be {}, not {}{}", key.name, key.expected(), type_in_words(node),
-          text_for_number ? fmt::format(": write the number alone, it counts {}", key.unit) : std::string()));
+      fmt::format("'{}' must be {}, not {}{}", key.name, key.expected(), type_in_words(node),
+                  text_for_number ? fmt::format(": write only the number, in {}", key.unit) : std::string()));
 }
 
 void check_range(double value, const std::string& as_written, const toml::node& node, const TomlKey& key,
@@ -69,7 +68,7 @@ void check_range(double value, const std::string& as_written, const toml::node& 
 
 /// Returns a hint at the probable name of a file that does not exist.
 std::string other_name(const fs::path& file) {
-  if (file.string().find('\\') != std::string::npos) return ": folders are parted by / here, not by \\";
+  if (file.string().find('\\') != std::string::npos) return ": separate folders with /, not with \\";
   std::vector<std::string> names;
   std::error_code error;
   constexpr std::size_t most = 1000;
@@ -151,6 +150,19 @@ std::vector<TomlEntry> entries_in_file_order(const toml::table& table, const Tom
   return entries;
 }
 
+void rename_former_key(toml::table& table, const SceneKey& key, TomlSource& source) {
+  const auto former = table.find(key.former_name);
+  if (former == table.end()) return;
+  const SourcePlace place = source.place(former->first.source());
+  if (table.contains(key.name))
+    throw InputError(place, fmt::format("'{}' is the former name of '{}', which is present too: remove '{}'",
+                                        key.former_name, key.name, key.former_name));
+  source.warnings.push_back(
+      fmt::format("{}: the key '{}' is deprecated: use '{}'", to_string(place), key.former_name, key.name));
+  table.insert(toml::key(key.name, former->first.source()), std::move(former->second));
+  table.erase(key.former_name);
+}
+
 std::vector<TomlTable> tables_of(const toml::node& node, const std::string& section,
                                  const TomlSource& source) {
   std::vector<TomlTable> tables;
@@ -202,7 +214,7 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source, 
   if (value.empty()) throw InputError(place, fmt::format("'{}' must not be empty", key.name));
   if (value.size() > key.longest)
     throw InputError(
-        place, fmt::format("'{}' has {} bytes, expected {} at most", key.name, value.size(), key.longest));
+        place, fmt::format("'{}' has {} bytes, expected at most {}", key.name, value.size(), key.longest));
   if (std::ranges::any_of(value, [](unsigned char c) { return c < 0x20 || c == 0x7f; })) {
     throw InputError(place,
                      fmt::format("'{}' must be one line of text without control characters", key.name));
@@ -229,7 +241,7 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source,
   }
   if (status.type() == fs::file_type::none) {
     throw InputError(place,
-                     fmt::format("'{}': cannot look at '{}': {}", key.name, value.string(), error.message()));
+                     fmt::format("'{}': cannot access '{}': {}", key.name, value.string(), error.message()));
   }
   if (status.type() != fs::file_type::regular) {
     throw InputError(place,
@@ -237,8 +249,9 @@ void read_value(const toml::node& node, const TomlKey& key, TomlSource& source,
                                  status.type() == fs::file_type::directory ? "folder" : "special file"));
   }
   if (fs::file_size(value, error) > limits::named_file_bytes && !error) {
-    throw InputError(place, fmt::format("'{}': '{}' has more than {} GiB: cut it to what the scene needs",
-                                        key.name, value.string(), limits::named_file_bytes >> 30));
+    throw InputError(
+        place, fmt::format("'{}': '{}' has more than {} GiB: cut the file to the part that the scene needs",
+                           key.name, value.string(), limits::named_file_bytes >> 30));
   }
   source.named_files.push_back({value, name, place});
 }
@@ -289,6 +302,8 @@ TomlKey make_key(std::string_view name, std::string type, std::string default_va
   key.name = name;
   key.type = std::move(type);
   key.unit = measured_name(name).unit;
+  key.meaning = key.KeyRule::meaning;
+  key.former_name = key.KeyRule::former_name;
   if (!key.KeyRule::default_value.empty())
     key.default_value = key.KeyRule::default_value;
   else
@@ -302,8 +317,10 @@ TomlKey make_key(std::string_view name, std::string type, std::string default_va
 }
 
 TomlKey make_kind_key(const std::string& section, std::string_view name, std::vector<std::string> kinds) {
-  TomlKey key =
-      make_key(name, TomlType<std::string>::name(), {}, {.choices = std::move(kinds), .required = true});
+  TomlKey key = make_key(name, TomlType<std::string>::name(), {},
+                         {.meaning = "Type of the entry. The type determines which other keys are valid.",
+                          .choices = std::move(kinds),
+                          .required = true});
   key.section = section;
   return key;
 }
@@ -346,9 +363,8 @@ void check_kind_of_keys(const TomlTable& table, const std::vector<TomlKey>& keys
     for (const TomlKey& key : keys) {
       if (named(key)) owners.push_back(key.kind);
     }
-    throw InputError(entry.place,
-                     fmt::format("'{}' goes with {} and not with {}: remove it, or change the latter",
-                                 entry.key, fmt::join(owners, ", "), kind));
+    throw InputError(entry.place, fmt::format("'{}' applies to {}, not to {}: remove one of the two",
+                                              entry.key, fmt::join(owners, ", "), kind));
   }
 }
 

@@ -41,16 +41,20 @@ std::string to_string(const ValueRange& range);
 /// Conditions on the value of a key. A single range holds for every element of an array; otherwise there is
 /// one range per element.
 struct KeyRule {
+  std::string meaning{};  ///< see SceneKey
   std::vector<ValueRange> ranges{};
   std::vector<std::string> choices{};
   bool required = false;
   std::size_t longest = limits::text_bytes;  ///< largest length of a text
   std::string default_value{};  ///< for the documentation, if the struct's default does not show it
+  std::string former_name{};    ///< see SceneKey
 };
 
 /// A key with its rule.
 struct TomlKey : SceneKey, KeyRule {
   using SceneKey::default_value;
+  using SceneKey::former_name;
+  using SceneKey::meaning;
 
   // Not inline, because every key of every section creates and copies some.
   TomlKey();
@@ -74,6 +78,7 @@ struct TomlSource {
   };
   std::filesystem::path file;          ///< as the user gave it
   std::vector<NamedFile> named_files;  ///< files found up to now
+  std::vector<std::string> warnings;   ///< messages about valid but deprecated content
 
   SourcePlace place(const toml::source_region& region) const;
   SourcePlace place(const toml::node& value) const;
@@ -98,6 +103,10 @@ struct TomlEntry {
 };
 /// Returns the entries of a table in the order of the file (toml++ sorts them by name).
 std::vector<TomlEntry> entries_in_file_order(const toml::table& table, const TomlSource& source);
+
+/// Replaces the former name of `key` in a table by the present name, with a warning. Throws InputError if
+/// the table has both names.
+void rename_former_key(toml::table& table, const SceneKey& key, TomlSource& source);
 
 /// Returns one table or the tables of an array. Throws InputError for any other value. `section` is for the
 /// message.
@@ -261,18 +270,19 @@ template <class S>
 class TomlSection {
  public:
   /// `name` is "[water]" for a section that occurs at most once, or "[[terrain]]" for any number of tables.
-  explicit TomlSection(std::string name) : name_(std::move(name)) {}
+  TomlSection(std::string name, std::string meaning) : name_(std::move(name)), meaning_(std::move(meaning)) {}
 
   TomlSection& keys(const std::vector<TomlField<S>>& fields) { return add(fields, {}); }
 
   /// Adds a kind: `kind_key = "name"` selects K, with the keys `own` of K. The keys `more` of S exist only
   /// for this kind.
   template <class K>
-  TomlSection& kind(std::string_view kind_key, std::string_view name, const std::vector<TomlField<K>>& own,
-                    const std::vector<TomlField<S>>& more = {}) {
-    kind_key_ = kind_key;
-    kinds_.emplace_back(name, [](S& s) { set_kind<K>(s.kind); });
+  TomlSection& kind(std::string_view kind_key, std::string_view name, std::string_view meaning,
+                    const std::vector<TomlField<K>>& own, const std::vector<TomlField<S>>& more = {}) {
     const std::string kind = fmt::format("{} = \"{}\"", kind_key, name);
+    kind_key_ = kind_key;
+    kinds_.push_back(
+        {std::string(name), {name_, kind, std::string(meaning)}, [](S& s) { set_kind<K>(s.kind); }});
     std::vector<TomlField<S>> lifted;
     for (const TomlField<K>& f : own) {
       lifted.push_back({f.key, [read = f.read](const toml::node& node, TomlSource& source, S& s) {
@@ -304,6 +314,10 @@ class TomlSection {
   }
 
   const std::string& name() const { return name_; }
+  /// Returns the documentation of the section, then of its kinds.
+  std::vector<SceneSection> documentation() const;
+  /// Returns the keys that have a former name, which must not be the present name of another key.
+  std::vector<SceneKey> renamed_keys() const;
   /// Returns the key that selects the kind, then all others.
   std::vector<TomlKey> all_keys() const;
   S read(const TomlTable& table, TomlSource& source) const;
@@ -318,9 +332,15 @@ class TomlSection {
     return *this;
   }
 
-  std::string name_;
+  struct Kind {
+    std::string name;
+    SceneSection documentation;
+    std::function<void(S&)> select;
+  };
+
+  std::string name_, meaning_;
   std::string kind_key_;
-  std::vector<std::pair<std::string, std::function<void(S&)>>> kinds_;
+  std::vector<Kind> kinds_;
   std::vector<TomlField<S>> fields_, tables_;
   std::function<void(const S&, const TomlTable&)> check_;
 };
@@ -334,11 +354,26 @@ void check_key_names(const TomlTable& table, const std::vector<TomlKey>& keys);
 void check_kind_of_keys(const TomlTable& table, const std::vector<TomlKey>& keys, const std::string& kind);
 
 template <class S>
+std::vector<SceneSection> TomlSection<S>::documentation() const {
+  std::vector<SceneSection> documentation{{name_, {}, meaning_}};
+  for (const Kind& k : kinds_) documentation.push_back(k.documentation);
+  return documentation;
+}
+
+template <class S>
+std::vector<SceneKey> TomlSection<S>::renamed_keys() const {
+  std::vector<SceneKey> renamed;
+  for (const TomlField<S>& f : fields_)
+    if (!f.key.former_name.empty()) renamed.push_back(f.key);
+  return renamed;
+}
+
+template <class S>
 std::vector<TomlKey> TomlSection<S>::all_keys() const {
   std::vector<TomlKey> keys;
   if (!kinds_.empty()) {
     std::vector<std::string> names;
-    for (const auto& [kind_name, select] : kinds_) names.push_back(kind_name);
+    for (const Kind& k : kinds_) names.push_back(k.name);
     keys.push_back(make_kind_key(name_, kind_key_, std::move(names)));
   }
   for (const TomlField<S>& f : fields_) keys.push_back(f.key);
@@ -356,8 +391,8 @@ S TomlSection<S>::read(const TomlTable& table, TomlSource& source) const {
   if (const toml::node* node = table.value(kind_key_); !kinds_.empty() && node != nullptr) {
     std::string chosen;
     read_value(*node, keys.front(), source, chosen);
-    for (const auto& [kind_name, select] : kinds_) {
-      if (kind_name == chosen) select(s);
+    for (const Kind& k : kinds_) {
+      if (k.name == chosen) k.select(s);
     }
     kind = fmt::format("{} = \"{}\"", kind_key_, chosen);
   }

@@ -24,7 +24,7 @@ void check_dots(std::string_view text, const std::filesystem::path& file) {
       ++place.line;
       place.column = dots = 0;
     } else if (c == '.' && previous != '.' && ++dots > most_dots) {
-      throw InputError(place, fmt::format("more than {} dots on one line: break the line", most_dots));
+      throw InputError(place, fmt::format("the line has more than {} dots: break the line", most_dots));
     }
     previous = c;
   }
@@ -36,10 +36,11 @@ std::string toml_hint(std::string_view text, std::size_t number) {
   const std::string line(text.substr(0, std::min<std::size_t>(text.find('\n'), 1000)));
   const auto is = [&](const char* form) { return std::regex_search(line, std::regex(form)); };
   if (is("^\\s*[A-Za-z0-9_-]+\\s*:")) return ": write key = value, with an equals sign";
-  if (is("=\\s*[-+]?[0-9]+,[0-9]+\\s*(#.*)?$")) return ": decimals have a point";
-  if (is("=\\s*[-+]?[0-9.]+\\s*[A-Za-z%]")) return ": write the number alone, its unit is in the key's name";
-  if (is("=\\s*[A-Za-z./~]")) return ": text stands in quotes";
-  if (is("\\\\")) return ": write folders with /, as \\ has a meaning of its own";
+  if (is("=\\s*[-+]?[0-9]+,[0-9]+\\s*(#.*)?$")) return ": write decimals with a point";
+  if (is("=\\s*[-+]?[0-9.]+\\s*[A-Za-z%]"))
+    return ": write only the number, because the key's name contains the unit";
+  if (is("=\\s*[A-Za-z./~]")) return ": put text in quotes";
+  if (is("\\\\")) return ": separate folders with /, because \\ starts an escape sequence";
   return "";
 }
 

@@ -52,11 +52,12 @@ std::string mesh_text(const std::filesystem::path& file) {
   // Memory for the text and for the data from it.
   require_memory(3 * static_cast<double>(input.size()), place, fmt::format("its {} bytes", input.size()),
                  "give a coarser mesh, or one cut to the scene");
-  std::string content = read_whole(file, place, input.size(), "a mesh that nobody is writing to");
+  std::string content = read_whole(file, place, input.size(), "a mesh that no program is writing");
   if (content.starts_with("\xef\xbb\xbf")) content.erase(0, 3);
   if (is_utf16(content))
     throw InputError(
-        place, "is text in UTF-16, expected UTF-8: save it so, or convert it with iconv -f UTF-16 -t UTF-8");
+        place,
+        "is text in UTF-16, expected UTF-8: save it in UTF-8, or convert it with iconv -f UTF-16 -t UTF-8");
   if (content.find_first_not_of(" \t\r\n") == content.npos)
     throw InputError(place, "is empty, expected a mesh");
   return content;
@@ -81,9 +82,8 @@ void warn_of_rounding(NamedMesh& mesh, const std::string& file) {
   constexpr double worth_telling_m = 1e-3;
   if (largest_m * 0x1p-24 > worth_telling_m)
     mesh.warnings.push_back(
-        fmt::format("{}: its coordinates of up to {:.3g} m are read in single precision, so rounded by up to "
-                    "{:.2g} m: move "
-                    "the model to its own origin, or export it as OBJ",
+        fmt::format("{}: its coordinates of up to {:.3g} m are read in single precision and rounded by up to "
+                    "{:.2g} m: move the model to its own origin, or export it as OBJ",
                     file, largest_m, largest_m * 0x1p-24));
 }
 
@@ -95,11 +95,12 @@ NamedMesh mesh_of_model(const std::filesystem::path& file, FileFormat format, co
   if (!up || !unit_m)
     throw InputError(
         {name, 0, 0},
-        fmt::format("says not {}{}{}, as {}: add {}{}{} to the object", !up ? "which of its axes is up" : "",
-                    !up && !unit_m ? " and " : "", !unit_m ? "how long its unit is" : "",
-                    format == FileFormat::studio_3ds ? "no 3DS file does" : "others of its format do",
-                    !up ? "'up' (\"x\", \"y\" or \"z\")" : "", !up && !unit_m ? " and " : "",
-                    !unit_m ? "'unit_m' (its metres)" : ""));
+        fmt::format(
+            "does not define {}{}{}, {}: add {}{}{} to the object", !up ? "its vertical axis" : "",
+            !up && !unit_m ? " and " : "", !unit_m ? "its unit of length" : "",
+            format == FileFormat::studio_3ds ? "like all 3DS files" : "unlike other files of its format",
+            !up ? "'up' (\"x\", \"y\" or \"z\")" : "", !up && !unit_m ? " and " : "",
+            !unit_m ? "'unit_m' (its length in metres)" : ""));
   NamedMesh mesh = triangulate(std::move(model.polygons), name);
   to_metres_z_up(mesh, *up, *unit_m);
   warn_of_rounding(mesh, name);
@@ -118,15 +119,16 @@ NamedMesh read_mesh_file(const std::filesystem::path& file, const MeshAxes& axes
   if (parse == nullptr && is_model(format)) return mesh_of_model(file, format, axes);
   const auto fail = [&name](const std::string& what) { throw InputError({name, 0, 0}, what); };
   if (is_model_name(extension))
-    fail(fmt::format("does not begin as a {} file does: it is {}", extension,
+    fail(fmt::format("does not begin like a {} file: it is {}", extension,
                      InputFile(file).size() == 0 ? "empty" : "of another format, or damaged"));
   if (parse == nullptr)
-    fail(fmt::format(
-        "'{}' is no mesh format that is read: expected .obj, .ply, .stl, .off, .dae, .gltf, .glb, "
-        ".3ds or .fbx",
-        extension));
+    fail(
+        fmt::format("'{}' is not a mesh format that tubefoot reads: expected .obj, .ply, .stl, .off, .dae, "
+                    ".gltf, .glb, .3ds or .fbx",
+                    extension));
   if (is_model(format) && extension != ".stl")
-    fail(fmt::format("begins as {} does: name it so, not {}", name_of(format), extension));
+    fail(fmt::format("begins like {}: give the file the extension of this format, not {}", name_of(format),
+                     extension));
   NamedMesh mesh = triangulate(parse(mesh_text(file), name), name);
   to_metres_z_up(mesh, axes.up.value_or("z"), axes.unit_m.value_or(1));
   return mesh;

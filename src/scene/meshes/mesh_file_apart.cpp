@@ -80,7 +80,7 @@ double own_memory() {
     const std::string bytes = work();
     sent = send(to, "+") && send(to, bytes);
   } catch (const std::bad_alloc&) {
-    sent = send(to, "-") && send(to, "it takes more memory than its size explains, or than is at hand");
+    sent = send(to, "-") && send(to, "it needs more memory than its size explains, or than is available");
   } catch (const std::exception& error) {
     sent = send(to, "-") && send(to, error.what());
   } catch (const Interrupted&) {
@@ -147,12 +147,12 @@ std::string all_from(int descriptor) {
 
 ApartResult done_apart(const std::function<std::string()>& work, double most_seconds, double most_memory) {
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) fail("a pipe");
+  if (pipe2(ends, O_CLOEXEC) != 0) fail("cannot create a pipe");
   const End from(ends[0]);
   End to(ends[1]);
   const double memory_in_all = own_memory() + most_memory;
   const pid_t id = fork();
-  if (id < 0) fail("a process to read the file in");
+  if (id < 0) fail("cannot start a process that reads the file");
   if (id == 0) live_apart(to.descriptor(), work, most_seconds, memory_in_all);
   Child child(id);
   to.close_now();

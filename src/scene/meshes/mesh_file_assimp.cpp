@@ -71,7 +71,7 @@ void keep_only(Assimp::Importer& importer, std::string_view name) {
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;)
     if (importer.GetImporterInfo(i)->mName != name) importer.UnregisterLoader(importer.GetImporter(i));
   if (importer.GetImporterCount() != 1)
-    throw std::runtime_error("this Assimp has no '" + std::string(name) + "'");
+    throw std::runtime_error("the Assimp library has no '" + std::string(name) + "'");
 }
 
 glm::dmat4 matrix(const aiMatrix4x4& m) {
@@ -102,18 +102,18 @@ class Gathered {
       glm::dmat4 to_model;
     };
     const aiNode* root = scene_.mRootNode;
-    if (root == nullptr) throw std::runtime_error("it has no node");
+    if (root == nullptr) throw std::runtime_error("it has no nodes");
     std::vector<Visit> left{{root, own_root ? glm::dmat4(1) : matrix(root->mTransformation)}};
     while (!left.empty()) {
       const Visit visit = left.back();
       left.pop_back();
       for (unsigned i = 0; i < visit.node->mNumMeshes; ++i) {
         const unsigned mesh = visit.node->mMeshes[i];
-        if (mesh >= scene_.mNumMeshes) throw std::runtime_error("a node has a mesh that there is not");
+        if (mesh >= scene_.mNumMeshes) throw std::runtime_error("a node refers to a missing mesh");
         placed_ += size_of_[mesh];
         if (placed_ > most_)
-          throw std::runtime_error(fmt::format(
-              "its nodes place more than {} vertices and corners, which its bytes do not explain", most_));
+          throw std::runtime_error(
+              fmt::format("its nodes place more than {} vertices and corners, too many for its size", most_));
         add(*scene_.mMeshes[mesh], *visit.node, visit.to_model);
       }
       for (unsigned i = visit.node->mNumChildren; i-- > 0;) {
@@ -122,10 +122,9 @@ class Gathered {
       }
     }
     if (deformed_ > 0)
-      model_.polygons.warnings.push_back(
-          std::to_string(deformed_) +
-          " meshes hang on bones: they are taken as they were modelled, not as "
-          "the bones bend them");
+      model_.polygons.warnings.push_back(std::to_string(deformed_) +
+                                         " meshes are attached to bones: tubefoot reads their original "
+                                         "shapes, without the effect of the bones");
     return std::move(model_);
   }
 
@@ -146,7 +145,7 @@ class Gathered {
       const aiFace& face = mesh.mFaces[f];
       for (unsigned k = 0; k < face.mNumIndices; ++k) {
         if (face.mIndices[k] >= mesh.mNumVertices)
-          throw std::runtime_error("a face has a vertex that there is not");
+          throw std::runtime_error("a face refers to a missing vertex");
         polygons.corners.push_back(static_cast<std::uint32_t>(first + face.mIndices[k]));
       }
       polygons.end_polygon();
@@ -241,7 +240,7 @@ class Taken {
   template <typename T>
   std::vector<T> all() {
     const auto count = one<std::size_t>();
-    if (count > bytes_.size() / sizeof(T)) throw std::runtime_error("cut off");
+    if (count > bytes_.size() / sizeof(T)) throw std::runtime_error("the data are cut off");
     std::vector<T> values(count);
     if (count > 0) std::memcpy(static_cast<void*>(values.data()), raw(count * sizeof(T)), count * sizeof(T));
     return values;
@@ -254,13 +253,13 @@ class Taken {
   template <typename Read>
   void each(Read read) {
     const auto count = one<std::size_t>();
-    if (count > bytes_.size() / sizeof(std::size_t)) throw std::runtime_error("cut off");
+    if (count > bytes_.size() / sizeof(std::size_t)) throw std::runtime_error("the data are cut off");
     for (std::size_t i = 0; i < count; ++i) read();
   }
 
  private:
   const char* raw(std::size_t count) {
-    if (count > bytes_.size()) throw std::runtime_error("cut off");
+    if (count > bytes_.size()) throw std::runtime_error("the data are cut off");
     const char* const here = bytes_.data();
     bytes_.remove_prefix(count);
     return here;
@@ -307,12 +306,13 @@ Model model_from(const std::string& bytes) {
   // The process that wrote the bytes may have failed after reading.
   std::size_t before = 0;
   for (const std::size_t end : polygons.end) {
-    if (end < before || end > polygons.corners.size()) throw std::runtime_error("polygons out of order");
+    if (end < before || end > polygons.corners.size())
+      throw std::runtime_error("the polygons are out of order");
     before = end;
   }
   const auto has_names = [&](std::uint32_t names) { return names < polygons.names.size(); };
   if (polygons.names_of.size() != polygons.end.size() || !std::ranges::all_of(polygons.names_of, has_names))
-    throw std::runtime_error("names out of order");
+    throw std::runtime_error("the names are out of order");
   return model;
 }
 
@@ -340,7 +340,7 @@ std::string assimp_model(const ModelBytes& bytes, const std::string& name, FileF
   if (const aiNode* root = scene->mRootNode;
       format == FileFormat::studio_3ds && std::abs(root->mTransformation.a1) != 1)
     model.polygons.warnings.push_back(
-        "its master scale is not 1: it is left out, 'unit_m' is of its coordinates");
+        "its master scale is not 1, but tubefoot does not use it: 'unit_m' applies to its coordinates");
   return as_bytes(model);
 }
 

@@ -102,7 +102,7 @@ class ModelReader {
     if (format_ == FileFormat::gltf || format_ == FileFormat::gltf_binary)
       for (const GltfBuffer& buffer : gltf_buffers(file_)) take(without_dots(buffer.uri), buffer.file);
     if (format_ == FileFormat::collada && nests_deeper(bytes_.at(main_name_), limits::model_depth))
-      fail(fmt::format("nests its elements deeper than {}", limits::model_depth));
+      fail(fmt::format("nests its elements more than {} levels deep", limits::model_depth));
     Model model = from_assimp();
     for (std::string& warning : model.polygons.warnings)
       warning = fmt::format("{}: {}", place_.file, warning);
@@ -126,8 +126,8 @@ class ModelReader {
     require_memory(memory_a_byte * total_, place, fmt::format("its {} bytes", size),
                    "give a coarser model, or one cut to the scene");
     if (bytes_.contains(name) && name == main_name_)
-      fail(fmt::format("has a buffer named '{}', as it is called itself while it is read", name));
-    bytes_[name] = read_whole(from, place, size, "a model that nobody is writing to");
+      fail(fmt::format("has a buffer named '{}', a name that tubefoot uses for the file itself", name));
+    bytes_[name] = read_whole(from, place, size, "a model that no program is writing");
   }
 
   Model from_assimp() const {
@@ -150,17 +150,20 @@ class ModelReader {
       case ApartResult::End::refused:
         fail(fmt::format("cannot be read as {} (Assimp: {})", format, result.bytes));
       case ApartResult::End::too_long:
-        fail(fmt::format("took Assimp, which reads {}, more than {:.0f} s: it is damaged, or made to", format,
-                         std::ceil(seconds + seconds_a_byte * total_)));
+        fail(
+            fmt::format("keeps Assimp, which reads {}, busy for more than {:.0f} s: the file is damaged, or "
+                        "was made for this",
+                        format, std::ceil(seconds + seconds_a_byte * total_)));
       case ApartResult::End::crashed:
-        fail(fmt::format("made Assimp, which reads {}, fail: it is damaged, or made to", format));
+        fail(fmt::format("makes Assimp, which reads {}, crash: the file is damaged, or was made for this",
+                         format));
       case ApartResult::End::done:
         break;
     }
     try {
       return model_from(result.bytes);
     } catch (const std::runtime_error& error) {
-      fail(fmt::format("made Assimp, which reads {}, fail ({})", format, error.what()));
+      fail(fmt::format("makes Assimp, which reads {}, fail ({})", format, error.what()));
     }
   }
 

@@ -29,7 +29,8 @@ std::uint32_t vertex_index(std::string_view word, std::size_t vertices, const Te
   if (index < 0 || index >= std::numeric_limits<std::uint32_t>::max()) {
     throw InputError(
         text.place(),
-        fmt::format("vertex index {} is out of range: {} vertices so far, counted from 1", value, vertices));
+        fmt::format("vertex index {} is out of range: the file has {} vertices up to here, counted from 1",
+                    value, vertices));
   }
   return static_cast<std::uint32_t>(index);
 }
@@ -93,21 +94,19 @@ UncheckedPolygons parse_obj(std::string_view content, const std::string& file) {
       // triangulate() leaves such a face out, unless it is the end of a truncated file.
       if (polygons.corners.size() - begin < 3 && text.rest().empty() && !content.ends_with('\n') &&
           !content.ends_with('\r'))
-        throw InputError(
-            {file, text.line(), 0},
-            fmt::format(
-                "the last face has {} corners and no line end: the file is cut off, or add the line end",
-                polygons.corners.size() - begin));
+        throw InputError({file, text.line(), 0},
+                         fmt::format("the last face has {} corners and no line end: restore the file if it "
+                                     "is cut off, or add the line end",
+                                     polygons.corners.size() - begin));
       polygons.end_polygon();
       polygons.line.push_back(text.line());
       polygons.names_of.push_back(names.index(polygons));
     } else if (FaceNames::is_keyword(keyword)) {
       names.read(keyword, text);
     } else if (std::find(kPassed.begin(), kPassed.end(), keyword) == kPassed.end()) {
-      throw InputError(
-          {file, text.line(), 1},
-          "the line starts with no OBJ statement of a polygonal mesh (v, vt, vn, f, g, o, s, usemtl, ...): "
-          "export the model as a polygonal OBJ");
+      throw InputError({file, text.line(), 1},
+                       "the line does not start with an OBJ statement of a polygonal mesh (v, vt, vn, f, g, "
+                       "o, s, usemtl, ...): export the model as a polygonal OBJ");
     }
   }
   if ((last_keyword == "v" || last_keyword == "f") && !content.ends_with('\n') && !content.ends_with('\r')) {

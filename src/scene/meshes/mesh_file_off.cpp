@@ -43,11 +43,12 @@ UncheckedPolygons parse_off(std::string_view content, const std::string& file) {
     if (magic != "OFF" && magic != "COFF" && magic != "NOFF" && magic != "CNOFF" && magic != "STOFF" &&
         magic != "STCNOFF" && magic != "STCOFF" && magic != "STNOFF")
       throw InputError(after_magic.place(),
-                       "expected a header OFF, COFF, NOFF or STOFF (three coordinates a vertex)");
+                       "expected a header OFF, COFF, NOFF or STOFF (three coordinates per vertex)");
     text = after_magic;
     const std::string next = capitals(after_magic.word());
     if (next == "BINARY")
-      throw InputError(after_magic.place(), "binary OFF is not read: convert it to PLY or ASCII OFF");
+      throw InputError(after_magic.place(),
+                       "tubefoot does not read binary OFF: convert it to PLY or ASCII OFF");
     if (next.empty() || next[0] == '#') text.next_with_words("the counts of vertices, faces and edges");
   }
   const std::int64_t vertices = count(text, "the number of vertices"),

@@ -54,7 +54,7 @@ Type type_of(TextLines& text) {
     if (word == name.old_name || word == name.new_name) return name.type;
   }
   throw InputError(text.place(),
-                   "expected a type of PLY: char, uchar, short, ushort, int, uint, float or double");
+                   "expected a PLY type: char, uchar, short, ushort, int, uint, float or double");
 }
 
 class PlyReader {
@@ -89,7 +89,8 @@ class PlyReader {
  private:
   void read_header() {
     text_.next_with_words("the word ply");
-    if (text_.word() != "ply") throw InputError(text_.place(), "expected the word ply: this is no PLY file");
+    if (text_.word() != "ply")
+      throw InputError(text_.place(), "expected the word ply: this is not a PLY file");
     bool has_format = false;
     for (;;) {
       text_.next_with_words("'end_header'");
@@ -113,13 +114,13 @@ class PlyReader {
         }
         elements_.push_back(std::move(element));
       } else if (keyword == "property") {
-        if (elements_.empty()) throw InputError(text_.place(), "a property before the first element");
+        if (elements_.empty()) throw InputError(text_.place(), "a property precedes the first element");
         elements_.back().properties.push_back(read_property());
       } else if (keyword != "comment" && keyword != "obj_info") {
         throw InputError(text_.place(), "expected format, element, property, comment or end_header");
       }
     }
-    if (!has_format) throw InputError(text_.place(), "the header names no format");
+    if (!has_format) throw InputError(text_.place(), "the header does not name a format");
     bytes_ = text_.rest();
   }
 

@@ -36,13 +36,12 @@ class Cutting {
     if (mesh_.triangles.empty()) throw InputError({file_, 0, 0}, what_is_missing());
     mesh_.points_m = std::move(polygons_.points);
     drop_unused_points(mesh_);
-    if (too_few_ > 0)
-      warn(fmt::format("{} faces of less than three corners are no facets: left out", too_few_));
+    if (too_few_ > 0) warn(fmt::format("{} faces have fewer than three corners and are left out", too_few_));
     if (uneven_ > 0)
-      warn(fmt::format(
-          "{} polygons are not flat, {} the most ({:.3g} of the file's units off its plane): they "
-          "are the triangles that they are cut into",
-          uneven_, name_of(most_uneven_), farthest_));
+      warn(
+          fmt::format("{} polygons are not flat and are cut into triangles; {} deviates most from its plane, "
+                      "by {:.3g} units of the file",
+                      uneven_, name_of(most_uneven_), farthest_));
     return std::move(mesh_);
   }
 
@@ -52,7 +51,7 @@ class Cutting {
   SourcePlace place() const { return {file_, polygons_.line.empty() ? 0 : polygons_.line[face_], 0}; }
   std::string name_of(std::size_t face) const {
     return polygons_.line.empty() ? fmt::format("face {} (counted from 0)", face)
-                                  : fmt::format("that of line {}", polygons_.line[face]);
+                                  : fmt::format("the face of line {}", polygons_.line[face]);
   }
   std::string name() const { return polygons_.line.empty() ? name_of(face_) : "the face"; }
 
@@ -61,19 +60,18 @@ class Cutting {
       if (index >= polygons_.points.size())
         throw InputError(
             place(),
-            fmt::format("{} names vertex {}, out of range: the file holds {} vertices, counted from {}",
-                        name(), std::uint64_t{index} + polygons_.first_index, polygons_.points.size(),
-                        polygons_.first_index));
+            fmt::format(
+                "{} refers to vertex {}, which is out of range: the file holds {} vertices, counted from {}",
+                name(), std::uint64_t{index} + polygons_.first_index, polygons_.points.size(),
+                polygons_.first_index));
     if (polygon.size() < 3) {
       ++too_few_;
       return;
     }
     if (cutter_.cut(polygons_.points, polygon, mesh_.triangles) == PolygonCutter::Result::crossed)
-      throw InputError(
-          place(),
-          fmt::format("{} of {} corners crosses or covers itself, seen from its own side, so that it "
-                      "bounds no surface: mend or triangulate it in the modelling program",
-                      name(), polygon.size()));
+      throw InputError(place(), fmt::format("{} of {} corners crosses or covers itself and does not bound a "
+                                            "surface: repair or triangulate it in the modelling program",
+                                            name(), polygon.size()));
     if (!polygons_.names_of.empty()) mesh_.names_of.resize(mesh_.triangles.size(), polygons_.names_of[face_]);
     const double off = unevenness(polygons_.points, polygon);
     if (off > 0) ++uneven_;
@@ -85,11 +83,12 @@ class Cutting {
 
   std::string what_is_missing() const {
     if (too_few_ > 0)
-      return fmt::format("holds no facet, but {} points or lines: export the model as a surface", too_few_);
-    if (polygons_.points.empty()) return "holds no facet, expected a surface mesh: export it with its faces";
+      return fmt::format("holds no facets, only {} points or lines: export the model as a surface", too_few_);
+    if (polygons_.points.empty()) return "holds no facets, expected a surface mesh: export it with its faces";
     return fmt::format(
-        "holds {} points and no facet: it is a point cloud, and sound needs surfaces. Make a surface of it "
-        "(CloudCompare, MeshLab), or a grid of heights (gdal_grid) for a [[terrain]] of kind = \"raster\"",
+        "holds {} points and no facets: it is a point cloud, but the scene needs surfaces. Convert it to a "
+        "surface (CloudCompare, MeshLab), or to a grid of heights (gdal_grid) for a [[terrain]] of kind = "
+        "\"raster\"",
         polygons_.points.size());
   }
 

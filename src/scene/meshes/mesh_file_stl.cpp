@@ -52,16 +52,19 @@ void add_triangle(UncheckedPolygons& polygons) {
 
 UncheckedPolygons parse_binary(std::string_view content, const std::string& file) {
   if (content.size() < kHeaderBytes) {
-    throw InputError({file, 0, 0}, fmt::format("is no STL or cut off: {} bytes, a binary STL has at least {}",
-                                               content.size(), kHeaderBytes));
+    throw InputError(
+        {file, 0, 0},
+        fmt::format("is not an STL or is cut off: it has {} bytes, but a binary STL has at least {}",
+                    content.size(), kHeaderBytes));
   }
   const std::uint64_t facets = facets_announced(content);
   const std::uint64_t needed = kHeaderBytes + kFacetBytes * facets;
   if (content.size() < needed) {
-    throw InputError({file, 0, 0},
-                     fmt::format("is no STL or cut off: its header announces {} facets in {} bytes, the "
-                                 "file has {}",
-                                 facets, needed, content.size()));
+    throw InputError(
+        {file, 0, 0},
+        fmt::format(
+            "is not an STL or is cut off: its header declares {} facets in {} bytes, but the file has {}",
+            facets, needed, content.size()));
   }
   if (3 * facets > std::numeric_limits<std::uint32_t>::max()) {
     throw InputError({file, 0, 0}, fmt::format("holds {} facets, more than 2^32 / 3", facets));

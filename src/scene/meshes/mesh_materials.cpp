@@ -33,10 +33,10 @@ void refuse_unmet(const std::vector<MaterialClass>& table, const std::vector<boo
   constexpr std::size_t most_named = 20;
   const std::string_view meant = nearest(entry.value, names);
   if (names.size() > most_named) names.resize(most_named);
-  throw InputError(entry.place, fmt::format("no face of the mesh goes by the name \"{}\": {}", entry.value,
+  throw InputError(entry.place, fmt::format("no face of the mesh has the name \"{}\": {}", entry.value,
                                             names.empty()    ? "its faces have no names"
                                             : !meant.empty() ? fmt::format("did you mean \"{}\"?", meant)
-                                                             : "there are " + one_of(names, '"')));
+                                                             : "expected " + one_of(names, '"')));
 }
 
 }  // namespace

@@ -26,10 +26,9 @@ void check_size(double size_m, const char* what, const SourcePlace& place) {
 
 void check_facets(double facets, double chord_error_m, const SourcePlace& place) {
   if (!(facets <= limits::primitive_facets)) {
-    throw InputError(
-        place, fmt::format("a chord error of {} m would need {:.3g} facets, at most {:.3g} are made: give a "
-                           "larger chord_error_m",
-                           chord_error_m, facets, limits::primitive_facets));
+    throw InputError(place, fmt::format("a chord error of {} m would need {:.3g} facets, but at most {:.3g} "
+                                        "are allowed: give a larger chord_error_m",
+                                        chord_error_m, facets, limits::primitive_facets));
   }
   require_memory(bytes_a_facet * facets, place, fmt::format("{:.3g} facets", facets),
                  "give a larger chord_error_m");

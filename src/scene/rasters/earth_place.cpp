@@ -73,10 +73,10 @@ std::optional<std::string> scale_warning(const LocalFrame& frame) {
                north = 1 / glm::length(origin.to_east_north_up[1]);
   if (std::abs(east - 1) <= tolerated && std::abs(north - 1) <= tolerated) return std::nullopt;
   return fmt::format(
-      "the map of the scene is not true to scale: at its origin ({:.4f} N, {:.4f} E) it draws a metre to the "
-      "east as {:.4g} m and one to the north as {:.4g} m; ranges, areas and energies are those of the map: "
-      "carry the data to a map of the place first, such as its UTM zone, with `gdalwarp -t_srs EPSG:... {} "
-      "IN OUT`",
+      "the map of the scene is not true to scale: at its origin ({:.4f} N, {:.4f} E) a metre to the east is "
+      "{:.4g} m on the map, and a metre to the north is {:.4g} m. Ranges, areas and energies are those of "
+      "the map: transform the data to a local map first, such as the UTM zone, with `gdalwarp -t_srs "
+      "EPSG:... {} IN OUT`",
       origin.lon_lat_height.y, origin.lon_lat_height.x, east, north, warp_heights);
 }
 

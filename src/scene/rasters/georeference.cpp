@@ -33,10 +33,9 @@ void refuse_files_in(const std::string& crs, const SourcePlace& place) {
     if (!std::isspace(static_cast<unsigned char>(c)))
       text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const auto refuse = [&](std::string_view word) {
-    throw InputError(
-        place, fmt::format("the coordinate reference system '{}' names a file or a way of its own ('{}'): "
-                           "expected one without, like EPSG:32632",
-                           crs.substr(0, 200), word));
+    throw InputError(place, fmt::format("the coordinate reference system '{}' refers to a file or an "
+                                        "operation ('{}'): expected a plain one, like EPSG:32632",
+                                        crs.substr(0, 200), word));
   };
   constexpr std::size_t longest = 100'000;
   if (text.size() > longest) refuse("too long");
@@ -54,8 +53,8 @@ void refuse_files_in(const std::string& crs, const SourcePlace& place) {
 
 void refuse_rejected(const ProjConfinement& confinement, const std::string& crs, const SourcePlace& place) {
   if (!confinement.rejected().empty())
-    throw InputError(place, fmt::format("the coordinate reference system '{}' names a file ('{}'), which is "
-                                        "not read: expected one without, like EPSG:32632",
+    throw InputError(place, fmt::format("the coordinate reference system '{}' refers to a file ('{}'), which "
+                                        "tubefoot does not read: expected a plain one, like EPSG:32632",
                                         crs.substr(0, 200), confinement.rejected()));
 }
 
@@ -71,10 +70,9 @@ OGRSpatialReference crs_from(const std::string& text, const SourcePlace& place) 
       crs.SetFromUserInput(text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get());
   refuse_rejected(confinement, text, place);
   if (outcome != OGRERR_NONE) {
-    throw InputError(place,
-                     fmt::format("'{}' is no coordinate reference system that is known{}: expected one like "
-                                 "EPSG:32632",
-                                 text.substr(0, 200), messages.in_brackets()));
+    throw InputError(
+        place, fmt::format("'{}' is not a known coordinate reference system{}: expected one like EPSG:32632",
+                           text.substr(0, 200), messages.in_brackets()));
   }
   if (crs.IsCompound()) crs.StripVertical();
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
@@ -115,7 +113,7 @@ void transform(std::span<glm::dvec3> points, const OGRSpatialReference& from, co
     for (std::size_t i = 0; i < block.size(); ++i) {
       if (!ok[i] || !std::isfinite(x[i]) || !std::isfinite(y[i])) {
         throw InputError(place,
-                         fmt::format("the point ({:.10g}, {:.10g}) of {} has no place in {}{}", block[i].x,
+                         fmt::format("the point ({:.10g}, {:.10g}) of {} has no position in {}{}", block[i].x,
                                      block[i].y, from.GetName(), to.GetName(), messages.in_brackets()));
       }
       block[i].x = x[i];
@@ -127,8 +125,9 @@ void transform(std::span<glm::dvec3> points, const OGRSpatialReference& from, co
 void check_lat_lon(double latitude_deg, double longitude_deg, const SourcePlace& place) {
   if (!(std::abs(latitude_deg) <= 90) || !(std::abs(longitude_deg) <= 360)) {
     throw InputError(
-        place, fmt::format("latitude {}, longitude {} is no place on Earth: expected degrees, latitude first",
-                           latitude_deg, longitude_deg));
+        place,
+        fmt::format("latitude {}, longitude {} is not a place on Earth: expected degrees, latitude first",
+                    latitude_deg, longitude_deg));
   }
 }
 
@@ -147,11 +146,10 @@ void refuse_degrees_for_metres(const std::string& crs, double easting, double no
     return longitude >= west && longitude <= east && latitude >= south && latitude <= north;
   };
   if (within(easting, northing) || within(northing, easting))
-    throw InputError(place,
-                     fmt::format("origin_crs [{:g}, {:g}] looks like degrees, and {} counts easting and "
-                                 "northing in metres: give origin_lat_lon_deg, latitude first, instead "
-                                 "of crs and origin_crs, or the origin's easting and northing",
-                                 easting, northing, known.GetName()));
+    throw InputError(place, fmt::format("origin_crs [{:g}, {:g}] looks like degrees, but {} has easting and "
+                                        "northing in metres: give origin_lat_lon_deg, latitude first, "
+                                        "instead of crs and origin_crs, or the origin's easting and northing",
+                                        easting, northing, known.GetName()));
 }
 
 }  // namespace
@@ -178,9 +176,9 @@ LocalFrame LocalFrame::projected(const std::string& crs, double easting, double 
   const bool polar = axes[0] == axes[1];
   for (const OGRAxisOrientation axis : axes)
     if (!polar && (axis == OAO_West || axis == OAO_South))
-      throw InputError(
-          place,
-          fmt::format("{} counts towards the west or south, expected easting and northing", known.GetName()));
+      throw InputError(place,
+                       fmt::format("the axes of {} point to the west or south, expected easting and northing",
+                                   known.GetName()));
   LocalFrame frame;
   frame.kind_ = Kind::kProjected;
   frame.crs_ = wkt_of(known);
@@ -247,7 +245,7 @@ void LocalFrame::to_lon_lat(std::span<glm::dvec3> points, const SourcePlace& pla
       const GeographicLib::LocalCartesian tangent(origin_.x, origin_.y, origin_.z);
       for (glm::dvec3& p : points) {
         if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-          throw InputError(place, fmt::format("({}, {}, {}) is no local point", p.x, p.y, p.z));
+          throw InputError(place, fmt::format("({}, {}, {}) is not a valid local point", p.x, p.y, p.z));
         }
         const glm::dvec3 local = p;
         tangent.Reverse(local.x, local.y, local.z, p.y, p.x, p.z);
@@ -285,10 +283,9 @@ LocalFrame::Map LocalFrame::map() const {
 bool is_geographic(const std::string& crs, const SourcePlace& place) {
   const OGRSpatialReference known = crs_from(crs, place);
   if (known.IsGeographic() == known.IsProjected()) {
-    throw InputError(
-        place, fmt::format("its coordinate reference system {} is neither geographic nor projected, so it "
-                           "has no place on a map: expected longitude and latitude, or easting and northing",
-                           known.GetName()));
+    throw InputError(place, fmt::format("its coordinate reference system {} is neither geographic nor "
+                                        "projected: expected longitude and latitude, or easting and northing",
+                                        known.GetName()));
   }
   return known.IsGeographic() != 0;
 }

@@ -50,11 +50,11 @@ ComponentMesh facets_of_grid(RasterReader& reader) {
 ComponentMesh facets_of_supergrids(const RasterReader& reader, double resolution_m) {
   const RasterFile& file = reader.file();
   if (resolution_m > 0 && reader.is_in_degrees())
-    file.fail("is in degrees, and resolution_m is in metres: leave resolution_m out");
+    file.fail("is in degrees, but resolution_m is in metres: omit resolution_m");
   const BagRefinements refinements = read_bag_refinements(file.place().file);
   if (refinements.columns != static_cast<std::size_t>(file.columns()) ||
       refinements.rows != static_cast<std::size_t>(file.rows()))
-    file.fail(fmt::format("has {} x {} supergrids over an overview of {} x {} cells", refinements.columns,
+    file.fail(fmt::format("has {} x {} supergrids, but its overview has {} x {} cells", refinements.columns,
                           refinements.rows, file.columns(), file.rows()));
   const RasterWindow& window = reader.window();
   const auto& g = reader.geotransform();
@@ -100,10 +100,9 @@ ComponentMesh read_raster(const RasterTerrain& terrain, std::optional<LocalFrame
   mesh.warnings = std::move(warnings);
   drop_unused_points(mesh);
   if (mesh.triangles.empty()) {
-    throw InputError(
-        reader.file().place(),
-        "has no three neighbouring cells with data in the window, so it gives no facet: check the "
-        "window and the nodata value");
+    throw InputError(reader.file().place(),
+                     "has no three neighbouring cells with data in the window, so it gives no facets: check "
+                     "the window and the nodata value");
   }
   glm::dvec3 lo = mesh.points_m.front(), hi = lo;
   for (const glm::dvec3& point : mesh.points_m) lo = glm::min(lo, point), hi = glm::max(hi, point);

@@ -15,7 +15,7 @@ namespace {
 RasterWindow window_of(const RasterTerrain& terrain, const RasterFile& file) {
   const int width = file.columns(), height = file.rows();
   RasterWindow w{0, 0, width, height, terrain.decimate};
-  if (w.step < 1) file.fail(fmt::format("decimate is {}, expected 1 or more", w.step));
+  if (w.step < 1) file.fail(fmt::format("decimate is {}, expected at least 1", w.step));
   if (terrain.window) {
     w.column = (*terrain.window)[0];
     w.row = (*terrain.window)[1];
@@ -29,14 +29,14 @@ RasterWindow window_of(const RasterTerrain& terrain, const RasterFile& file) {
     }
   }
   if (file.has_variable_resolution()) {
-    if (w.step > 1) file.fail("has variable resolution, which is not decimated: give resolution_m instead");
+    if (w.step > 1)
+      file.fail("has variable resolution, which cannot be decimated: give resolution_m instead");
     return w;
   }
   if (terrain.resolution_m > 0)
     file.fail(fmt::format(
-        "has one resolution, and resolution_m is for BAGs of variable resolution: give decimate, or resample "
-        "it "
-        "with {}",
+        "has one resolution, but resolution_m applies only to BAGs of variable resolution: give decimate, or "
+        "resample the raster with {}",
         file.advised(fmt::format("gdalwarp -tr {0} {0} {1}", terrain.resolution_m, warp_heights))));
   if (w.kept_columns() < 2 || w.kept_rows() < 2) {
     file.fail(
@@ -53,8 +53,8 @@ constexpr double steepest = 10;
 LocalFrame frame_about(glm::dvec3 centre, const std::string& crs, const SourcePlace& place,
                        std::string& warning) {
   if (crs.empty()) {
-    warning = fmt::format(
-        "{}: has no coordinate reference system; its coordinates are taken for local metres", place.file);
+    warning = fmt::format("{}: has no coordinate reference system; its coordinates are read as local metres",
+                          place.file);
     return {};
   }
   // Origins are rounded, so that the message gives them exactly.
@@ -68,7 +68,7 @@ LocalFrame frame_about(glm::dvec3 centre, const std::string& crs, const SourcePl
   }
   const double easting = std::round(centre.x), northing = std::round(centre.y);
   warning = fmt::format(
-      "{}: the scene has no [georeference]; the local frame lies along the raster's projection, origin at "
+      "{}: the scene has no [georeference]; the local frame uses the raster's projection, with its origin at "
       "easting {:.0f}, northing {:.0f}, the middle of the raster's window",
       place.file, easting, northing);
   return LocalFrame::projected(crs, easting, northing, 0, place);
@@ -102,8 +102,8 @@ std::vector<std::string> RasterReader::settle(std::optional<LocalFrame>& frame) 
   if (!frame->is_georeferenced() && !crs_.empty()) {
     throw InputError(place,
                      "has a coordinate reference system, but a raster before it has none: add a "
-                     "[georeference], and write a "
-                     "copy of the other raster with its own by `gdal_translate -a_srs EPSG:... IN OUT`");
+                     "[georeference], and write a copy of the other raster with its own coordinate reference "
+                     "system by `gdal_translate -a_srs EPSG:... IN OUT`");
   }
   return warnings;
 }
@@ -129,17 +129,16 @@ std::vector<std::string> RasterReader::odd_extent(glm::dvec3 lo, glm::dvec3 hi) 
   for (const double value : {-9999.0, -99999.0, -32768.0, -32767.0, 9999.0, 99999.0})
     if (const double height = height_m(value); lo.z < hi.z && (height == lo.z || height == hi.z))
       return {fmt::format(
-          "{}: has cells of {:g}, as programs write where there is no data, and does not say that this is "
-          "what it means: if so, {} makes them holes",
+          "{}: has cells of {:g}, a usual value for missing data, but does not declare it as such: if these "
+          "cells have no data, {} makes them holes",
           file_.place().file, value, file_.advised(fmt::format("gdal_translate -a_nodata {:g}", value)))};
   const glm::dvec3 size = hi - lo;
   if (!crs_.empty() || lo.x < -180 || hi.x > 360 || lo.y < -90 || hi.y > 90 ||
       size.z <= steepest * std::max(size.x, size.y))
     return {};
   file_.fail(fmt::format(
-      "has no coordinate reference system; taken for metres, its {:.3g} x {:.3g} m would be {:.3g} m "
-      "high, so these look like degrees, of longitude {:.6g} to {:.6g} and latitude {:.6g} to "
-      "{:.6g}: {}",
+      "has no coordinate reference system; in metres, its {:.3g} x {:.3g} m would be {:.3g} m high, so its "
+      "coordinates look like degrees (longitude {:.6g} to {:.6g}, latitude {:.6g} to {:.6g}): {}",
       size.x, size.y, size.z, lo.x, hi.x, lo.y, hi.y, file_.name_the_degrees()));
 }
 

@@ -59,10 +59,9 @@ ComponentMesh grid_facets(const Terrain& terrain, double cell_m, const SourcePla
   check_positive(cell_m, "cell_m", place);
   const double columns = cells_along(width_m, cell_m), rows = cells_along(length_m, cell_m);
   if (!(columns * rows <= limits::cells)) {
-    throw InputError(
-        place, fmt::format("the terrain would have {:.3g} cells, at most {:.3g} are made: give a larger "
-                           "cell_m or a smaller extent",
-                           columns * rows, limits::cells));
+    throw InputError(place, fmt::format("the terrain would have {:.3g} cells, but at most {:.3g} are "
+                                        "allowed: give a larger cell_m or a smaller extent",
+                                        columns * rows, limits::cells));
   }
   require_memory(2 * bytes_a_facet * columns * rows, place,
                  fmt::format("the terrain's {:.3g} cells", columns * rows),
@@ -183,7 +182,7 @@ ComponentMesh fractal_facets(const FractalTerrain& terrain, const SourcePlace& p
     throw InputError(place, fmt::format("hurst is {}, expected 0 (rough) to 1 (smooth)", terrain.hurst));
   }
   if (!(terrain.rms_height_m >= 0) || !std::isfinite(terrain.rms_height_m)) {
-    throw InputError(place, fmt::format("rms_height_m is {}, expected 0 or more", terrain.rms_height_m));
+    throw InputError(place, fmt::format("rms_height_m is {}, expected at least 0", terrain.rms_height_m));
   }
   const double largest = terrain.largest_wavelength_m == 0 ? std::max(terrain.width_m, terrain.length_m)
                                                            : terrain.largest_wavelength_m;

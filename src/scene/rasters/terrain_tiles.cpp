@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
 // Reads a raster terrain by tiles. A first pass counts the facets and vertices of every tile and computes
-// its bounding box. Facets of chosen tiles then get the numbers of read_raster() (docs/big-terrain.md).
+// its bounding box. Facets of chosen tiles then get the numbers of read_raster() (docs/notes/visibility.md).
 
 #include "scene/rasters/terrain_tiles.hpp"
 
@@ -142,7 +142,7 @@ TerrainTiles::TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFram
   GDALSetCacheMax64(std::min(static_cast<std::int64_t>(GDALGetCacheMax64()), gdal_cache_bytes));
   const RasterReader reader(terrain);
   if (reader.file().has_variable_resolution())
-    reader.file().fail("has variable resolution, which is read whole: leave out load");
+    reader.file().fail("has variable resolution, which cannot be loaded in tiles: omit load");
   warnings_ = reader.settle(frame);
   frame_ = *frame;
   cell_columns_ = reader.window().kept_columns() - 1;
@@ -201,10 +201,9 @@ TerrainTiles::TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFram
       facets_ += row_facets_[static_cast<std::size_t>(row) * tile_columns_ + c];
   }
   if (facets_ == 0)
-    throw InputError(
-        reader.file().place(),
-        "has no three neighbouring cells with data in the window, so it gives no facet: check the "
-        "window and the nodata value");
+    throw InputError(reader.file().place(),
+                     "has no three neighbouring cells with data in the window, so it gives no facets: check "
+                     "the window and the nodata value");
   for (std::string& text : reader.odd_extent(lo_m_, hi_m_)) warnings_.push_back(std::move(text));
   if (hole_cells_ == 0) {
     row_facets_ = {};
@@ -240,7 +239,7 @@ ComponentMesh TerrainTiles::read(std::span<const std::uint32_t> tiles) const {
   if (tiles.empty()) return mesh;
   RasterReader reader(terrain_);
   if (reader.window().kept_columns() != cell_columns_ + 1 || reader.window().kept_rows() != cell_rows_ + 1)
-    reader.file().fail("was changed while it was read");
+    reader.file().fail("changed while tubefoot read it");
   const std::vector<std::vector<Run>> runs = runs_of(tiles);
   const auto points_of = [this](const Run& run) {
     return Interval{static_cast<int>(run.first) * side,
@@ -286,7 +285,7 @@ ComponentMesh TerrainTiles::read(std::span<const std::uint32_t> tiles) const {
     north.swap(south);
   }
   reader.carry(mesh.points_m, frame_);
-  if (mesh.triangles.size() != facets) reader.file().fail("was changed while it was read");
+  if (mesh.triangles.size() != facets) reader.file().fail("changed while tubefoot read it");
   drop_unused_points(mesh);
   return mesh;
 }

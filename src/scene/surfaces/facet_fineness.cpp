@@ -28,7 +28,7 @@ double largest_radius_m(const ObjectDescription& object) {
 }  // namespace
 
 FacetFineness facet_fineness(const SceneDescription& scene, const ObjectDescription& object) {
-  if (object.chord_error_m) return {*object.chord_error_m, "as the scene says"};
+  if (object.chord_error_m) return {*object.chord_error_m, "from the scene"};
   const double radius_m = largest_radius_m(object);
   FacetFineness found{std::numeric_limits<double>::infinity(), ""};
   for (const SensorDescription& sensor : scene.sensors) {
@@ -37,12 +37,12 @@ FacetFineness facet_fineness(const SceneDescription& scene, const ObjectDescript
     const double resolved_m = std::min(r.sample_m, beam_m);
     if (!(share * resolved_m < found.chord_error_m)) continue;
     found = {share * resolved_m,
-             fmt::format("a sixteenth of what '{}' tells apart, {:.3g} m {}", sensor.name, resolved_m,
-                         r.sample_m <= beam_m ? "of range" : "across a beam")};
+             fmt::format("a sixteenth of the resolution of '{}', {:.3g} m {}", sensor.name, resolved_m,
+                         r.sample_m <= beam_m ? "in range" : "across a beam")};
   }
   if (!(found.chord_error_m <= coarsest * radius_m)) return {coarsest * radius_m, "a fiftieth of the radius"};
   if (found.chord_error_m < finest * radius_m)
-    return {finest * radius_m, "the finest that is made unasked, more than " + found.from};
+    return {finest * radius_m, "the finest default, coarser than " + found.from};
   return found;
 }
 

@@ -107,10 +107,11 @@ std::uint16_t material_named(const std::string& name, const std::vector<Material
 
 void check_border_count(std::size_t borders, const SourcePlace& place) {
   if (borders > most_material_borders)
-    throw InputError(place,
-                     fmt::format("the material map has more than {} pieces of borders: simplify it, or "
-                                 "cut it to the terrain",
-                                 most_material_borders));
+    throw InputError(
+        place,
+        fmt::format(
+            "the material map has more than {} border segments: simplify the map, or cut it to the terrain",
+            most_material_borders));
 }
 
 namespace {
@@ -139,10 +140,9 @@ TerrainMap::TerrainMap(const TerrainDescription& terrain, const std::vector<Mate
   for (const MaterialBorder& border : map_.borders())
     for (const glm::dvec2& p : {border.a, border.b})
       if (!(std::abs(p.x) <= reach_m && std::abs(p.y) <= reach_m))
-        throw InputError(place_,
-                         fmt::format("the map's border at ({:.6g}, {:.6g}) m is no place in this scene: is "
-                                     "its coordinate reference system right?",
-                                     p.x, p.y));
+        throw InputError(place_, fmt::format("the map's border at ({:.6g}, {:.6g}) m is too far away from "
+                                             "this scene: check the map's coordinate reference system",
+                                             p.x, p.y));
   segments_.reserve(map_.borders().size());
   // Neighbouring regions share borders, of which one copy is enough.
   const auto key = [](const PlanSegment& s) { return std::array{s.a.x, s.a.y, s.b.x, s.b.y}; };

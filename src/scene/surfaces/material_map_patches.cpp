@@ -38,16 +38,15 @@ MaterialMap patch_material_map(const PatchMaterialMap& map, const MaterialMapSet
                    hi = glm::floor(glm::dvec2(setting.hi_m) / size);
   const glm::dvec2 squares = hi - lo + static_cast<double>(1 + 2 * margin);
   if (squares.x * squares.y > static_cast<double>(most_material_patches))
-    throw InputError(
-        setting.place,
-        fmt::format("patches of {} m on {:.6g} m x {:.6g} m are {:.3g}, more than {}: expected a "
-                    "larger 'patch_size_m'",
-                    size, setting.hi_m.x - setting.lo_m.x, setting.hi_m.y - setting.lo_m.y,
-                    squares.x * squares.y, most_material_patches));
+    throw InputError(setting.place,
+                     fmt::format("patches of {} m on {:.6g} m x {:.6g} m give {:.3g} patches, more than {}: "
+                                 "increase 'patch_size_m'",
+                                 size, setting.hi_m.x - setting.lo_m.x, setting.hi_m.y - setting.lo_m.y,
+                                 squares.x * squares.y, most_material_patches));
   constexpr double far_squares = 0x1p50;  // beyond, rounding loses a site's position within its square
   if (std::max({-lo.x, -lo.y, hi.x, hi.y}) > far_squares)
     throw InputError(setting.place,
-                     fmt::format("patches of {} m are too small this far from the origin", size));
+                     fmt::format("patches of {} m are too small at this distance from the origin", size));
 
   std::vector<std::uint16_t> materials;
   double all_shares = 0;

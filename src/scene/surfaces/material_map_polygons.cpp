@@ -42,7 +42,7 @@ int attribute_of(OGRLayer& layer, const PolygonMaterialMap& map, const SourcePla
   const std::string_view meant = nearest(map.attribute, names);
   throw InputError(place, fmt::format("its polygons have no attribute \"{}\"{}", map.attribute,
                                       !meant.empty()  ? fmt::format(": did you mean \"{}\"?", meant)
-                                      : names.empty() ? ": they have none at all"
+                                      : names.empty() ? ": they have no attributes"
                                                       : ": expected " + one_of(names, '"')));
 }
 
@@ -62,14 +62,14 @@ class PolygonReader {
       add(*feature, attribute);
     }
     if (!messages.failures().empty())
-      throw InputError(place_, "cannot be read to its end" + messages.in_brackets());
+      throw InputError(place_, "cannot be read to the end" + messages.in_brackets());
     if (!unknown_.empty())
-      throw InputError(place_,
-                       fmt::format("has values of \"{}\" without a material: {}; name each in 'classes'",
-                                   map_.attribute, fmt::join(unknown_, ", ")));
+      throw InputError(
+          place_, fmt::format("has values of \"{}\" without a material: {}; add each of them to 'classes'",
+                              map_.attribute, fmt::join(unknown_, ", ")));
     if (map_.coordinates == "crs")
       carry_map_points(points_, crs_text(layer.GetSpatialRef()), setting_.frame, place_,
-                       "give coordinates = \"local\" if they are local metres all the same");
+                       "set coordinates = \"local\" if the map's coordinates are local metres");
     std::vector<MaterialBorder> borders;
     borders.reserve(edges_.size());
     const auto last = static_cast<std::uint32_t>(material_of_region_.size() - 1);

@@ -39,9 +39,10 @@ Classes read_classes(const GdalInput& input, const RasterMaterialMap& map, const
   if (dataset.GetRasterCount() == 0) throw InputError(place, input.no_single_raster());
   input.refuse_colours("classes", false);
   if (static_cast<double>(classes.columns) * classes.rows > limits::cells)
-    throw InputError(place, fmt::format("{} x {} cells are more than {:.3g}: cut it to the terrain with {}",
-                                        classes.columns, classes.rows, limits::cells,
-                                        input.advised("gdal_translate -projwin WEST NORTH EAST SOUTH")));
+    throw InputError(place,
+                     fmt::format("{} x {} cells are more than {:.3g}: cut the raster to the terrain with {}",
+                                 classes.columns, classes.rows, limits::cells,
+                                 input.advised("gdal_translate -projwin WEST NORTH EAST SOUTH")));
   std::map<double, std::uint16_t> region_of;
   for (const MaterialClass& c : map.classes) {
     const std::uint16_t material = material_named(c.material, setting.materials, c.place, "");
@@ -70,7 +71,7 @@ Classes read_classes(const GdalInput& input, const RasterMaterialMap& map, const
   if (!unknown.empty()) {
     const bool more = unknown.size() > 30;
     if (more) unknown.erase(std::prev(unknown.end()));
-    throw InputError(place, fmt::format("has classes without a material: {}{}; name each in 'classes'",
+    throw InputError(place, fmt::format("has classes without a material: {}{}; add each of them to 'classes'",
                                         fmt::join(unknown, ", "), more ? " and others" : ""));
   }
   return classes;

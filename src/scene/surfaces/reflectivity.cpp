@@ -34,7 +34,7 @@ class MapReader {
     columns_ = input_.dataset().GetRasterXSize();
     rows_ = input_.dataset().GetRasterYSize();
     if (double(columns_) * rows_ > limits::cells)
-      fail(fmt::format("{} x {} pixels are more than {:.3g}: shrink it with {}", columns_, rows_,
+      fail(fmt::format("{} x {} pixels are more than {:.3g}: shrink the image with {}", columns_, rows_,
                        limits::cells, input_.advised("gdal_translate -r average -outsize 25% 0")));
   }
 
@@ -113,8 +113,8 @@ class MapReader {
       const glm::dvec2 straight = corner + double(k % 3) * (w / 2) * column + double(k / 3) * (h / 2) * row;
       if (!(glm::length(plan(k) - straight) <= pixel / 2))
         fail(
-            fmt::format("lies up to {:.3g} m off a parallelogram in the scene's frame, more than half a "
-                        "pixel: bring it into the frame's projection with {}",
+            fmt::format("deviates by up to {:.3g} m from a parallelogram in the scene's frame, more than "
+                        "half a pixel: project it with {}",
                         glm::length(plan(k) - straight),
                         input_.advised(fmt::format("gdalwarp -t_srs EPSG:... {}", warp_heights))));
     }
@@ -138,15 +138,15 @@ std::shared_ptr<const ReflectivityField> load_reflectivity(const MaterialDescrip
     if (const auto* map = std::get_if<MapReflectivityKeys>(&layer.kind)) {
       if (has_map)
         throw InputError(layer.place,
-                         fmt::format("material '{}' has a second map of reflectivity: the product of two has "
-                                     "no known mean, so make one map of them",
+                         fmt::format("material '{}' has a second map of reflectivity: combine the two maps "
+                                     "into one, because their product has an unknown mean",
                                      material.name));
       has_map = true;
       MapReader reader(*map, frame);
       layers.push_back(reader.read());
       if (const auto unknown = reader.unknown_row_order())
         warnings.push_back(
-            fmt::format("{}: {}; the last one is taken for it", reader.place().file, *unknown));
+            fmt::format("{}: {}; tubefoot assumes that the last row is", reader.place().file, *unknown));
       for (const std::string& text : reader.messages().warnings())
         warnings.push_back(fmt::format("{}: GDAL: {}", reader.place().file, text));
       continue;

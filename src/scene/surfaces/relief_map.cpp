@@ -37,7 +37,7 @@ class CellPlaces {
     }
     if (!frame.is_georeferenced() && !crs_.empty()) {
       raster.fail(
-          "has a coordinate reference system, but the scene's frame lies nowhere on Earth: add "
+          "has a coordinate reference system, but the scene's frame is not georeferenced: add "
           "[georeference], or give tile_m");
     }
   }
@@ -66,7 +66,7 @@ std::vector<double> read_heights(const RasterFile& raster, double scale) {
   if (columns < 2 || rows < 2)
     raster.fail(fmt::format("has {} x {} cells, expected at least 2 x 2", columns, rows));
   if (static_cast<double>(columns) * rows > limits::cells)
-    raster.fail(fmt::format("{} x {} cells are more than {:.3g}: thin it with {}", columns, rows,
+    raster.fail(fmt::format("{} x {} cells are more than {:.3g}: reduce the raster with {}", columns, rows,
                             limits::cells, raster.advised("gdal_translate -r average -outsize 25% 0")));
   const RasterFile::Metres metres = raster.metres();
   std::vector<double> heights(static_cast<std::size_t>(columns) * rows);
@@ -78,7 +78,7 @@ std::vector<double> read_heights(const RasterFile& raster, double scale) {
       values[i] = has_data[i] != 0 && std::isfinite(values[i]) ? scale * metres(values[i]) : 0;
       if (!(std::abs(values[i]) <= 1e4))
         raster.fail(
-            fmt::format("has a height of {:.6g} m over the facets, expected within 10000 m: check its "
+            fmt::format("has a height of {:.6g} m above the facets, expected -10000 to 10000 m: check its "
                         "unit, nodata value and 'scale'",
                         values[i]));
     }
@@ -209,8 +209,8 @@ void check_spacing(const RasterFile& raster, const HeightMap& map) {
                                   static_cast<double>(map.rows) * map.spacing_y_m);
   if (!(shortest >= least_m && longest <= most_waves * shortest))
     raster.fail(fmt::format(
-        "its cells are {:g} m by {:g} m over {:g} m, expected at least {:g} m and no more than {:.3g} of "
-        "the shorter sides over all of it: resample it to square cells with {}",
+        "its cells are {:g} m by {:g} m over a length of {:g} m; expected sides of at least {:g} m and a "
+        "length of at most {:.3g} times the shorter side: resample the raster to square cells with {}",
         map.spacing_x_m, map.spacing_y_m, longest, least_m, most_waves,
         raster.advised(fmt::format("gdalwarp -tr SIZE SIZE {}", warp_heights))));
 }
@@ -241,7 +241,8 @@ std::shared_ptr<const ElevationField> read_relief_map(const MapReliefDescription
   }
   if (map.tile_m)
     if (const auto unknown = raster.unknown_row_order())
-      warnings.push_back(fmt::format("{}: {}; the last one is taken for it", raster.place().file, *unknown));
+      warnings.push_back(
+          fmt::format("{}: {}; tubefoot assumes that the last row is", raster.place().file, *unknown));
   for (const std::string& text : raster.messages().warnings())
     warnings.push_back(fmt::format("{}: GDAL: {}", raster.place().file, text));
   check_spacing(raster, lattice);

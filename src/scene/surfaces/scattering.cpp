@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Creates the scattering models of materials (docs/scattering.md): GSAB, tables of angles and levels, and
+// Creates the scattering models of materials (docs/environment.md): GSAB, tables of angles and levels, and
 // sediments. It checks that a model scatters no more energy than it receives.
 
 #include "scene/surfaces/scattering.hpp"
@@ -70,13 +70,14 @@ Table read_table(const std::filesystem::path& file) {
     if (!(row[1] >= -300 && row[1] <= 100))
       throw InputError(place, fmt::format("the level must be from -300 to 100 dB, not {}", row[1]));
     if (table.grazing_deg.size() == most_rows)
-      throw InputError(place, fmt::format("more than {} rows: thin out the table", most_rows));
+      throw InputError(place, fmt::format("the table has more than {} rows: thin it out", most_rows));
     table.grazing_deg.push_back(row[0]);
     table.strength_db.push_back(row[1]);
   }
-  if (in.bad()) throw InputError(place, "cannot be read to its end");
+  if (in.bad()) throw InputError(place, "cannot be read to the end");
   if (table.grazing_deg.empty())
-    throw InputError({file.string(), 0, 0}, "has no row of a grazing angle in degrees and a level in dB");
+    throw InputError({file.string(), 0, 0},
+                     "has no rows, expected a grazing angle in degrees and a level in dB per row");
   return table;
 }
 
@@ -116,13 +117,13 @@ std::vector<std::shared_ptr<const ScatteringModel>> load_scattering(const SceneD
     const ScatteringModel::Albedo most = models.back()->largest_albedo();
     const double mirrored = m.specular_loss_db ? from_db(-*m.specular_loss_db) : 0;
     if (most.value + mirrored > 1 + 1e-9) {
-      const std::string what =
-          fmt::format("material '{}' {} {:.3g} times what it receives at a grazing angle of {:.3g} degrees",
-                      m.name, mirrored > 0 ? "scatters and mirrors" : "scatters", most.value + mirrored,
-                      most.grazing_rad / degree);
+      const std::string what = fmt::format(
+          "material '{}' {} {:.3g} times the energy that it receives at a grazing angle of {:.3g} degrees",
+          m.name, mirrored > 0 ? "scatters and mirrors" : "scatters", most.value + mirrored,
+          most.grazing_rad / degree);
       if (!m.unbounded)
-        throw InputError(m.place, what + ": lower its levels, or say unbounded = true if that is meant");
-      warnings.push_back(what + ", as 'unbounded' allows");
+        throw InputError(m.place, what + ": reduce its levels, or set unbounded = true if this is intended");
+      warnings.push_back(what + ", which 'unbounded' allows");
     }
     if (m.model != "sediment") continue;
     for (const SensorDescription& sensor : scene.sensors)
@@ -130,8 +131,8 @@ std::vector<std::shared_ptr<const ScatteringModel>> load_scattering(const SceneD
           ratio = frequency_khz / m.sediment_khz;
           ratio > sediment_frequency_ratio || ratio < 1 / sediment_frequency_ratio)
         warnings.push_back(fmt::format(
-            "material '{}' is '{}' as it scatters at {:g} kHz, but sensor '{}' works at {:g} kHz: its "
-            "table is meant for {:.3g} to {:.3g} kHz",
+            "material '{}' uses the table of '{}' at {:g} kHz, but sensor '{}' works at {:g} kHz: the table "
+            "is meant for {:.3g} to {:.3g} kHz",
             m.name, *m.sediment, m.sediment_khz, sensor.name, frequency_khz,
             m.sediment_khz / sediment_frequency_ratio, m.sediment_khz * sediment_frequency_ratio));
   }

@@ -23,15 +23,12 @@ std::vector<std::optional<SmoothSurface>> load_smooth_surfaces(const SceneDescri
     if (m.grain_size_phi) surface->fluid = sediment_of_grain_size(*m.grain_size_phi);
     if (!are_received && !scene.sensors.empty())
       warnings.push_back(fmt::format(
-          "material '{}' is smooth, which only sensors that record signals hear, and there is none: "
-          "energies go by its scattering law",
+          "material '{}' is smooth, but no sensor records signals: its energies follow its scattering model",
           m.name));
   }
   if (!are_received && !scene.sensors.empty() && scene.scatterers.place.line > 0)
     warnings.push_back(
-        fmt::format("{}: [scatterers] are what sensors that record signals (kind = \"array\") hear, and "
-                    "there is none: nothing "
-                    "reads it",
+        fmt::format("{}: [scatterers] has no effect, because no sensor records signals (kind = \"array\")",
                     to_string(scene.scatterers.place)));
   return surfaces;
 }

@@ -209,8 +209,9 @@ TEST_F(Attribute, ThePageHasWhoseAndTheIdeal) {
                                        "--scene", path("scene.toml"), "--quiet"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const std::string page = bytes_of(folder / "page.html");
-  for (const char* words : {"Whose the error is", "sampling explains all of it", "facets behind them",
-                            "silhouette", "1 x 500 rays a beam", "--ideal 1x500 --scene"})
+  for (const char* words :
+       {"Attribution of the error", "sampling explains the whole error", "Worst bins and their facets",
+        "silhouette", "1 x 500 rays per beam", "--ideal 1x500 --scene"})
     EXPECT_THAT(page, HasSubstr(words));
 }
 

@@ -162,9 +162,9 @@ TEST(PerfectEngine, CutTubesAreTheTubeAndTheirColumnsAreStacks) {
 }
 
 TEST(PerfectEngine, SamplingIsReadOrAFile) {
-  EXPECT_EQ(beam_sampling("1x512")->words(), "1 x 512 rays a beam");
+  EXPECT_EQ(beam_sampling("1x512")->words(), "1 x 512 rays per beam");
   EXPECT_EQ(beam_sampling("3x20")->columns, 3);
-  EXPECT_EQ(beam_sampling("points:77")->words(), "77 random points a beam");
+  EXPECT_EQ(beam_sampling("points:77")->words(), "77 random points per beam");
   for (const char* file : {"out/1x5/echoes.nc", "x", "1x", "x5", "ideal.nc", "-1x5", "1x5x7", "./1x512", ""})
     EXPECT_FALSE(beam_sampling(file)) << file;
   for (const char* wrong : {"0x5", "1x0", "1001x5", "points:0", "points:-3", "points:", "points:1e3"})
@@ -180,11 +180,12 @@ TEST(PerfectEngine, SeparateReceiversHaveOneColumnAndNoForecast) {
 }
 
 TEST(PerfectEngine, SharesAreOfTheErrorAndAtMostAll) {
-  IdealShare share{"1 x 512 rays a beam", 0.051, 3.1, 0.052, {}};
+  IdealShare share{"1 x 512 rays per beam", 0.051, 3.1, 0.052, {}};
   EXPECT_NEAR(share.explained(), 0.98, 0.005);
   EXPECT_THAT(ideal_text(share),
-              testing::HasSubstr("a perfect engine of 1 x 512 rays a beam would have L1 0.051"));
-  EXPECT_THAT(ideal_text(share), testing::HasSubstr("yours has 0.052: sampling explains 98 %"));
+              testing::HasSubstr("a perfect engine with 1 x 512 rays per beam would have L1 0.051"));
+  EXPECT_THAT(ideal_text(share),
+              testing::HasSubstr("the candidate has 0.052: sampling explains 98 % of the error"));
   share.yours_l1 = 0.05;
   EXPECT_EQ(share.explained(), 1);
   share.yours_l1 = 0;

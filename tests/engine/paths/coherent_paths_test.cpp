@@ -561,7 +561,7 @@ TEST(CoherentPaths, SayWhatTheyCannotDo) {
   const std::array<SignalChannel, 1> same{{{{1, 1, -3}, {1, 1, -3}}}};
   expect_refusal([&] { for_coherent_arrivals(*m.images, m.model, same, nothing); }, "channel 0");
   ChannelSignals other{2, 10, std::vector<Complex>(20)};
-  expect_refusal([&] { add_arrival({1, nullptr, {{3, 1}}}, receiver, other); }, "do not fit");
+  expect_refusal([&] { add_arrival({1, nullptr, {{3, 1}}}, receiver, other); }, "do not match");
   expect_refusal([&] { superpose({1, 20, std::vector<Complex>(20)}, 1, other); }, "added");
   for_coherent_paths(*m.images, m.model, receiver.channels, [&](const CoherentPath& path) {
     const BistaticHistory seen = m.images->history(*path.sent, *path.received);
@@ -582,9 +582,9 @@ TEST(CoherentPaths, SayWhatTheyCannotDo) {
   const PathImages images(refracted.mesh, tree, unit, {}, refracted.transmit, refracted.receive, settings, 0,
                           &water);
   expect_refusal([&] { for_coherent_paths(images, refracted.model(refracted.transmit), same, nothing); },
-                 "refracting");
+                 "straight rays");
   expect_refusal([&] { for_coherent_arrivals(images, refracted.model(refracted.transmit), same, nothing); },
-                 "refracting");
+                 "straight rays");
 }
 
 }  // namespace

@@ -314,11 +314,11 @@ TEST(RaySampling, BadSettingsAreRefused) {
                                                 : testing::AssertionFailure() << text;
   };
   EXPECT_TRUE(has(refused({RaySampling::stratified, -1}, {}), "not -1"));
-  EXPECT_TRUE(has(refused({RaySampling::stratified, 5, Per::beam}, {}), "4 tubes, not for 0"));
-  EXPECT_TRUE(has(refused({RaySampling::column, 5}, {0, 0, 1}), "4 tubes, not for 3"));
+  EXPECT_TRUE(has(refused({RaySampling::stratified, 5, Per::beam}, {}), "4 tubes, but 0 tubes have a beam"));
+  EXPECT_TRUE(has(refused({RaySampling::column, 5}, {0, 0, 1}), "4 tubes, but 3 tubes have a beam"));
   EXPECT_TRUE(has(refused({RaySampling::column, 5}, {0, 1, 1, 0}), "grids of tubes"));
   EXPECT_TRUE(has(refused({RaySampling::column, 5}, fan.beam_of_tube), "not refused"));
-  EXPECT_TRUE(has(refused({RaySampling::adaptive, 5}, {}), "depend on what is met"));
+  EXPECT_TRUE(has(refused({RaySampling::adaptive, 5}, {}), "depend on the hits"));
   EXPECT_THROW(ray_sampling_from_name("halton"), std::invalid_argument);
   for (const RaySampling sampling : all_samplings)
     EXPECT_EQ(ray_sampling_from_name(name_of(sampling)), sampling);

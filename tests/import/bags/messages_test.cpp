@@ -133,8 +133,8 @@ TEST_F(Messages, WhatIsNotReportedIsTold) {
   EXPECT_THAT(data.frames.at(0).range_m, IsEmpty());
   EXPECT_THAT(data.frames.at(0).azimuth_rad, IsEmpty());
   EXPECT_EQ(data.frames.at(0).time_s, std::nullopt);
-  EXPECT_THAT(data.noticed, Contains(HasSubstr("ranges are not in the messages")));
-  EXPECT_THAT(data.noticed, Contains(HasSubstr("azimuths must be given")));
+  EXPECT_THAT(data.noticed, Contains(HasSubstr("the messages have no ranges")));
+  EXPECT_THAT(data.noticed, Contains(HasSubstr("give the azimuths with --azimuths")));
   sonar = small_sonar();
   sonar.dtype = 8;
   sonar.ranges = {1};
@@ -178,9 +178,9 @@ TEST_F(Messages, ARawImageHasTheRangesOfItsSamples) {
   EXPECT_THAT(read.azimuth_rad, ElementsAre(-0.5, 0.5));
   const ForeignData no_speed = this->read(raw_image(1000, 0, 3, 0, {}, "abcdef", 2));
   EXPECT_THAT(no_speed.frames.at(0).range_m, IsEmpty());
-  EXPECT_THAT(no_speed.noticed, Contains(HasSubstr("ranges must be given")));
+  EXPECT_THAT(no_speed.noticed, Contains(HasSubstr("give the ranges with --ranges")));
   refused(raw_image(1000, 1500, 4, 0, {}, "abcdef", 2), raw_type, "samples_per_beam says 4");
-  refused(raw_image(1000, 1500, 3, 0, {0.1f}, "abcdef", 2), raw_type, "rx_angles: has 1 entries");
+  refused(raw_image(1000, 1500, 3, 0, {0.1f}, "abcdef", 2), raw_type, "rx_angles has 1 entries");
 }
 
 TEST_F(Messages, ACameraImageIsReadInItsEncodings) {
@@ -199,7 +199,7 @@ TEST_F(Messages, ACameraImageIsReadInItsEncodings) {
     const ForeignData grey = read(camera_image(1, 2, colours, 6, Bytes("aaabbb")));
     EXPECT_THAT(grey.frames.at(0).values, ElementsAre('a', 'b'));
     EXPECT_TRUE(grey.frames.at(0).eight_bits);
-    EXPECT_THAT(grey.noticed, Contains(HasSubstr("all of them grey")));
+    EXPECT_THAT(grey.noticed, Contains(HasSubstr("all of them are grey")));
   }
   EXPECT_THAT(frame(camera_image(1, 2, "rgba8", 8, Bytes("aaaXbbbY"))).values, ElementsAre('a', 'b'));
   refused(camera_image(1, 2, "rgb8", 6, Bytes("aaaabc")), image_type,
@@ -214,22 +214,22 @@ TEST_F(Messages, CountsThatLieAreRefused) {
     change(sonar);
     return projected(sonar);
   };
-  refused(with([](Sonar& s) { s.beams = 0; }), projected_type, "image.beam_count: is 0");
-  refused(with([](Sonar& s) { s.beams = 5; }), projected_type, "image.data: has 12 bytes");
+  refused(with([](Sonar& s) { s.beams = 0; }), projected_type, "image.beam_count is 0");
+  refused(with([](Sonar& s) { s.beams = 5; }), projected_type, "image.data has 12 bytes");
   refused(with([](Sonar& s) { s.beams = 4'000'000'000u; }), projected_type, "4000000000 beams");
-  refused(with([](Sonar& s) { s.dtype = 10; }), projected_type, "image.dtype: is 10");
+  refused(with([](Sonar& s) { s.dtype = 10; }), projected_type, "image.dtype is 10");
   refused(with([](Sonar& s) { s.dtype = 9; }), projected_type, "float64 for each of 3 beams");
-  refused(with([](Sonar& s) { s.data.clear(); }), projected_type, "image.data: has 0 samples");
+  refused(with([](Sonar& s) { s.data.clear(); }), projected_type, "image.data has 0 samples");
   refused(with([](Sonar& s) { s.ranges.pop_back(); }), projected_type, "the number of ranges says 3");
-  refused(with([](Sonar& s) { s.directions.resize(6); }), projected_type, "beam_directions: has 2 entries");
+  refused(with([](Sonar& s) { s.directions.resize(6); }), projected_type, "beam_directions has 2 entries");
   refused(with([](Sonar& s) { s.directions[1] = s.directions[2] = 0; }), projected_type,
           "entry 0 is (0, 0, 0)");
-  refused(with([](Sonar& s) { s.directions[1] = NAN; }), projected_type, "no direction");
+  refused(with([](Sonar& s) { s.directions[1] = NAN; }), projected_type, "which is not a direction");
   refused(with([](Sonar& s) { s.ranges[2] = INFINITY; }), projected_type, "ranges: entry 2 is inf");
   refused(camera_image(2, 2, "mono8", 1, "ab"), image_type, "step: is 1 bytes, a row of 2 'mono8' has 2");
   refused(camera_image(3, 2, "mono8", 2, "abcd"), image_type, "data: has 4 bytes, 3 rows of 2 are 6");
   refused(camera_image(0xffffffff, 0xffffffff, "mono8", 0xffffffff, "ab"), image_type,
-          "are the most of a ping");
+          "but a ping has at most");
   refused(camera_image(0, 5, "mono8", 5, ""), image_type, "has no samples");
 }
 
@@ -263,22 +263,22 @@ TEST_F(Messages, CutAtEveryLengthAMessageIsRefused) {
 TEST_F(Messages, WhatIsSerializedOtherwiseOrGoesOnIsRefused) {
   Bytes message = projected(small_sonar());
   EXPECT_NO_THROW(read(message + Bytes(3, '\0'))) << "transports fill up words";
-  refused(message + Bytes(8, '\0'), projected_type, "8 bytes are left behind its last field");
+  refused(message + Bytes(8, '\0'), projected_type, "8 bytes follow its last field");
   for (const char kind : {'\2', '\3', '\7', '\x0b'}) {  // parameter lists, XCDR2
     message[1] = kind;
     refused(message, projected_type, "is another serialization");
   }
   Bytes text = projected(small_sonar());
   text[4 + 8 + 4 + 5] = 'x';  // the end of "sonar"
-  refused(text, projected_type, "header.frame_id: is a text without an end");
+  refused(text, projected_type, "header.frame_id: is a text without a zero byte at its end");
 }
 
 TEST_F(Messages, ATypeIsFoundByItselfOrGiven) {
   EXPECT_THAT(read(projected(small_sonar())).noticed, Contains(HasSubstr("the only type that fits")));
   EXPECT_THAT(read(projected(small_sonar()), "marine_acoustic_msgs/ProjectedSonarImage").frames,
               testing::SizeIs(1));
-  refused(projected(small_sonar()), image_type, "is no message that is read");
-  expect_refused<UsageError>([&] { read(projected(small_sonar()), "/sonar"); }, "the topic is its type");
+  refused(projected(small_sonar()), image_type, "is not a message that tubefoot reads");
+  expect_refused<UsageError>([&] { read(projected(small_sonar()), "/sonar"); }, "--topic must give its type");
 }
 
 TEST_F(Messages, TheListsOfHoloOceanAreNoPicture) {

@@ -91,8 +91,8 @@ TEST_F(SqliteBag, ASchemaIsNotTrusted) {
   refused_with("CREATE VIRTUAL TABLE more USING fts5(a)", "a virtual table, 'more");
   refused_with("DROP TABLE messages", "no such table: messages");
   refused_with("ALTER TABLE messages DROP COLUMN data", "no such column: data");
-  refused_with("UPDATE messages SET data = 'text'", "is no bytes (BLOB)");
-  refused_with("UPDATE messages SET data = 7", "is no bytes (BLOB)");
+  refused_with("UPDATE messages SET data = 'text'", "is not a sequence of bytes (BLOB)");
+  refused_with("UPDATE messages SET data = 7", "is not a sequence of bytes (BLOB)");
   refused_with("UPDATE topics SET serialization_format = 'json'", "is serialized as 'json'");
 }
 
@@ -205,9 +205,9 @@ TEST_F(BagFolder, WhatItsMetadataMayNotSay) {
   metadata("    - r_0.db3\n", "  compression_format: lz4\n");
   refused(folder.path(), "compression_format: 'lz4' is not read");
   folder.write("metadata.yaml", "a: [1, 2");
-  refused(folder.path(), "is no YAML");
+  refused(folder.path(), "is not YAML");
   folder.write("metadata.yaml", Bytes(100'000, '['));
-  refused(folder.path(), "is no YAML");
+  refused(folder.path(), "is not YAML");
   folder.write("metadata.yaml", "");
   refused(folder.path(), "has no rosbag2_bagfile_information");
   fs::remove(folder / "metadata.yaml");
@@ -216,9 +216,9 @@ TEST_F(BagFolder, WhatItsMetadataMayNotSay) {
 }
 
 TEST_F(BagFolder, WhatIsNoRecordingIsRefused) {
-  refused(folder.write("r.db3", "no database"), "is no recording of ROS 2");
-  refused(folder.write("r.mcap", ""), "is no recording of ROS 2");
-  refused(folder.write("r.db3.zstd", zstd("no database")), "is no recording of ROS 2");
+  refused(folder.write("r.db3", "no database"), "is not a ROS 2 recording");
+  refused(folder.write("r.mcap", ""), "is not a ROS 2 recording");
+  refused(folder.write("r.db3.zstd", zstd("no database")), "is not a ROS 2 recording");
   refused(folder / "none.db3", "cannot be opened");
   EXPECT_TRUE(is_bag("a/b.db3"));
   EXPECT_TRUE(is_bag("a/b.mcap.zstd"));

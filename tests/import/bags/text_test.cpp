@@ -97,17 +97,17 @@ TEST_F(PrintedMessages, WhatWasCutOffInPrintingIsReported) {
 
 TEST_F(PrintedMessages, WhatIsWrongIsNamedByItsLine) {
   refused("ranges:\n- 1.0\n- 2.5\n", "", "has no 'ranges'");
-  refused("- 2.5", "- 2.5m", "m.yaml:21:3: ranges: '2.5m' is no number of its type");
+  refused("- 2.5", "- 2.5m", "m.yaml:21:3: ranges: '2.5m' is not a number of the field's type");
   refused("  - 255", "  - 256", "m.yaml:28:5: data: '256' is no number");
-  refused("  - 255", "  - -1", "data: '-1' is no number");
+  refused("  - 255", "  - -1", "data: '-1' is not a number");
   refused("beam_count: 2", "beam_count: 2e9", "beam_count: '2e9' is no number");
   refused("is_bigendian: false", "is_bigendian: 0", "expected true or false");
   refused("  - 255\n", "", "m.yaml:1: image.data: has 3 bytes");
-  refused("header:", "header: [", "is no message as ros2 topic echo prints it (YAML)");
+  refused("header:", "header: [", "is not a message as ros2 topic echo prints it (YAML)");
   expect_refused<InputError>([&] { read(printed + "data: hello\n---\n"); },
-                             "m.yaml:32: is no message that is read");
+                             "m.yaml:32: is not a message that tubefoot reads");
   expect_refused<InputError>([&] { read(""); }, "has no message");
-  expect_refused<InputError>([&] { read(std::string(100'000, '[')); }, "is no message as");
+  expect_refused<InputError>([&] { read(std::string(100'000, '[')); }, "is not a message as");
 }
 
 /// Nested aliases, each ten times the previous one, are 10^10 numbers. The reader counts them without

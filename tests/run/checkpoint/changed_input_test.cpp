@@ -83,7 +83,7 @@ TEST_F(ChangedInput, OfEveryKindIsNoticed) {
     };
     const Outcome outcome = run(somebody_edits);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr("was changed during the run"), HasSubstr("bring it back"),
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("was changed during the run"), HasSubstr("restore it"),
                                    HasSubstr("1000 of 1000 pings are kept")));
     EXPECT_FALSE(fs::exists(results));
     if (name == files.begin()->first) {

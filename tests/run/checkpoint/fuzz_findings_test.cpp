@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-// Repeats the findings of fuzzing for files that tubefoot resumes from (docs/fuzzing.md), minimised. The
-// test names state the findings.
+// SPDX-License-Identifier: GPL-3.0-or-later Repeats the findings of fuzzing for files that tubefoot resumes
+// from (validation/fuzzing.md), minimised. The test names state the findings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +31,7 @@ TEST(FuzzedKeptRuns, KeptRunThatSaysNothingOfItselfIsInTheWay) {
   for (const bool resume : {true, false})
     EXPECT_THAT([&] { PartialRun(folder / "results", resume); },
                 ThrowsMessage<UsageError>(
-                    AllOf(HasSubstr("results.partial' is damaged"), HasSubstr("move it away or delete it"))));
+                    AllOf(HasSubstr("results.partial' is damaged"), HasSubstr("move or delete it"))));
 }
 
 TEST(FuzzedKeptRuns, KeptRunOfOtherWordsIsRefused) {

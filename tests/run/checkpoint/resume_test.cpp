@@ -64,7 +64,7 @@ TEST_F(Resume, MakesTheSameBytesWhereverTheRunWasKilled) {
       again.emplace_back("--resume");
       const Outcome outcome = run(results, again);
       ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-      EXPECT_THAT(outcome.err, HasSubstr("going on after " + std::to_string(kept) + " finished pings"));
+      EXPECT_THAT(outcome.err, HasSubstr("continuing after " + std::to_string(kept) + " finished pings"));
       EXPECT_FALSE(fs::exists(partial));
       expect_same(whole, results);
       fs::remove_all(results);

@@ -144,7 +144,7 @@ TEST_F(Signals, WhatWasKeptBeforeIsReportedAgain) {
   Surroundings at_once;
   at_once.signal = SIGTERM;
   at_once.interrupt_once_said = [](const std::string& err) {
-    return err.find("going on after") != std::string::npos;
+    return err.find("continuing after") != std::string::npos;
   };
   const Outcome outcome = run(at_once, {"--resume"});
   if (outcome.exit_code == 0) return;  // over before the signal came

@@ -181,7 +181,7 @@ TEST_F(Ranks, KeepWhatWasFinishedWhenOneDies) {
     }
     const Outcome again = dying == 1 ? alone(results, {"--resume"}) : on_ranks(3, results, {"--resume"});
     ASSERT_EQ(again.exit_code, 0) << again.err;
-    EXPECT_EQ(times(again.err, "going on after"), 1) << again.err;
+    EXPECT_EQ(times(again.err, "continuing after"), 1) << again.err;
     expect_same(whole, results);
     fs::remove_all(results);
   }
@@ -221,7 +221,7 @@ TEST_F(Ranks, ReportErrorsOnceAndAsOneProcessDoes) {
   };
   complaint("--engine", {"--engine", "magic"});
   sending = Sending::nothing_ahead;
-  complaint("needs --engine tube", {"--reference", "--engine", "ray"});
+  complaint("use --engine tube", {"--reference", "--engine", "ray"});
   fs::remove(folder / "thing.obj");
   complaint("thing.obj");
 }

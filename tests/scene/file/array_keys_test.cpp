@@ -106,7 +106,7 @@ TEST(ArrayKeys, OfTheScatterers) {
   EXPECT_FALSE(scene_with("").scatterers.spacing_m);
   const TestFolder folder;
   EXPECT_THAT(scene_error(folder, std::string(smallest_scene) + "[scatterers]\ntexture_shape = 2\n"),
-              HasSubstr("'texture_shape' is of a texture"));
+              HasSubstr("'texture_shape' applies only to a texture"));
 }
 
 // The sound speed determines the length of samples and the position of half a wavelength.

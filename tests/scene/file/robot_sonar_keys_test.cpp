@@ -51,14 +51,16 @@ range_max_m = 30
 TEST(ScanningKeys, MustAgree) {
   EXPECT_THAT(
       error_of("kind = \"scanning\"\nstep_deg = 0.7\n"),
-      HasSubstr("'scan_deg' (360) must be a whole number of steps of 'step_deg' (0.7), at most 4096: it "
-                "is 514.286"));
-  EXPECT_THAT(error_of("kind = \"scanning\"\nstep_deg = 0.05\n"), HasSubstr("at most 4096: it is 7200"));
+      HasSubstr("'scan_deg' (360) must be a whole multiple of 'step_deg' (0.7), at most 4096 steps, but it "
+                "is 514.286 steps"));
+  EXPECT_THAT(error_of("kind = \"scanning\"\nstep_deg = 0.05\n"),
+              HasSubstr("at most 4096 steps, but it is 7200"));
   EXPECT_THAT(error_of("kind = \"scanning\"\nrange_min_m = 60\n"), HasSubstr("must be less than"));
   // 400 steps of 2 * 15 / 1500 and 0.02 s.
   EXPECT_THAT(
       error_of("kind = \"scanning\"\nrange_max_m = 15\npings = 2\n"),
-      HasSubstr("a ping is a scan of 400 steps, which take 16 s: 'ping_interval_s' must be that or more"));
+      HasSubstr(
+          "a ping is a scan of 400 steps, which takes 16 s, so 'ping_interval_s' must be this time or more"));
   EXPECT_EQ(error_of("kind = \"scanning\"\nrange_max_m = 15\npings = 2\nping_interval_s = 16\n"), "");
   EXPECT_EQ(error_of("kind = \"scanning\"\nlook_at_m = [1, 2, 3]\n"), "");
 }
@@ -79,15 +81,15 @@ TEST(BeamAngles, AreReadInsteadOfWhatSpreadsThem) {
 TEST(BeamAngles, MustAgree) {
   for (const char* key : {"beams = 3", "horizontal_deg = 30", "spacing = \"angle\""})
     EXPECT_THAT(error_of(std::string("kind = \"imaging\"\nbeam_angles_deg = [-1, 1]\n") + key + "\n"),
-                HasSubstr("'beam_angles_deg' says where the beams lie: remove '"));
+                HasSubstr("'beam_angles_deg' already defines the beams: remove '"));
   EXPECT_THAT(error_of("kind = \"multibeam\"\nbeam_angles_deg = [-1, 1]\nswath_deg = 9\n"),
               HasSubstr("remove 'swath_deg', or the list"));
   EXPECT_THAT(error_of("kind = \"imaging\"\nbeam_angles_deg = [1, 1]\n"),
               HasSubstr("must increase, from port to starboard: 1 follows 1"));
-  EXPECT_THAT(error_of("kind = \"imaging\"\nbeam_angles_deg = [4]\n"), HasSubstr("two angles or more"));
+  EXPECT_THAT(error_of("kind = \"imaging\"\nbeam_angles_deg = [4]\n"), HasSubstr("two or more angles"));
   EXPECT_THAT(error_of("kind = \"imaging\"\nbeam_angles_deg = [0, 180]\n"), HasSubstr("-179 to 179"));
   EXPECT_THAT(error_of("kind = \"multibeam\"\nbeam_angles_deg = [-80, 89]\nbeam_across_deg = 3\n"),
-              HasSubstr("a beam at 89 degrees, of 3 degrees across, reaches above the horizontal"));
+              HasSubstr("a beam at 89 degrees with a width of 3 degrees reaches above the horizontal"));
   EXPECT_THAT(error_of("kind = \"imaging\"\nspacing = \"distance\"\nbeams = 1\n"), HasSubstr("2 or more"));
 }
 

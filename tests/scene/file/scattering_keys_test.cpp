@@ -166,7 +166,7 @@ TEST(ScatteringKeys, MistakesAreReportedWithTheirPlace) {
   expect("law = \"gsab\"\nspecular_db = -3", "4:15: 'specular_db' goes together with 'specular_width_deg'");
   expect("law = \"gsab\"\ntransition_width_deg = 3",
          "'transition_width_deg' goes together with 'transition_db'");
-  expect("law = \"gsab\"\noblique_exponent = 3", "'oblique_exponent' goes together with 'oblique_db'");
+  expect("law = \"gsab\"\noblique_exponent = 3", "'oblique_exponent' needs the key 'oblique_db' as well");
   expect("law = \"gsab\"\noblique_db = -20\noblique_exponent = -1", "must be 0 to 10, not -1");
   expect("law = \"gsab\"\nspecular_db = -3\nspecular_width_deg = 0", "must be 0.1 to 90 degrees, not 0");
   expect("law = \"table\"",
@@ -206,7 +206,7 @@ TEST(ScatteringKeys, TablesInFilesAreCheckedLineByLine) {
   EXPECT_THAT(
       load_error(folder,
                  "law = \"table\"\ntable_grazing_deg = [30, 30.000000000000004]\ntable_db = [-20, -20]"),
-      HasSubstr("too near to each other"));
+      HasSubstr("too close to each other"));
 }
 
 }  // namespace

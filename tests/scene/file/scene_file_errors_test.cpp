@@ -95,18 +95,18 @@ TEST(SceneFileErrors, SurveysSayWhereAndHowHigh) {
   for (const auto& [keys, place, says] :
        {std::tuple(with(""), "7:1", "a survey has no height: give one of 'up_m'"),
         std::tuple(with("up_m = 1\ndepth_m = 1"), "7:1", "more than one height"),
-        std::tuple(with("up_m = 1\naltitude_step_m = 1"), "13:19", "goes with 'altitude_m'"),
+        std::tuple(with("up_m = 1\naltitude_step_m = 1"), "13:19", "'altitude_step_m' needs 'altitude_m'"),
         std::tuple(with("up_m = 1\ncentre_m = [1, 2]\ncentre_crs = [1, 2]"), "14:14", "more than one centre"),
         std::tuple(with("altitude_m = 0"), "12:14", "> 0"),
         std::tuple(std::string("kind = \"waypoints\"\nfile = \"scene.toml\"\nturn_s = 3"), "10:10",
-                   "for files without times")})
+                   "only to files without times")})
     expect_mistakes({{fixed, keys.c_str(), place, says}});
 }
 
 TEST(SceneFileErrors, LookAtIsForSensorsThatLookAheadAndNotTurnedOtherwise) {
   expect_mistakes({
       {didson, "kind = \"sidescan\"\nlook_at_m = [0, 0, 0]", "12:13",
-       "'look_at_m' turns sonars that look ahead, which kind = \"sidescan\" does not"},
+       "'look_at_m' applies only to forward-looking sonars, not to kind = \"sidescan\""},
       {didson, "kind = \"didson\"\nlook_at_m = [0, 0, 0]\ntilt_deg = 3", "13:12", "remove 'tilt_deg'"},
   });
 }
@@ -194,11 +194,13 @@ TEST(SceneFileErrors, SectorsOfNoWidthOrTooWideSaySo) {
       {didson, "kind = \"didson\"\nhorizontal_deg = 0", "12:18",
        "'horizontal_deg' must be > 0, < 180 degrees, not 0: a sector of no width sees nothing"},
       {didson, "kind = \"didson\"\nhorizontal_deg = 180", "12:18",
-       "not 180: a sector so wide does not project"},
-      {didson, "kind = \"didson\"\nvertical_deg = -1", "12:16", "not -1: a sector of no width sees nothing"},
-      {didson, "kind = \"didson\"\nvertical_deg = 170.5", "12:16", "share it among several sensors"},
-      {didson, "kind = \"sidescan\"\nalong_track_deg = 0", "12:19", "a sector of no width sees nothing"},
-      {didson, "kind = \"sidescan\"\nalong_track_deg = 91", "12:19", "a sector so wide"},
+       "not 180: a sector of this width does not project"},
+      {didson, "kind = \"didson\"\nvertical_deg = -1", "12:16",
+       "not -1: a sector without width receives nothing"},
+      {didson, "kind = \"didson\"\nvertical_deg = 170.5", "12:16", "distribute it over several sensors"},
+      {didson, "kind = \"sidescan\"\nalong_track_deg = 0", "12:19",
+       "a sector without width receives nothing"},
+      {didson, "kind = \"sidescan\"\nalong_track_deg = 91", "12:19", "a sector of this width"},
       {didson, "kind = \"sidescan\"\ndepression_min_deg = 40\ndepression_max_deg = 40", "13:22",
        "'depression_min_deg' (40) must be less than 'depression_max_deg' (40): a sector of no width sees "
        "nothing"},
@@ -211,11 +213,11 @@ TEST(SceneFileErrors, SectorsOfNoWidthOrTooWideSaySo) {
 TEST(SceneFileErrors, ACamerasBeamsAndCyclesMustAgree) {
   expect_mistakes({
       {didson, "kind = \"didson\"\nbeam_centres = \"lens\"\nbeams = 64", "13:9",
-       "known for 48 or 96 beams, not for 64"},
+       "available for 48 or 96 beams, not for 64"},
       {didson, "kind = \"didson\"\nbeam_centres = \"lens\"\nhorizontal_deg = 29", "13:18",
        "remove 'horizontal_deg'"},
       {didson, "kind = \"didson\"\ncycles = 7", "12:10",
-       "'cycles' must share out the 96 beams evenly, 7 do not"},
+       "the number of beams (96) must be a multiple of 'cycles' (7)"},
       {didson, "kind = \"didson\"\ncycle_interval_s = 0.1", "12:20",
        "'cycle_interval_s' needs 'cycles' of 2 or more"},
       {didson, "kind = \"didson\"\nfiring_order = [0]", "12:16",
@@ -232,7 +234,7 @@ TEST(SceneFileErrors, ACamerasBeamsAndCyclesMustAgree) {
       {didson,
        "kind = \"didson\"\ntransmit_pattern = \"gaussian\"\ntransmit_beam_width_deg = "
        "9\ntransmit_pattern_angle = \"elevation\"\ntransmit_steering = \"beams\"",
-       "15:21", "take transmit_steering = \"fan\""},
+       "15:21", "set transmit_steering = \"fan\""},
   });
 }
 
@@ -245,12 +247,12 @@ TEST(SceneFileErrors, KeysOfOneTableMustAgree) {
       {didson, "kind = \"interferometric\"\ndepression_min_deg = 86", "12:22",
        "'depression_min_deg' (86) must be less than 'depression_max_deg'"},
       {didson, "kind = \"interferometric\"\nbaseline_m = 0.6", "12:14",
-       "'baseline_m' (0.6) must not be more than 'range_min_m' (0.5)"},
+       "'baseline_m' (0.6) must be at most 'range_min_m' (0.5)"},
       {didson, "kind = \"sidescan\"\nrange_min_m = 50", "12:15",
        "'range_min_m' (50) must be less than 'range_max_m'"},
       {didson, "kind = \"sidescan\"\nrange_max_m = 0.5", "12:15", "must be less than 'range_max_m' (0.5)"},
       {fixed, "kind = \"line\"\nstart_m = [1, 2, 3]\nend_m = [1, 2, 3]", "10:9", "'end_m' equals 'start_m'"},
-      {fixed, "kind = \"line\"\nstart_m = [1, 2, 3]\nend_m = [1, 2, 4]", "10:9", "straight above or below"},
+      {fixed, "kind = \"line\"\nstart_m = [1, 2, 3]\nend_m = [1, 2, 4]", "10:9", "directly above or below"},
       {didson, "kind = \"didson\"\n[georeference]", "12:1",
        "needs 'origin_lat_lon_deg', or 'crs' with 'origin_crs'"},
       {didson, "kind = \"didson\"\n[georeference]\norigin_lat_lon_deg = [1, 2]\ncrs = \"EPSG:32602\"", "14:7",
@@ -267,7 +269,7 @@ TEST(SceneFileErrors, KeysOfOneTableMustAgree) {
       {didson, "kind = \"didson\"\n[water]\ndepth_m = 9000", "13:11",
        "give 'sound_speed_m_s' for deeper water"},
       {flat_lines, "kind = \"fractal\"\nwidth_m = 9\nlength_m = 9\ncell_m = 0.1\nripple_height_m = 0.02",
-       "7:10", "cells of 0.1 metres cannot show ripples of 0.2 metres"},
+       "7:10", "cells of 0.1 metres cannot resolve ripples of 0.2 metres"},
       {didson, "kind = \"didson\"\n[[objects]]\nname = \"o\"\nshape = \"box\"\nposition_lat_lon_deg = [1, 2]",
        "15:24", "add [georeference]"},
       {flat_lines, "kind = \"raster\"\nfile = \"scene.toml\"\nwindow = [0, 0, 1, 5]", "6:17",
@@ -290,7 +292,7 @@ TEST(SceneFileErrors, LambertMaterialsConserveEnergy) {
       {material_name, "name = \"sand\"\nlambert_db = -4.97", "3:14",
        "'lambert_db' must be -120 to -4.9715 dB, not -4.97: a surface cannot scatter more than it receives"},
       {material_name, "name = \"sand\"\nlambert_db = -10\nspecular_loss_db = 1.6", "4:20",
-       "'sand' would return more than it receives"},
+       "'sand' would return more energy than it receives"},
   });
 }
 
@@ -316,11 +318,11 @@ TEST(SceneFileErrors, NamesMustDifferAndReferToSomething) {
        "needs the key 'material': \"mud\" or \"sand\""},
       {didson, "kind = \"didson\"\ntrajectory = \"trajektory\"", "12:14", "did you mean \"trajectory\"?"},
       {"[[materials]]\nname = \"sand\"", "", "2:1",
-       "no 'material' to refer to: the scene has no [[materials]]"},
+       "'material' has nothing to refer to, because the scene has no [[materials]]"},
       {sensor_name, "name = \"cam/era\"", "10:8",
        "expected at most 64 of the characters A-Z a-z 0-9 _ -, not \"cam/era\""},
-      {sensor_name, "name = \"caméra\"", "10:8", "becomes the name of files"},
-      {sensor_name, "name = \"..\"", "10:8", "becomes the name of files"},
+      {sensor_name, "name = \"caméra\"", "10:8", "becomes part of file names"},
+      {sensor_name, "name = \"..\"", "10:8", "becomes part of file names"},
   });
   const TestFolder folder;
   EXPECT_THAT(scene_error(folder, replaced(smallest_scene, "\"camera\"", '"' + std::string(65, 'c') + '"')),
@@ -386,7 +388,7 @@ TEST(SceneFileErrors, TheSceneFileItselfMustBeReadable) {
   EXPECT_EQ(error_of("no/such/scene.toml"), "no/such/scene.toml: there is no such scene file");
   EXPECT_THAT(error_of(folder.path()), HasSubstr(": is a folder, expected a scene file"));
   EXPECT_EQ(error_of(""), ": there is no such scene file");
-  EXPECT_THAT(error_of(std::string(5000, 'x')), HasSubstr(": cannot look at it: "));
+  EXPECT_THAT(error_of(std::string(5000, 'x')), HasSubstr(": cannot be accessed: "));
   EXPECT_THAT(error_of(folder.write("large.toml", std::string((16 << 20) + 1, '#'))),
               HasSubstr(": larger than "));
 }

@@ -57,9 +57,11 @@ TEST(SmoothKeys, OnesThatDoNotGoTogetherAreRefused) {
   for (const char* key :
        {"reflection = 0.5", "fluid = [2, 1, 0]", "grain_size_phi = 1", "roughness_m = 0.1"}) {
     const std::string name = std::string(key).substr(0, std::string_view(key).find(' '));
-    EXPECT_THAT(error_with(key), HasSubstr(fmt::format("scene.toml:3:{}: '{}' belongs to smooth = true: add",
-                                                       name.size() + 4, name)));
-    EXPECT_THAT(error_with(fmt::format("smooth = false\n{}", key)), HasSubstr("belongs to smooth = true"));
+    EXPECT_THAT(error_with(key),
+                HasSubstr(fmt::format("scene.toml:3:{}: '{}' applies only with smooth = true: add",
+                                      name.size() + 4, name)));
+    EXPECT_THAT(error_with(fmt::format("smooth = false\n{}", key)),
+                HasSubstr("applies only with smooth = true"));
   }
   EXPECT_THAT(error_with("smooth = true\nreflection = 1\nfluid = [2, 1, 0]"),
               HasSubstr("scene.toml:5:9: 'reflection' and 'fluid' both say what the material reflects"));
@@ -77,15 +79,13 @@ TEST(SmoothKeys, AreWarnedOfWhereNobodyReceivesPhases) {
   const TestFolder folder;
   const Scene scene = load_scene(read_scene(folder, scene_with("smooth = true")));
   ASSERT_NE(scene.smooth_surface(0), nullptr);
-  EXPECT_THAT(
-      scene.report.warnings,
-      ElementsAre("material 'sand' is smooth, which only sensors that record signals hear, and there is "
-                  "none: energies go by its scattering law"));
+  EXPECT_THAT(scene.report.warnings, ElementsAre("material 'sand' is smooth, but no sensor records signals: "
+                                                 "its energies follow its scattering model"));
   const Scene scattered =
       load_scene(read_scene(folder, std::string(smallest_scene) + "\n[scatterers]\nspacing_m = 0.1\n"));
-  EXPECT_THAT(
-      scattered.report.warnings,
-      ElementsAre(AllOf(HasSubstr("scene.toml:"), HasSubstr("[scatterers] are what sensors that record"))));
+  EXPECT_THAT(scattered.report.warnings,
+              ElementsAre(AllOf(HasSubstr("scene.toml:"),
+                                HasSubstr("[scatterers] has no effect, because no sensor records signals"))));
   const Scene rough = load_scene(read_scene(folder, smallest_scene));
   EXPECT_EQ(rough.smooth_surface(0), nullptr);
   EXPECT_TRUE(rough.report.warnings.empty());

@@ -128,7 +128,8 @@ TEST_F(WaterKeys, FilesAreRefusedAtTheirPlace) {
   EXPECT_THAT(file_error("table", ""), StartsWith("p.csv: is empty"));
   EXPECT_THAT(file_error("table", head), StartsWith("p.csv: has a header but no rows"));
   EXPECT_THAT(file_error("table", "depth_m,speed\n"), StartsWith("p.csv:1: the column sound_speed_m_s"));
-  EXPECT_THAT(file_error("table", "Depth,sound_speed_m_s\n"), EndsWith("'Depth'? Rename that to depth_m"));
+  EXPECT_THAT(file_error("table", "Depth,sound_speed_m_s\n"),
+              EndsWith("'Depth' holds it, rename that column to depth_m"));
   EXPECT_THAT(file_error("table", head + "0,1500\n5, x\n"), StartsWith("p.csv:3:4: sound_speed_m_s is 'x'"));
   EXPECT_THAT(file_error("table", head + "0,1500\n0,1501\n"), StartsWith("p.csv:3:1: depth_m is 0 after 0"));
   EXPECT_THAT(file_error("table", head + "0,150\n"),

@@ -92,7 +92,7 @@ TEST(MeshMaterials, MistakesAreReportedWhereTheyStand) {
   folder.write("boat.obj", boat);
   EXPECT_THAT([&] { load_scene(read_scene(folder, with_entries("Oka = \"wood\""))); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:13:7: "),
-                                              HasSubstr("no face of the mesh goes by the name \"Oka\""),
+                                              HasSubstr("no face of the mesh has the name \"Oka\""),
                                               HasSubstr("\"Oak\""))));
   EXPECT_THAT(scene_error(folder, with_entries("Oak = \"wodo\"")),
               AllOf(HasSubstr("scene.toml:13:7: "), HasSubstr("did you mean \"wood\"?")));

@@ -141,7 +141,7 @@ TEST(Models, WhatNeitherFileNorSceneSaysIsRefused) {
         << sample.name;
   };
   const char *both = "add 'up' (\"x\", \"y\" or \"z\") and 'unit_m'",
-             *axis = "says not which of its axes is up", *unit = "says not how long its unit is";
+             *axis = "does not define its vertical axis", *unit = "does not define its unit of length";
   refused({"m.3ds", studio_model()}, {}, both);
   refused({"m.3ds", studio_model()}, {"z", {}}, unit);
   refused({"m.3ds", studio_model()}, {{}, 0.01}, axis);
@@ -235,8 +235,8 @@ TEST(Models, GltfThatNeedsWhatIsNotReadIsRefused) {
   refused(gltf_model("", R"("extensionsRequired":["KHR_draco_mesh_compression"],)"),
           "KHR_draco_mesh_compression");
   refused(R"({"asset":{"version":"1.0"}})", "version '1.0'");
-  refused("{\"asset\"", "no glTF that can be read");
-  refused("{\"a\":" + std::string(1000, '[') + std::string(1000, ']') + "}", "deeper than");
+  refused("{\"asset\"", "cannot be read as glTF");
+  refused("{\"a\":" + std::string(1000, '[') + std::string(1000, ']') + "}", "levels deep");
 }
 
 TEST(Models, CutOrChangedFilesEndWellOrInAnInputError) {
@@ -374,7 +374,7 @@ TEST(Models, SharedVerticesOfManyPrimitivesAreRefused) {
     return text;
   };
   EXPECT_THAT(said_in_time(folder, {"m.gltf", with_places(plate, 1000)}),
-              AllOf(HasSubstr("m.gltf: meshes[0]"), HasSubstr("vertices of its own")));
+              AllOf(HasSubstr("m.gltf: meshes[0]"), HasSubstr("its own vertices")));
   EXPECT_THAT(said_in_time(folder, {"m.gltf", with_places(R"({"attributes":{"POSITION":0},"targets":[)" +
                                                               repeated(R"({"POSITION":0})", 1000) + "]}",
                                                           1)}),
@@ -390,7 +390,8 @@ TEST(Models, DeepTreesOfNodesAreRefusedInTime) {
   };
   EXPECT_EQ(said_in_time(folder, {"m.gltf", chain(900)}), "");
   for (const int depth : {1001, 100'000})
-    EXPECT_THAT(said_in_time(folder, {"m.gltf", chain(depth)}), HasSubstr("lies in more than 1000 others"));
+    EXPECT_THAT(said_in_time(folder, {"m.gltf", chain(depth)}),
+                HasSubstr("is nested in more than 1000 other nodes"));
 }
 
 TEST(Models, NodesOfGltfFormTrees) {

@@ -120,7 +120,7 @@ TEST(MeshWriters, NotANumberWhereNothingIsReadIsNoFault) {
 }
 
 TEST(MeshWriters, FacesOfTwoCornersAreCountedAndLeftOut) {
-  const auto told = ElementsAre(HasSubstr("2 faces of less than three corners are no facets: left out"));
+  const auto told = ElementsAre(HasSubstr("2 faces have fewer than three corners and are left out"));
   for (const auto& [name, text] : std::vector<std::pair<std::string, std::string>>{
            {"m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 2 3\nf 3\n"},
            {"m.off", "OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n3 0 1 2\n1 0\n"},
@@ -137,7 +137,7 @@ TEST(MeshWriters, FacesOfTwoCornersAreCountedAndLeftOut) {
 }
 
 TEST(MeshWriters, PointCloudsAreReportedWhatToBecome) {
-  const auto told = ThrowsMessage<InputError>(AllOf(HasSubstr("3 points and no facet: it is a point cloud"),
+  const auto told = ThrowsMessage<InputError>(AllOf(HasSubstr("3 points and no facets: it is a point cloud"),
                                                     HasSubstr("MeshLab"), HasSubstr("raster")));
   EXPECT_THAT([] { read("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"); }, told);
   EXPECT_THAT(
@@ -151,9 +151,10 @@ TEST(MeshWriters, PointCloudsAreReportedWhatToBecome) {
 
 TEST(MeshWriters, WhatBeginsAsAnotherFormatIsReportedSo) {
   EXPECT_THAT([] { read("m.obj", "; FBX 7.3.0 project file\n"); },
-              ThrowsMessage<InputError>(HasSubstr("begins as FBX does: name it so, not .obj")));
+              ThrowsMessage<InputError>(
+                  HasSubstr("begins like FBX: give the file the extension of this format, not .obj")));
   EXPECT_THAT([] { read("m.dae", "v 0 0 0\n"); },
-              ThrowsMessage<InputError>(HasSubstr("does not begin as a .dae file does")));
+              ThrowsMessage<InputError>(HasSubstr("does not begin like a .dae file")));
 }
 
 }  // namespace

@@ -139,7 +139,9 @@ TEST(EarthPlace, AMapOutOfScaleIsWarnedOf) {
   // 6378137 m over the radius of the parallel, and over that of the meridian times the cosine of the
   // latitude.
   EXPECT_NE(warning->find("(60.0012 N, 10.7798 E)"), std::string::npos) << *warning;
-  EXPECT_NE(warning->find("east as 1.995 m and one to the north as 1.998 m"), std::string::npos) << *warning;
+  EXPECT_NE(warning->find("east is 1.995 m on the map, and a metre to the north is 1.998 m"),
+            std::string::npos)
+      << *warning;
 }
 
 TEST(EarthPlace, WaysBetweenPlacesLeadBack) {

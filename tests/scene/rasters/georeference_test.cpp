@@ -208,7 +208,7 @@ TEST(LocalFrame, RefusesWhatHasNoPlace) {
   };
   EXPECT_THAT([] { LocalFrame::projected("EPSG:99999999", 0, 0, 0, kPlace); }, message("EPSG:99999999"));
   EXPECT_THAT([] { LocalFrame::projected("utm two", 0, 0, 0, kPlace); },
-              message("no coordinate reference system"));
+              message("not a known coordinate reference system"));
   EXPECT_THAT([] { LocalFrame::projected("EPSG:4326", 0, 0, 0, kPlace); }, message("not a projected"));
   EXPECT_THAT([] { LocalFrame::projected("EPSG:2053", 0, 0, 0, kPlace); }, message("west or south"));
   EXPECT_THAT([] { LocalFrame::at_lat_lon(0, 0, 0).from_lat_lon(91, 0, 0, kPlace); }, message("latitude 91"));
@@ -219,10 +219,10 @@ TEST(LocalFrame, RefusesWhatHasNoPlace) {
         glm::dvec3 point(NAN, 0, 0);
         LocalFrame::at_lat_lon(0, 0, 0).to_lon_lat({&point, 1}, kPlace);
       },
-      message("no local point"));
+      message("not a valid local point"));
   EXPECT_THAT(
       [] { LocalFrame::projected("+proj=gnom +lat_0=90", 0, 0, 0, kPlace).from_lat_lon(-10, 0, 0, kPlace); },
-      message("no place"));
+      message("has no position"));
 }
 
 TEST(LocalFrame, PrintsNothing) {

@@ -257,7 +257,7 @@ TEST(Raster, RefusesWindowsWithoutFacets) {
   terrain.decimate = 4;
   expect_refused({}, "at least 2 x 2", utm_frame(), terrain);
   TestRaster empty{3, 3, std::vector<double>(9, kNoData)};
-  expect_refused(empty, "no facet");
+  expect_refused(empty, "no facets");
 }
 
 // --- formats, whole and truncated ---
@@ -404,7 +404,7 @@ TEST(Raster, PicturesInColoursAreRefused) {
     out->FlushCache();
     std::optional<LocalFrame> frame;
     EXPECT_THAT([&] { read_raster(terrain, frame); },
-                ThrowsMessage<InputError>(AllOf(HasSubstr("picture in colours, which are no heights"))));
+                ThrowsMessage<InputError>(AllOf(HasSubstr("colour picture, and colours are not heights"))));
     MaterialDescription sand;
     MapReflectivityKeys map;
     map.file = terrain.file;
@@ -413,7 +413,7 @@ TEST(Raster, PicturesInColoursAreRefused) {
     std::vector<std::string> warnings;
     EXPECT_THAT(
         [&] { load_reflectivity(sand, LocalFrame{}, warnings); },
-        ThrowsMessage<InputError>(AllOf(HasSubstr("picture in colours, which are no reflectivities"))));
+        ThrowsMessage<InputError>(AllOf(HasSubstr("colour picture, and colours are not reflectivities"))));
   }
 }
 

@@ -192,7 +192,8 @@ TEST(VrtSources, OfNetworksAndArchivesAreRefused) {
         ThrowsMessage<InputError>(HasSubstr("virtual file system")));
   }
   const auto broken = folder.write("broken.vrt", "<VRTDataset><SimpleSource>");
-  EXPECT_THAT([&] { vrt_sources(broken); }, ThrowsMessage<InputError>(HasSubstr("no virtual raster")));
+  EXPECT_THAT([&] { vrt_sources(broken); },
+              ThrowsMessage<InputError>(HasSubstr("cannot be read as a virtual raster")));
 }
 
 TEST(VrtSources, ThatAreMissingAreNamed) {
@@ -204,7 +205,7 @@ TEST(VrtSources, ThatAreMissingAreNamed) {
         std::optional<LocalFrame> frame;
         read_raster(terrain, frame);
       },
-      ThrowsMessage<InputError>(HasSubstr("gone.tif', which is no file")));
+      ThrowsMessage<InputError>(HasSubstr("gone.tif', which is not a file")));
 }
 
 }  // namespace

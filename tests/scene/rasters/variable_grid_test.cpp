@@ -301,7 +301,7 @@ TEST(VariableGrid, RefusesWhatItCannotBe) {
   terrain = {};
   terrain.file = good.file;
   std::optional<LocalFrame> frame;
-  refused([&] { TerrainTiles(terrain, frame); }, "is read whole");
+  refused([&] { TerrainTiles(terrain, frame); }, "cannot be loaded in tiles");
   refused([&] { RasterFile(good.file); }, "coarse overview");
   terrain.file =
       good.folder.write("of-vr.bag.vrt",
@@ -312,7 +312,7 @@ TEST(VariableGrid, RefusesWhatItCannotBe) {
                         "<SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>");
   refused([&] { read_raster(terrain, frame); }, "coarse overview");
   const VariableBag touching({{{5}, {5, 10}}, {{5}, {5}}}, plane);
-  refused([&] { touching.read(); }, "leaves its cell");
+  refused([&] { touching.read(); }, "extend beyond a cell");
   const VariableBag no_depths({{{5}, {5}}, {{5}, {5}}}, plane, "height");
   refused([&] { no_depths.read(); }, "records without 'depth'");
   const VariableBag beyond({{{5}, {5}}, {{5}, {5}}}, plane, "depth", 10);

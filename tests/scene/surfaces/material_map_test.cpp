@@ -402,8 +402,9 @@ TEST_F(MaterialMaps, MistakesAreNamed) {
   EXPECT_THAT(
       error_of("kind = \"patches\"\npatch_size_m = 2\nshares = { mudd = 1 }"),
       StartsWith("scene.toml:15:12: no entry of [[materials]] is named \"mudd\": did you mean \"mud\"?"));
-  EXPECT_THAT(error_of("kind = \"patches\"\npatch_size_m = 1e-4\nshares = { mud = 1 }"),
-              AllOf(StartsWith("scene.toml:12:1: patches of 0.0001 m"), HasSubstr("larger 'patch_size_m'")));
+  EXPECT_THAT(
+      error_of("kind = \"patches\"\npatch_size_m = 1e-4\nshares = { mud = 1 }"),
+      AllOf(StartsWith("scene.toml:12:1: patches of 0.0001 m"), HasSubstr("increase 'patch_size_m'")));
   const std::vector<int> classes{1, 2, 3, 12};
   EXPECT_THAT(
       error_of(raster(classes, "{ 1 = \"mud\", 3 = \"graval\" }", 2, 2)),
@@ -416,7 +417,7 @@ TEST_F(MaterialMaps, MistakesAreNamed) {
   EXPECT_THAT(error_of(raster(classes, "{ x = \"mud\" }", 2, 2)),
               AllOf(StartsWith("scene.toml:15:17: "), HasSubstr("whole numbers")));
   EXPECT_THAT(error_of(raster(classes, "{ 1 = \"mud\", 01 = \"sand\" }", 2, 2)),
-              HasSubstr("has a material already"));
+              HasSubstr("already has a material"));
   EXPECT_THAT(error_of(raster(classes, "{ 1 = \"mud\" }\ncell_m = 2", 2, 2)), HasSubstr("add 'origin_m'"));
 
   const std::string ring = "[[0,0],[1,0],[0,1],[0,0]]";
@@ -430,7 +431,7 @@ TEST_F(MaterialMaps, MistakesAreNamed) {
   EXPECT_THAT(error_of(polygons({{"a", ring}, {"b", ring}}, "classes = { a = \"mud\" }\n")),
               HasSubstr("without a material: \"b\""));
   EXPECT_THAT(error_of(polygons({{"mud", "[[0,0],[1e300,0],[0,1],[0,0]]"}})),
-              HasSubstr("is no place in this scene"));
+              HasSubstr("is too far away from this scene"));
   const std::string map = polygons({{"mud", ring}});
   folder_.write("areas.geojson", R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":)"
                                  R"({"material":"mud"},"geometry":{"type":"Point","coordinates":[1,2]}}]})");
@@ -512,7 +513,7 @@ TEST_F(MaterialMaps, ThousandsOfAttributesAreRefusedInTime) {
     for (const int i : order) properties += fmt::format(",\"a{}\":{}", i, i);
     features += (k > 0 ? "," : "") + feature(properties);
   }
-  EXPECT_THAT(told(features), HasSubstr("names its attributes in many orders"));
+  EXPECT_THAT(told(features), HasSubstr("lists its attributes in too many orders"));
 }
 
 TEST_F(MaterialMaps, ManyClasses) {

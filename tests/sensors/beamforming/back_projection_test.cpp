@@ -179,7 +179,7 @@ TEST(BackProjection, RefusesWhatMakesNoPicture) {
       "2 weights for 150 pings");
   for (const PixelPlane& plane :
        {PixelPlane{{NAN, 0, 0}, {}, {}, 1, 1}, PixelPlane{target, {HUGE_VAL, 0, 0}, {}, 2, 1}})
-    expect_refused([&] { back_projected(signals, plane, interpolator); }, "at no finite place");
+    expect_refused([&] { back_projected(signals, plane, interpolator); }, "no finite position");
   for (const double half : {0.0, -1.0, 2.0, double(NAN)})
     expect_refused(
         [&] {
@@ -199,7 +199,7 @@ TEST(BackProjection, RefusesWhatMakesNoPicture) {
       [&] {
         back_projected(cut, {target, {}, {}, 1, 1}, interpolator);
       },
-      "there are 89999 pressures, must be 150 pings x 1 receivers x 600 samples = 90000");
+      "there are 89999 pressures, but 150 pings x 1 receivers x 600 samples = 90000");
 }
 
 }  // namespace

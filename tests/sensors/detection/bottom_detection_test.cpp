@@ -405,9 +405,9 @@ TEST(BottomDetection, RefusesWhatIsNoBeamOrNoRule) {
     EXPECT_THAT(refusal(energies, samples, {}), HasSubstr("energy of sample 17"));
   }
   const std::vector<double> fine(400, 1.0);
-  EXPECT_THAT(refusal(fine, {10, 0.05, 399}, {}), HasSubstr("400 energies for 399 samples"));
-  EXPECT_THAT(refusal(fine, {10, 0, 400}, {}), HasSubstr("samples of 0 m"));
-  EXPECT_THAT(refusal(fine, {nan, 1, 400}, {}), HasSubstr("from nan m"));
+  EXPECT_THAT(refusal(fine, {10, 0.05, 399}, {}), HasSubstr("400 energies, but 399 range samples"));
+  EXPECT_THAT(refusal(fine, {10, 0, 400}, {}), HasSubstr("step 0 m"));
+  EXPECT_THAT(refusal(fine, {nan, 1, 400}, {}), HasSubstr("first nan m"));
   const auto with = [&](auto change) {
     DetectionRule rule;
     change(rule);

@@ -359,7 +359,7 @@ TEST(SidescanMosaic, RefusesWhatMakesNoSense) {
     EXPECT_THAT([&] { mosaic.add(ping); }, ThrowsMessage<std::invalid_argument>(HasSubstr(message)));
   };
   refuses({heading_at(0, 0, 0), -1, 0, kStep, level, level}, "altitude is -1 m");
-  refuses({heading_at(0, 0, 0), 1, 0, 0, level, level}, "steps of 0 m");
+  refuses({heading_at(0, 0, 0), 1, 0, 0, level, level}, "a step of 0 m");
   refuses({heading_at(NAN, 0, 0), 1, 0, kStep, level, level}, "position");
   refuses({{{0, 0, 0}, attitude_from_angles(0, 90 * samples::degree, 0)}, 1, 0, kStep, level, level},
           "no heading");
@@ -370,7 +370,7 @@ TEST(SidescanMosaic, RefusesWhatMakesNoSense) {
       [&] {
         for (int k = 0; k < 1000; ++k) mosaic.add({heading_at(0, k, 0), kAltitude, 0, kStep, level, level});
       },
-      ThrowsMessage<std::runtime_error>(HasSubstr("more than 1 MiB: make them larger")));
+      ThrowsMessage<std::runtime_error>(HasSubstr("more than 1 MiB: use larger cells")));
   const TestFolder folder;
   EXPECT_THAT([&] { SidescanMosaic(1).write_tiff(folder / "none.tif", LocalFrame(), "dB"); },
               ThrowsMessage<std::runtime_error>(HasSubstr("nothing to write")));

@@ -14,6 +14,7 @@
 #include "fixtures/world/recordings.hpp"
 #include "sensors/detection/sounding_grid.hpp"
 #include "sensors/formats/soundings_file.hpp"
+#include "sensors/model/angles.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 #include "sensors/pictures/depth_picture.hpp"
 
@@ -220,6 +221,34 @@ SoundingGrid hill() {
   return grid;
 }
 
+/// A sonar 20 m above a level seabed, which measures it in a direction (degrees from vertical, to starboard).
+struct LevelBeam {
+  Sounding sounding;
+  LevelBeam(double angle_deg, double height_m = 0) {
+    const double depth_m = 20 - height_m;
+    sounding.position_m = {depth_m * std::tan(radians(angle_deg)), 0, -depth_m};
+  }
+  MeasuredFrom measured(double along_m = 0) const { return {sounding, {0, along_m, 0}}; }
+};
+
+TEST(SoundingGrid, LinesFillTheFootprintsOfALevelSeabed) {
+  for (double angle_deg = -75; angle_deg < 75; angle_deg += 1.5) {
+    const LevelBeam beam(angle_deg), next(angle_deg + 1.5);
+    EXPECT_TRUE(fills_between(beam.measured(), next.measured(), 0.1)) << angle_deg;
+    EXPECT_TRUE(fills_between(beam.measured(), beam.measured(0.3), 0.1)) << angle_deg;
+  }
+}
+
+TEST(SoundingGrid, LinesDoNotCrossAShadow) {
+  // The top of a box of 4 m, and the seabed behind its shadow.
+  const LevelBeam top(45, 4), behind(46.5);
+  EXPECT_FALSE(fills_between(top.measured(), behind.measured(), 0.1));
+  EXPECT_FALSE(fills_between(behind.measured(), top.measured(), 0.1));
+  EXPECT_TRUE(fills_between(top.measured(), behind.measured(), 3)) << "adjacent cells";
+  // The same beam passes the end of the box between two pings.
+  EXPECT_FALSE(fills_between(LevelBeam(45, 4).measured(), LevelBeam(45).measured(0.3), 0.1));
+}
+
 float brightness(const OIIO::ImageBuf& image, int x, int y) {
   return image.getchannel(x, y, 0, 0) + image.getchannel(x, y, 0, 1) + image.getchannel(x, y, 0, 2);
 }
@@ -269,6 +298,35 @@ TEST(SoundingGrid, IsDrawnLitFromTheNorthWest) {
   EXPECT_NEAR(at(45, 25), 3 * 0.165, 0.02) << "no soundings, no colour";
   EXPECT_THAT([] { draw_depths(SoundingGrid(LocalFrame(), 1).depths(), "", ""); },
               ThrowsMessage<std::runtime_error>(HasSubstr("no soundings")));
+}
+
+// Depths that grow uniformly become colours that change uniformly: no step is much larger than the mean step.
+TEST(SoundingGrid, IsDrawnWithoutBands) {
+  const TestFolder folder;
+  const std::filesystem::path file = folder / "ramp.png";
+  SoundingGrid grid(LocalFrame(), 1);
+  constexpr int cells = 225;
+  for (int east = 0; east < cells; ++east)
+    for (int north = 0; north < 20; ++north) {
+      Sounding s;
+      s.position_m = {east + 0.5, north + 0.5, -20 - 0.001 * east};
+      grid.add(s);
+    }
+  draw_depths(grid.depths(), "a ramp", label_font()).write_png(file, "");
+  const OIIO::ImageBuf image(file.string());
+  int left = 0;  // the background ends where the map begins
+  const int row = 108 + 40;
+  while (left < image.spec().width && brightness(image, left + 2, row) < 1.5f) ++left;
+  const auto at = [&](int cell, int channel) {
+    return image.getchannel(left + 3 + 4 * cell, row, 0, channel);
+  };
+  for (int cell = 2; cell + 2 < cells; ++cell) {
+    float step = 0;
+    for (int channel = 0; channel < 3; ++channel)
+      step = std::max(step, std::abs(at(cell, channel) - at(cell - 1, channel)));
+    EXPECT_LT(step, 0.02f) << cell;
+  }
+  EXPECT_GT(brightness(image, left + 8, row), brightness(image, left + 4 * cells - 8, row) + 1);
 }
 
 }  // namespace

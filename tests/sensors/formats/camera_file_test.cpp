@@ -111,9 +111,9 @@ TYPED_TEST(CameraFile, a_bad_frame_is_refused_and_the_file_goes_on_without_it) {
     std::function<void(CameraFrame&)> spoil;
   };
   std::vector<Case> cases{
-      {"49151 amplitudes, must be 49152", [&](CameraFrame& it) { it.amplitudes = short_by_one; }},
-      {"24576 amplitudes, must be 49152", [&](CameraFrame& it) { it.amplitudes = of_48_beams; }},
-      {"49153 amplitudes, must be 49152", [&](CameraFrame& it) { it.amplitudes = long_by_one; }},
+      {"49151 amplitudes instead of 49152", [&](CameraFrame& it) { it.amplitudes = short_by_one; }},
+      {"24576 amplitudes instead of 49152", [&](CameraFrame& it) { it.amplitudes = of_48_beams; }},
+      {"49153 amplitudes instead of 49152", [&](CameraFrame& it) { it.amplitudes = long_by_one; }},
       {"0 amplitudes", [&](CameraFrame& it) { it.amplitudes = {}; }},
       {"time", [&](CameraFrame& it) { it.unix_time_s = -1; }},
       {"time", [&](CameraFrame& it) { it.unix_time_s = 4294967296; }},

@@ -267,9 +267,9 @@ TEST(DdfWindow, a_window_without_codes_is_refused_with_those_there_are) {
   EXPECT_THAT(refusal([] { ddf_window(header(), 2.1, 3); }), HasSubstr("2.5, 5, 10"));
   EXPECT_THAT(refusal([] { ddf_window(header(), 2.1, 1.25); }), HasSubstr("2.5, 5, 10"));
   EXPECT_THAT(refusal([] { ddf_window(low_resolution(), 0.84, 50); }), HasSubstr("5, 10, 20, 40"));
-  EXPECT_THAT(refusal([] { ddf_window(header(), 2, 5); }), HasSubstr("window_start_m is 2.1"));
-  EXPECT_THAT(refusal([] { ddf_window(header(), 0, 5); }), HasSubstr("window_start_m is 0.42"));
-  EXPECT_THAT(refusal([] { ddf_window(header(), 14, 5); }), HasSubstr("window_start_m is 13.02"));
+  EXPECT_THAT(refusal([] { ddf_window(header(), 2, 5); }), HasSubstr("window_start_m of 2.1"));
+  EXPECT_THAT(refusal([] { ddf_window(header(), 0, 5); }), HasSubstr("window_start_m of 0.42"));
+  EXPECT_THAT(refusal([] { ddf_window(header(), 14, 5); }), HasSubstr("window_start_m of 13.02"));
   for (const double bad :
        {std::nan(""), static_cast<double>(INFINITY), -1.0, -static_cast<double>(INFINITY)}) {
     EXPECT_THROW(ddf_window(header(), bad, 5), std::invalid_argument);

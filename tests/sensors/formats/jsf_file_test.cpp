@@ -193,7 +193,7 @@ TEST(JsfFile, RefusesWhatDoesNotFit) {
   };
   const auto nothing = [](JsfPing&) {};
   refused(nothing, {}, "number of samples is 0, must lie within 1 to 1048575");
-  refused(nothing, {{1, NAN}}, "a sample is not finite: leave the ping out");
+  refused(nothing, {{1, NAN}}, "a sample is not finite: omit the ping");
   refused([](JsfPing& p) { p.y = 91; }, {1}, "latitude [deg] is 91");
   refused([](JsfPing& p) { p.heading_deg = -1; }, {1}, "heading [deg] is -1");
   refused([](JsfPing& p) { p.sample_interval_s = 0; }, {1}, "sample interval [s] is 0");

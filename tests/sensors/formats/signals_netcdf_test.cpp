@@ -151,18 +151,18 @@ TEST_F(SignalsNetcdf, AreRefusedWithTheVariableAndWhatToDo) {
   };
   refused(without("pressure"),
           "variable 'pressure' is missing; expected (ping, receiver, sample, complex) in W^(1/2) "
-          "(docs/files-signals.md has the layout)");
+          "(docs/output-files.md has the layout)");
   refused(without("receiver_position"), "'receiver_position' is missing");
   refused(without("sample_time"), "'sample_time' is missing");
   refused(with("pressure", 1, NAN), "holds nan at ping 1; expected finite numbers");
-  refused(with("sample_time", 7, 1), "is 1 at sample 7; by 'sample_rate' it must be 0.01523");
+  refused(with("sample_time", 7, 1), "is 1 at sample 7, but 'sample_rate' implies 0.01523");
   refused(with("ping_start_time", 1, 3), "ping 1 starts at 3 s");
   refused(with("track_attitude", 1, 3), "at track 1, expected 1");
-  refused(number("sample_rate", -1), "the sampling rate is -1 Hz, must be above 0");
+  refused(number("sample_rate", -1), "the sampling rate is -1 Hz, but must be above 0");
   refused(number("stop_and_hop", 0.5), "attribute 'stop_and_hop' is 0.5, expected 0 or 1");
   refused(number("sound_speed_m_s", 0), "the sound speed is 0 m/s");
   refused([](int id) { nc_del_att(id, NC_GLOBAL, "baseband_frequency"); },
-          "attribute 'baseband_frequency' is missing or no number; expected Hz");
+          "attribute 'baseband_frequency' is missing or not a number; expected Hz");
   refused([](int id) { nc_put_att_text(id, NC_GLOBAL, "time_factor", 1, "?"); },
           "attribute 'time_factor' is '?', expected 'exp(-i omega t)' or 'exp(+i omega t)'");
   EXPECT_THAT(refusal<InputError>([&] { read_signals(folder_ / "none.nc"); }),

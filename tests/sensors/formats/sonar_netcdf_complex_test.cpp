@@ -116,7 +116,7 @@ TEST(SonarNetcdfComplex, RefusesLevelsAmongSignalsAndSignalsAmongLevels) {
   SonarNetcdfFile out(folder / "line.nc", header());
   SonarNetcdfPing both = ping(0);
   both.backscatter_db.resize(kBeams);
-  expect_refused([&] { out.add(both); }, "ping 0: has levels in a file of complex beams");
+  expect_refused([&] { out.add(both); }, "ping 0: it has levels, but the file stores complex beams");
   SonarNetcdfPing few = ping(0);
   few.backscatter.pop_back();
   expect_refused([&] { out.add(few); }, "ping 0: 2 time series for 3 beams");
@@ -124,7 +124,7 @@ TEST(SonarNetcdfComplex, RefusesLevelsAmongSignalsAndSignalsAmongLevels) {
   levels.complex_beams = false;
   SonarNetcdfFile of_levels(folder / "levels.nc", levels);
   both.backscatter_db.resize(kBeams);
-  expect_refused([&] { of_levels.add(both); }, "ping 0: has complex beams in a file of levels");
+  expect_refused([&] { of_levels.add(both); }, "ping 0: it has complex beams, but the file stores levels");
 }
 
 }  // namespace

@@ -453,7 +453,7 @@ TEST(SonarNetcdf, RefusesWhatDoesNotFit) {
   refuses([](auto& p) { p.across_angle_deg.pop_back(); }, "ping 1: 4 beam angles for 5 beams");
   refuses([](auto& p) { p.backscatter_db.pop_back(); }, "ping 1: 4 time series for 5 beams");
   refuses([](auto& p) { p.detections.clear(); }, "ping 1: 0 detections for 5 beams");
-  refuses([](auto& p) { p.unix_time_ns = ping(0).unix_time_ns; }, "ping 1: its time is not after");
+  refuses([](auto& p) { p.unix_time_ns = ping(0).unix_time_ns; }, "ping 1: its time is not later than");
   refuses([](auto& p) { p.sample_interval_s = 0; }, "sample interval");
   refuses([](auto& p) { p.blanking_interval_s = NAN; }, "blanking interval");
   SonarNetcdfHeader none = header();

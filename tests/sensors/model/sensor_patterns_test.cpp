@@ -138,7 +138,7 @@ TEST_F(PatternFile, MistakesAreReportedWithTheirLine) {
   using testing::HasSubstr;
   EXPECT_THAT(error_of(""), HasSubstr("is empty"));
   EXPECT_THAT(error_of("angle,level\n0,0\n"), HasSubstr(":1: expected the header line"));
-  EXPECT_THAT(error_of("angle_deg,level_db\n0,0\n"), HasSubstr("expected two angles"));
+  EXPECT_THAT(error_of("angle_deg,level_db\n0,0\n"), HasSubstr("expected at least two angles"));
   EXPECT_THAT(error_of("angle_deg,level_db\n0,0\n1,x\n"), HasSubstr(":3: level_db is 'x'"));
   EXPECT_THAT(error_of("angle_deg,level_db\n0,0\n1,nan\n"), HasSubstr(":3: level_db is 'nan'"));
   EXPECT_THAT(error_of("angle_deg,level_db\n1,0\n1,-1\n"), HasSubstr(":3: angle_deg is 1 after 1"));

@@ -293,7 +293,7 @@ TEST(SidescanFiles, ASensorAtRestHasNoMosaicAndTheReasonIsReported) {
   for (Pose& pose : rest.recording.ping_pose) pose.position_m = {3, 4, -5};
   EXPECT_FALSE(written(rest.recording, said));
   EXPECT_THAT(said, HasSubstr("sidescan-mosaic.tif is not written: the sensor is at rest"));
-  EXPECT_THAT(said, HasSubstr("a mosaic needs a sensor that moves or turns"));
+  EXPECT_THAT(said, HasSubstr("A mosaic needs a sensor that moves or turns"));
   EXPECT_FALSE(written(line(1).recording, said));
   EXPECT_THAT(said, HasSubstr("one ping covers a line"));
   // A line that turns on the spot covers a circle.

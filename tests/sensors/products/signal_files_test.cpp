@@ -325,7 +325,7 @@ TEST(SignalProducts, SayWhyThereAreNoPicturesOfSilence) {
   EXPECT_THAT(write_signal_files(folder.path(), all.signals, all.products, {}, warnings),
               ElementsAre("cross-signals.nc"));
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_THAT(warnings[0], HasSubstr("'cross': its receivers hear nothing, there are no pictures"));
+  EXPECT_THAT(warnings[0], HasSubstr("'cross': its receivers receive nothing, so there are no pictures"));
   // Pictures that were not requested are not made, and give no warning. Files are made.
   EverythingOfSignals loud;
   RunContext run;
@@ -362,11 +362,12 @@ TEST(SignalProducts, RefuseWhatIsNone) {
   };
   using P = SignalProducts;
   using A = ElementArray;
-  refused([](P& p, A&) { p.name = "a/b"; }, "'a/b' cannot be the name of files");
-  refused([](P& p, A&) { p.fan->beams = 0; }, "the fan has 0 beams: must be 2 to 4096");
+  refused([](P& p, A&) { p.name = "a/b"; }, "'a/b' cannot be a file name");
+  refused([](P& p, A&) { p.fan->beams = 0; }, "the fan has 0 beams, but must have 2 to 4096");
   refused([](P& p, A&) { p.fan->opening_rad = 4; }, "at most 180");
-  refused([](P& p, A&) { p.fan->depression_rad = 0.1; }, "it has no depression");
-  refused([](P& p, A&) { p.multibeam->fan.plane = SignalFan::Plane::forward; }, "need one across the track");
+  refused([](P& p, A&) { p.fan->depression_rad = 0.1; }, "it must have no depression");
+  refused([](P& p, A&) { p.multibeam->fan.plane = SignalFan::Plane::forward; },
+          "need a fan across the track");
   refused(
       [](P& p, A& a) {
         a.receivers_m.resize(1);
@@ -380,7 +381,7 @@ TEST(SignalProducts, RefuseWhatIsNone) {
         a = line_array(4, {0, 0.1, 0});
         p.interferogram.reset();
       },
-      "these lie on a line forward; ask for one side");
+      "these are on a line forward: use one side");
   refused(
       [](P& p, A& a) {
         a = line_array(4, {0, 0.1, 0});
@@ -389,24 +390,24 @@ TEST(SignalProducts, RefuseWhatIsNone) {
         p.jsf = false;
         p.fan->window.law = ApertureWindow::Law::hann;
       },
-      "along an axis on which these do not extend");
-  refused([](P& p, A&) { p.fan->window.law = ApertureWindow::Law::chebyshev; }, "take Taylor's");
-  refused([](P& p, A&) { p.aperture->plane.columns = 1 << 20; }, "take larger pixels");
-  refused([](P& p, A&) { p.aperture->plane.row_step_m = {}; }, "0.1 x 0 m: must be above 0");
-  refused([](P&, A&) {}, "a synthetic aperture needs two pings or more", 1);
+      "needs receivers along the axis of its weights");
+  refused([](P& p, A&) { p.fan->window.law = ApertureWindow::Law::chebyshev; }, "use the Taylor window");
+  refused([](P& p, A&) { p.aperture->plane.columns = 1 << 20; }, "use larger pixels");
+  refused([](P& p, A&) { p.aperture->plane.row_step_m = {}; }, "0.1 x 0 m, but must be above 0");
+  refused([](P&, A&) {}, "a synthetic aperture needs two or more pings", 1);
   refused([](P& p, A&) { p.interferogram->lower = {99}; },
-          "lower receiver 99 is not there: they count from 0 to 31");
+          "no lower receiver 99 for the interferogram: receivers are 0 to 31");
   refused([](P& p, A&) { p.interferogram->lower = p.interferogram->upper; }, "are the same");
-  refused([](P& p, A&) { p.interferogram->looks_pings = 7; }, "not beyond what is there");
-  refused([](P& p, A&) { p.sidescan.reset(); }, "ask for a sidescan as well");
+  refused([](P& p, A&) { p.interferogram->looks_pings = 7; }, "the numbers must be 1 or more and not larger");
+  refused([](P& p, A&) { p.sidescan.reset(); }, "add a sidescan");
   refused(
       [](P& p, A&) {
         p.multibeam.reset();
         p.fan.reset();
       },
-      "ask for one, or for a multibeam");
-  refused([](P& p, A&) { p.picture_ping = 6; }, "ping 6 is to be drawn, there are 6");
-  refused([](P& p, A&) { p.ping_numbers = {1}; }, "1 numbers for 6 pings");
+      "add a fan or a multibeam");
+  refused([](P& p, A&) { p.picture_ping = 6; }, "there is no ping 6 to draw: the signals have 6 pings");
+  refused([](P& p, A&) { p.ping_numbers = {1}; }, "1 ping numbers for 6 pings");
   EXPECT_NO_THROW(check(all.products, all.signals.array, {6, 32, 240}));
 }
 

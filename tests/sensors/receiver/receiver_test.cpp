@@ -180,21 +180,22 @@ TEST(ReceiverChain, RefusesWhatMakesNoReceiver) {
   EXPECT_THAT(refusal([&](R& r) { r.noise_level_db = inf; }), contains("noise level is inf"));
   EXPECT_THAT(refusal([&](R& r) { r.speckle.looks = 0; }), contains("looks is 0"));
   EXPECT_THAT(refusal([&](R& r) { r.speckle.looks = 1025; }), contains("looks is 1025"));
-  EXPECT_THAT(refusal([&](R& r) { r.speckle.shape = 0; }), contains("shape is 0"));
-  EXPECT_THAT(refusal([&](R& r) { r.speckle.shape = inf; }), contains("shape is inf"));
+  EXPECT_THAT(refusal([&](R& r) { r.speckle.shape = 0; }), contains("shape of the K distribution is 0"));
+  EXPECT_THAT(refusal([&](R& r) { r.speckle.shape = inf; }), contains("shape of the K distribution is inf"));
   EXPECT_THAT(refusal([&](R& r) { r.display_gain = 0; }), contains("display gain is 0"));
   EXPECT_THAT(refusal([&](R& r) { r.display_offset_db = nan; }), contains("display offset is nan"));
-  EXPECT_THAT(refusal([&](R& r) { r.tvg->spreading = -1; }), contains("spreading is -1"));
-  EXPECT_THAT(refusal([&](R& r) { r.tvg->absorption_db_per_km = nan; }), contains("absorption is nan"));
-  EXPECT_THAT(refusal([&](R& r) { r.tvg->gain_db = 1000; }), contains("gain is 1000"));
-  EXPECT_THAT(refusal([&](R& r) { r.tvg->fixed_below_m = 0; }), contains("nearest range is 0"));
-  EXPECT_THAT(refusal([&](R& r) { r.tvg->least_db = 301; }), contains("least gain is 301"));
-  EXPECT_THAT(refusal([&](R& r) { r.tvg->most_db = nan; }), contains("most gain is nan"));
+  EXPECT_THAT(refusal([&](R& r) { r.tvg->spreading = -1; }), contains("spreading of the TVG is -1"));
+  EXPECT_THAT(refusal([&](R& r) { r.tvg->absorption_db_per_km = nan; }),
+              contains("absorption of the TVG is nan"));
+  EXPECT_THAT(refusal([&](R& r) { r.tvg->gain_db = 1000; }), contains("gain of the TVG is 1000"));
+  EXPECT_THAT(refusal([&](R& r) { r.tvg->fixed_below_m = 0; }), contains("nearest range of the TVG is 0"));
+  EXPECT_THAT(refusal([&](R& r) { r.tvg->least_db = 301; }), contains("smallest gain of the TVG is 301"));
+  EXPECT_THAT(refusal([&](R& r) { r.tvg->most_db = nan; }), contains("largest gain of the TVG is nan"));
   EXPECT_THAT(refusal([&](R& r) {
                 r.tvg->most_db = -1;
                 r.tvg->least_db = 1;
               }),
-              contains("no more than"));
+              contains("at most the largest gain"));
   EXPECT_EQ(refusal([&](R&) {}), "accepted");
 }
 

@@ -79,8 +79,8 @@ TEST(ApertureWindow, IsEvenAndContinuousWhereItHasAForm) {
 }
 
 TEST(ApertureWindow, RefusesNumbersThatMakeNone) {
-  expect_refused([] { window_at({Law::chebyshev, 30}, 0); }, "evenly spaced elements");
-  expect_refused([] { window_weights({Law::taylor, -3}, 4); }, "side lobes are -3 dB");
+  expect_refused([] { window_at({Law::chebyshev, 30}, 0); }, "uniformly spaced elements");
+  expect_refused([] { window_weights({Law::taylor, -3}, 4); }, "side lobes of the window are -3 dB");
   expect_refused([] { window_weights({Law::taylor, 30, 0}, 4); }, "0 nearly equal side lobes");
 }
 

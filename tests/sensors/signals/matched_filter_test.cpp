@@ -53,7 +53,7 @@ TEST(MatchedFilter, IsTheCorrelationWithWhatWasSent) {
     EXPECT_LT(std::abs(filtered.channel(0, 0)[k] - sum / gain), 1e-12);
   }
   EXPECT_TRUE(filtered.matched_filtered);
-  expect_refused([&] { matched_filtered(filtered); }, "matched filtered already");
+  expect_refused([&] { matched_filtered(filtered); }, "already matched filtered");
 }
 
 TEST(MatchedFilter, PutsThePeakAtTheDelayWithAmplitudeAndPhase) {

@@ -227,7 +227,7 @@ TEST(PointSignals, RefuseWhatMakesNone) {
       [&] {
         of({{{0, 0, -5}, 1}}, array, at_rest(), c);
       },
-      "scatterer 0 lies at an element at ping 0");
+      "scatterer 0 is at the position of an element at ping 0");
   expect_refused([&] { of({}, {}, at_rest(), c); }, "no receivers");
   expect_refused([&] { of({}, array, at_rest(), 0); }, "sound speed is 0 m/s");
   expect_refused([&] { of({}, array, at_rest({}), c); }, "no pings");
@@ -235,27 +235,36 @@ TEST(PointSignals, RefuseWhatMakesNone) {
       [&] {
         at_rest({1, 1});
       },
-      "ping 1 starts at 1 s, must be finite and after the ping before it");
+      "ping 1 starts at 1 s, but must start at a finite time after the previous ping");
   const std::vector<Trajectory::Sample> second{{0, {}}, {1, {{0, 2, 0}, {1, 0, 0, 0}}}};
-  expect_refused([&] { VehicleMotion(second, {0, 2}); }, "ping 1 starts at 2 s, when there is no pose");
-  expect_refused([&] { of({}, array, VehicleMotion(second, {0.995}, false), c); },
-                 "the last ping needs poses until 1.005 s, the track ends at 1 s: lengthen the trajectory");
+  expect_refused(
+      [&] {
+        VehicleMotion(second, {0, 2});
+      },
+      "ping 1 starts at 2 s, but the track has poses from 0 s to 1 s only");
+  expect_refused(
+      [&] { of({}, array, VehicleMotion(second, {0.995}, false), c); },
+      "the last ping needs poses until 1.005 s, but the track ends at 1 s: lengthen the trajectory");
   EXPECT_NO_THROW(of({}, array, VehicleMotion(second, {0.995}, true), c));
-  expect_refused([&] { VehicleMotion({{0, {{0, 0, 0}, {1, 0, 0, 1}}}}, {0}); }, "quaternions of length 1");
-  expect_refused([&] { VehicleMotion({{0, {{NAN, 0, 0}, {1, 0, 0, 0}}}}, {0}); }, "places must be finite");
+  expect_refused(
+      [&] {
+        VehicleMotion({{0, {{0, 0, 0}, {1, 0, 0, 1}}}}, {0});
+      },
+      "quaternions must have length 1");
+  expect_refused([&] { VehicleMotion({{0, {{NAN, 0, 0}, {1, 0, 0, 0}}}}, {0}); }, "positions must be finite");
   ElementArray many;
   many.receivers_m.resize(4);
   expect_refused(
       [&] {
         silent_signals(many, waveform, {100e3, 10e3, 0, std::size_t{1} << 62}, at_rest(), c);
       },
-      "take fewer pings at a time");
+      "use fewer pings at a time");
   const std::vector<Trajectory::Sample> fast{{0, {}}, {1, {{0, 1600, 0}, {1, 0, 0, 0}}}};
   expect_refused(
       [&] {
         of({{{0, 5, 0}, 1}}, array, VehicleMotion(fast, {0.5}, false), c);
       },
-      "moves as fast as sound");
+      "as fast as sound");
 }
 
 }  // namespace

@@ -53,14 +53,15 @@ TEST(TransmitWaveform, RefusesWhatCannotBeSampled) {
   };
   EXPECT_NO_THROW(check_sampled(linear_chirp(90e3, 110e3, 10e-3), sampling));
   refused(linear_chirp(87e3, 110e3, 10e-3),
-          "reaches 13100 Hz from the baseband frequency 100000 Hz, above half the sampling rate, 12000 Hz: "
-          "sample at 26200 Hz or more, or choose a baseband frequency in the band's middle");
-  refused(
-      linear_chirp(90e3, 110e3, 11e-3),
-      "the waveform of 0.011 s is longer than the 0.01 s that are recorded of a ping: record 264 samples");
-  refused(continuous_wave_pulse(-1, 1e-3), "first frequency is -1 Hz, must be above 0");
-  refused(continuous_wave_pulse(100e3, NAN), "duration is nan s");
-  refused(continuous_wave_pulse(100e3, 1e-3, 1.5), "taper is 1.5, must be within 0 (rectangle) and 1 (Hann)");
+          "extends 13100 Hz from the baseband frequency 100000 Hz, more than half of the sampling rate, "
+          "12000 Hz: "
+          "sample at 26200 Hz or more, or choose a baseband frequency in the middle of the band");
+  refused(linear_chirp(90e3, 110e3, 11e-3),
+          "the waveform of 0.011 s is longer than the record of 0.01 s per ping: record 264 samples");
+  refused(continuous_wave_pulse(-1, 1e-3), "first frequency of the waveform is -1 Hz, but must be above 0");
+  refused(continuous_wave_pulse(100e3, NAN), "duration of the waveform is nan s");
+  refused(continuous_wave_pulse(100e3, 1e-3, 1.5),
+          "taper of the waveform is 1.5, but must be within 0 (rectangle) and 1 (Hann)");
   refused(continuous_wave_pulse(100e3, 1e-6), "too short for 100000 Hz");
   SignalSampling empty = sampling;
   empty.samples = 0;
@@ -71,8 +72,9 @@ TEST(TransmitWaveform, RefusesWhatCannotBeSampled) {
 
 TEST(TransmitWaveform, RefusesWavelengthsThatSeeTheWorldGrid) {
   EXPECT_NO_THROW(check_wavelength(continuous_wave_pulse(1.8e6, 1e-4), 1500, 0x1p-20));
-  expect_refused([] { check_wavelength(continuous_wave_pulse(1e9, 1e-6), 1500, 0x1p-20); },
-                 "below twice the world grid's unit of 9.53674e-07 m: lower the frequency to 7.86432e+08 Hz");
+  expect_refused(
+      [] { check_wavelength(continuous_wave_pulse(1e9, 1e-6), 1500, 0x1p-20); },
+      "less than twice the unit of the world grid, 9.53674e-07 m: reduce the frequency to 7.86432e+08 Hz");
   EXPECT_NO_THROW(check_wavelength(continuous_wave_pulse(1e9, 1e-6), 2000, 0x1p-20));
 }
 
