@@ -81,7 +81,7 @@ def test_a_strangers_file_with_the_other_sign(signals, tmp_path):
     own.assign_attrs(time_factor="exp(+i omega t)").to_netcdf(tmp_path / "b.nc")
     assert (tubefoot.signals(tmp_path / "b.nc").pressure == signals.pressure.conj()).all()
     own.rename(pressure="sound").to_netcdf(tmp_path / "c.nc")
-    with pytest.raises(tubefoot.InputError, match=r"c\.nc.*'pressure' is missing.*docs/files-signals.md"):
+    with pytest.raises(tubefoot.InputError, match=r"c\.nc.*'pressure' is missing.*docs/output-files.md"):
         tubefoot.signals(tmp_path / "c.nc")
 
 

@@ -244,7 +244,8 @@ TEST_F(Hostile, EchoFilesThatWereNeverWritten) {
   const Outcome outcome = run({"compare", file, file});
   expect_harmless(outcome);
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("echoes.nc: "), HasSubstr("(docs/echo-file.md has the layout)")));
+  EXPECT_THAT(outcome.err,
+              AllOf(HasSubstr("echoes.nc: "), HasSubstr("(docs/output-files.md has the layout)")));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests the table of feature combinations. docs/abilities.md shows this table, and all commands report the
+// Tests the table of feature combinations. docs/limits.md shows this table, and all commands report the
 // same about the same scene.
 #include "run/abilities.hpp"
 
@@ -34,7 +34,7 @@ std::string page_of_the_table() {
 }
 
 TEST(Abilities, ArePagedAsTheyAre) {
-  std::ifstream file(TUBEFOOT_SOURCE_DIR "/docs/abilities.md");
+  std::ifstream file(TUBEFOOT_SOURCE_DIR "/docs/limits.md");
   std::stringstream text;
   text << file.rdbuf();
   EXPECT_THAT(text.str(), HasSubstr(page_of_the_table())) << page_of_the_table();
@@ -59,7 +59,7 @@ TEST(Abilities, TheSensorsPageSaysWhichReferencesOfTwoReceiversThereAre) {
   ASSERT_NE(end, std::string::npos);
   const std::string section = page.substr(begin, end - begin);
   EXPECT_THAT(section, Not(HasSubstr("refuses")));
-  EXPECT_THAT(section, AllOf(HasSubstr("reference.md#of-two-receivers"), HasSubstr("abilities.md")));
+  EXPECT_THAT(section, AllOf(HasSubstr("reference-results.md"), HasSubstr("limits.md")));
 }
 
 TEST(Abilities, EveryRefusalIsThereOnceAndSaysWhatToDo) {

@@ -151,7 +151,7 @@ TEST_F(SignalsNetcdf, AreRefusedWithTheVariableAndWhatToDo) {
   };
   refused(without("pressure"),
           "variable 'pressure' is missing; expected (ping, receiver, sample, complex) in W^(1/2) "
-          "(docs/files-signals.md has the layout)");
+          "(docs/output-files.md has the layout)");
   refused(without("receiver_position"), "'receiver_position' is missing");
   refused(without("sample_time"), "'sample_time' is missing");
   refused(with("pressure", 1, NAN), "holds nan at ping 1; expected finite numbers");
