@@ -19,14 +19,15 @@
 #   make pairs   what combinations cost beside their parts: validation/pairs.md (minutes)
 #   make rays    hold rays in layered water against published ones: validation/rays.md
 #   make engines  pictures of other engines, written anew, and what compare says of them: validation/engines.md (minutes)
-#   make refraction-study  a flat bed through layered water: docs/pictures/refraction.png
-#   make track-study  a camera's way from its frames over micro-texture: docs/gallery/track.png, out/drift.png
+#   make refraction-study  soundings of a flat seabed in stratified water: out/refraction.png
+#   make track-study  the track of a camera, estimated from its frames: out/track.png, out/drift.png
 #   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, validation/performance.md (a quarter of an hour)
-#   make long-run  memory of 10 000 pings of a sidescan and a multibeam: docs/figures/long-run.svg (minutes)
+#   make long-run  memory of 10 000 pings of a sidescan and a multibeam: validation/pictures/long-run.svg (minutes)
 #   make reference reference-sums  certify the echoes of validation/reference/v1 anew and write its checksums (half a minute)
 #   make reference-sums  checksums of the benchmark suite v2, as tubefoot suite writes it (a minute)
 #   make docs    build the documents as a site: build/docs/html/index.html
-#   make figures  draw the figures of docs/tutorial.md and docs/visibility.md anew, from the program's output
+#   make figures  draw all figures of the documents (minutes); FIGURES='gallery/robot-*' some, FIGURES=--stale those
+#                 whose inputs have changed
 #   make format  lay out the code by .clang-format;  make tidy  check it by .clang-tidy
 
 JOBS := $(shell nproc)
@@ -173,12 +174,13 @@ pairs: build
 
 refraction-study: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_refraction_study
-	build/release/tubefoot_refraction_study scenes/refraction/scene.toml docs/pictures/refraction.png
+	@mkdir -p out
+	build/release/tubefoot_refraction_study scenes/refraction/scene.toml out/refraction.png
 
 track-study: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_track_study
 	@mkdir -p out
-	build/release/tubefoot_track_study scenes/textures/track.toml docs/gallery/track.png out/drift.png
+	build/release/tubefoot_track_study scenes/textures/track.toml out/track.png out/drift.png
 
 rays: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_rays
@@ -193,12 +195,12 @@ SCALING_ROUNDS := 3
 
 scaling: build
 	@rm -f build/scaling.json
-	/usr/bin/python3 -B validation/scaling/study.py $(PROGRAM) validation/scaling.md docs/figures build/scaling.json --rounds $(SCALING_ROUNDS)
+	/usr/bin/python3 -B validation/scaling/study.py $(PROGRAM) validation/scaling.md validation/pictures build/scaling.json --rounds $(SCALING_ROUNDS)
 
 LONG_RUN_PINGS := 10000
 
 long-run: build
-	/usr/bin/python3 -B validation/scaling/long_run.py $(PROGRAM) docs/figures/long-run.svg $(LONG_RUN_PINGS)
+	/usr/bin/python3 -B validation/scaling/long_run.py $(PROGRAM) validation/pictures/long-run.svg $(LONG_RUN_PINGS)
 
 reference: build
 	tools/reference_suite $(PROGRAM) validation/reference/v1
@@ -210,8 +212,11 @@ docs:
 	@tools/setup documents
 	@/usr/bin/python3 docs/site/build.py build/docs
 
+FIGURES :=
+
 figures: build
-	/usr/bin/python3 docs/figures/draw.py $(PROGRAM) docs/figures
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_refraction_study tubefoot_track_study
+	/usr/bin/python3 docs/figures/draw.py $(PROGRAM) $(FIGURES)
 
 SOURCES = $(shell git ls-files '*.cpp' '*.hpp')
 

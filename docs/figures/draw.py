@@ -1,162 +1,150 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws the figures of docs/theory.md and docs/tutorial.md: draw.py PROGRAM FOLDER.
+"""Draws the figures of the documents: draw.py PROGRAM [NAME...] [--stale] [--list].
 
-Everything in them is what the program wrote: pictures of runs, and exact corners of `tubefoot footprints -o
-X.txt`, converted to doubles on drawing. The scenes are those of the tutorial, read from its page.
+NAME is a file below docs/, or a pattern such as 'gallery/robot-*'. Without names, all figures are drawn. --stale draws
+only those whose inputs have changed since they were drawn. --list prints each figure with its state. recipes.py has the
+table of figures; stamp.py defines inputs and metadata.
 """
-import math
+import argparse
+import fnmatch
+import importlib
+import os
 import pathlib
-import re
+import shutil
 import subprocess
 import sys
 import tempfile
-from fractions import Fraction
 
-PAGE = pathlib.Path(__file__).resolve().parents[1] / "tutorial.md"
-SAND, STEEL, WATER, INK = "#d9c48c", "#7f93a8", "#bfe0f2", "#223344"
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
-
-def sub(a, b):
-    return tuple(x - y for x, y in zip(a, b))
+import stamp  # noqa: E402
+from recipes import FIGURES  # noqa: E402
 
 
-def cross(a, b):
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+class Tools:
+    """What drawing functions use: the program, folders of their own, the tutorial's scene."""
+    def __init__(self, program, work):
+        self.program, self.work, self.root, self.done = program, work, stamp.ROOT, set()
+        self.tutorial = stamp.first_scene("docs/tutorial.md")
+        (work / "build/release").mkdir(parents=True)
+        (work / "out").mkdir()
+        (work / "scenes").symlink_to(stamp.ROOT / "scenes")
+        for name in ("tubefoot", "tubefoot_track_study", "tubefoot_refraction_study"):
+            (work / "build/release" / name).symlink_to(program.parent / name if name != "tubefoot" else program)
+        version = subprocess.run([program, "--version"], check=True, capture_output=True, text=True).stdout
+        self.version = ", ".join(version.splitlines()[:2])
+
+    def folder(self, name):
+        folder = self.work / "drawn" / name
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder
+
+    def tubefoot(self, *arguments):
+        subprocess.run([self.program, *map(str, arguments), "--quiet"], check=True, stdout=subprocess.DEVNULL,
+                       stderr=subprocess.DEVNULL)
+
+    def shell(self, command, folder, again=False):
+        """Runs a command, once per folder unless `again`."""
+        if (command, folder) in self.done and not again:
+            return
+        done = subprocess.run(["sh", "-c", command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if done.returncode:
+            sys.exit(f"{command}\n{done.stdout[-3000:]}")
+        self.done.add((command, folder))
+
+    def follow(self, figure):
+        """A folder in which the steps of a page have run."""
+        folder = self.work / "pages" / figure.follows.replace("/", "-")
+        if not folder.exists():
+            (folder / "out").mkdir(parents=True)
+            for name in ("scenes", "build"):
+                (folder / name).symlink_to(self.work / name)
+        for number, step in enumerate(stamp.page_steps(figure.follows, figure.picture)):
+            if (figure.follows, number) in self.done:
+                continue
+            if step[0] == "run":
+                self.shell(step[1], folder, again=True)
+            else:
+                (folder / step[1]).write_text(step[2])
+            self.done.add((figure.follows, number))
+        return folder
 
 
-def dot(a, b):
-    return sum(x * y for x, y in zip(a, b))
+def reduced(picture, width, work):
+    """The bytes of a PNG, with 8 bits per colour and at most `width` pixels wide."""
+    file = work / "reduced.png"
+    size = ["--resize", f"{width}x0"] if width else []
+    subprocess.run(["oiiotool", picture, "--nosoftwareattrib", *size, "-d", "uint8", "--compression", "zip:9", "-o", file],
+                   check=True)
+    return file.read_bytes()
 
 
-def unit(a):
-    size = math.sqrt(dot(a, a))
-    return tuple(float(x) / size for x in a)
+def draw(figure, tools):
+    target = stamp.DOCS / figure.name
+    words = {stamp.HASH: stamp.hash_of(figure), stamp.MADE_BY: tools.version}
+    for name, text in figure.files:
+        (tools.work / name).write_text(text)
+    folder = tools.follow(figure) if figure.follows and not figure.draw else tools.work
+    for command in figure.commands:
+        tools.shell(command, tools.work)
+    if not figure.draw:
+        stamp.write(target, reduced(folder / figure.picture, figure.width, tools.work), words)
+        return
+    module, function = figure.draw.split(":")
+    function = getattr(importlib.import_module(module), function)
+    if target.suffix == ".svg":
+        stamp.write(target, function(tools) if function.__code__.co_argcount else function(), words)
+        return
+    drawn = tools.work / "drawn.png"
+    function(tools, drawn)
+    stamp.write(target, reduced(drawn, figure.width, tools.work), words)
 
 
-class Transmission:
-    """Tubes of one transmission: axis, rays, pieces (facet, corners) and open water (directions), in rationals."""
-    def __init__(self, path):
-        def points(words):
-            numbers = [Fraction(word) for word in words]
-            return [tuple(numbers[k:k + 3]) for k in range(0, len(numbers), 3)]
-        self.tubes = []
-        for line in path.read_text().splitlines():
-            kind, *words = line.split() if line.strip() else ["#"]
-            if kind in ("transmission", "shot"):  # version 2, version 1
-                [self.apex] = points(words[2:])
-            elif kind == "tube":
-                axis, *rays = points(words[2:])
-                self.tubes.append({"axis": axis, "rays": rays, "pieces": [], "open": []})
-            elif kind == "piece":
-                self.tubes[-1]["pieces"].append((int(words[0]), points(words[2:])))
-            elif kind == "open":
-                self.tubes[-1]["open"].append(points(words[1:]))
+def state_of(figure):
+    path = stamp.DOCS / figure.name
+    if not path.exists():
+        return "missing"
+    return "present" if stamp.read(path).get(stamp.HASH) == stamp.hash_of(figure) else "stale"
 
 
-class Drawing:
-    def __init__(self, box, width):
-        (self.left, self.bottom), (right, top) = box
-        self.scale = width / (right - self.left)
-        self.height, self.width, self.top, self.rows = (top - self.bottom) * self.scale, width, top, []
-
-    def place(self, p):
-        return f"{(p[0] - self.left) * self.scale:.2f},{(self.top - p[1]) * self.scale:.2f}"
-
-    def polygon(self, points, fill, line="none", thick=0.5):
-        self.rows.append(f'<polygon points="{" ".join(map(self.place, points))}" fill="{fill}" stroke="{line}" '
-                         f'stroke-width="{thick}" stroke-linejoin="round"/>')
-
-    def line(self, points, colour, thick=1.0, dashes=""):
-        self.rows.append(f'<polyline points="{" ".join(map(self.place, points))}" fill="none" stroke="{colour}" '
-                         f'stroke-width="{thick}" stroke-dasharray="{dashes}"/>')
-
-    def text(self, p, words, anchor="start"):
-        x, y = self.place(p).split(",")
-        self.rows.append(f'<text x="{x}" y="{y}" text-anchor="{anchor}">{words}</text>')
-
-    def write(self, path):
-        path.write_text(
-            f'<svg xmlns="http://www.w3.org/2000/svg" width="{self.width:.0f}" height="{self.height:.0f}" '
-            f'viewBox="0 0 {self.width:.0f} {self.height:.0f}" font-family="sans-serif" font-size="13" fill="{INK}">\n'
-            '<rect width="100%" height="100%" fill="white"/>\n' + "\n".join(self.rows) + "\n</svg>\n")
-
-
-def closure(shot, path):
-    """Tubes cut square to their middle: the visible pieces and the open water fill each of them."""
-    axis = unit(tuple(sum(float(tube["axis"][k]) / math.hypot(*map(float, tube["axis"])) for tube in shot.tubes)
-                      for k in range(3)))
-    right = unit(cross(axis, (0, 0, 1)))
-    up = cross(right, axis)
-
-    def flat(direction):
-        d = unit(direction)
-        return tuple(math.degrees(math.atan(dot(d, side) / dot(d, axis))) for side in (right, up))
-    corners = [flat(ray) for tube in shot.tubes for ray in tube["rays"]]
-    low, high = [min(c[k] for c in corners) for k in (0, 1)], [max(c[k] for c in corners) for k in (0, 1)]
-    drawing = Drawing(((low[0] - 0.5, low[1] - 0.5), (high[0] + 8, high[1] + 0.5)), 520)
-    for tube in shot.tubes:
-        for facet, points in tube["pieces"]:
-            drawing.polygon([flat(sub(p, shot.apex)) for p in points], SAND if facet < 2 else STEEL, INK, 0.5)
-        for directions in tube["open"]:
-            drawing.polygon([flat(d) for d in directions], WATER, INK, 0.5)
-    for tube in shot.tubes:
-        drawing.polygon([flat(ray) for ray in tube["rays"]], "none", INK, 1.8)
-    for height, words in ((12.4, "open water"), (7.5, "bed beyond the ball"), (-3.5, "facets of the ball"),
-                          (-12.5, "bed before it")):
-        drawing.text((high[0] + 0.6, height), words)
-    drawing.write(path)
-
-
-def plan(shot, path, first, step):
-    """Footprints of a fan from above, cut by the arcs of equal range."""
-    apex = tuple(map(float, shot.apex))
-    drawing = Drawing(((-3, -0.4), (3, 9.4)), 480)
-    for tube in shot.tubes:
-        pieces = sorted(tube["pieces"], key=lambda piece: sum(p[2] for p in piece[1]) / len(piece[1]))
-        for facet, points in pieces:
-            drawing.polygon([(float(p[0]), float(p[1])) for p in points], SAND if facet < 2 else STEEL, INK, 0.4)
-    reach = 9.2
-    for k in range(40):
-        slant = first + k * step
-        if slant <= apex[2]:
-            continue
-        radius = math.sqrt(slant**2 - apex[2]**2)
-        if radius > reach:
-            break
-        arc = [(radius * math.sin(a), radius * math.cos(a)) for a in (math.radians(d / 2) for d in range(-31, 32))]
-        drawing.line(arc, "#b03030", 0.5, "3 3")
-        drawing.text((arc[-1][0] + 0.06, arc[-1][1]), f"{slant:g} m")
-    drawing.line([(-0.12, 0), (0, 0.2), (0.12, 0), (-0.12, 0)], INK, 1.5)
-    drawing.text((0.2, -0.05), f"camera, {apex[2]:g} m up")
-    drawing.write(path)
+def chosen(names, figures):
+    if not names:
+        return figures
+    picked = [f for f in figures if any(fnmatch.fnmatch(f.name, name.removeprefix("docs/")) for name in names)]
+    if not picked:
+        sys.exit(f"no figure matches {' '.join(names)}: --list prints all names")
+    return picked
 
 
 def main():
-    program, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-    page = PAGE.read_text()
-    scene = re.search(r"```toml\n(.*?)```", page, re.S)[1]
-    box = re.search(r"<<'END'\n(.*?)END\n", page, re.S)[1]
-    higher = (scene + box).replace("[0, 0, 2]", "[0, 0, 3]").replace("tilt_deg = 17", "tilt_deg = 27")
-    # Wider beams for the drawings, so that there is something to see in one.
-    drawn = scene.replace("chord_error_m = 0.001", "chord_error_m = 0.02")
-    high_fan = drawn.replace("tilt_deg = 17", "tilt_deg = 17\nbeams = 8\nhorizontal_deg = 16\nvertical_deg = 28")
-    few_beams = drawn.replace("tilt_deg = 17", "tilt_deg = 17\nbeams = 12\nhorizontal_deg = 30")
-    with tempfile.TemporaryDirectory() as name:
-        scratch = pathlib.Path(name)
-
-        def tubefoot(text, *arguments):
-            (scratch / "scene.toml").write_text(text)
-            subprocess.run([program, arguments[0], scratch / "scene.toml", "--quiet", *arguments[1:]], check=True,
-                           stdout=subprocess.DEVNULL)
-        for text, figure in ((scene + box, "tutorial-low.png"), (higher, "tutorial-high.png")):
-            tubefoot(text, "run", "-o", scratch / "run")
-            subprocess.run(["oiiotool", scratch / "run/camera-0000.png", "--nosoftwareattrib", "--resize", "500x0",
-                            "-d", "uint8", "-o", folder / figure], check=True)
-        tubefoot(high_fan, "footprints", "--sensor", "camera", "-o", scratch / "high.txt")
-        closure(Transmission(scratch / "high.txt"), folder / "closure.svg")
-        tubefoot(few_beams, "footprints", "--sensor", "camera", "-o", scratch / "fan.txt")
-        plan(Transmission(scratch / "fan.txt"), folder / "footprints-in-plan.svg", 2.5, 0.5)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", type=pathlib.Path)
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--stale", action="store_true", help="draw only figures that are missing or stale")
+    parser.add_argument("--list", action="store_true", help="print the figures and their states")
+    options = parser.parse_args()
+    figures = chosen(options.names, FIGURES)
+    if options.list:
+        print("\n".join(f"{state_of(figure):8} {figure.name}" for figure in figures))
+        return
+    if options.stale:
+        figures = [figure for figure in figures if state_of(figure) != "present"]
+    with tempfile.TemporaryDirectory(prefix="tubefoot-figures-") as name:
+        tools = Tools(options.program.resolve(), pathlib.Path(name))
+        before = sum(os.times()[:4])
+        try:
+            for figure in figures:
+                draw(figure, tools)
+                now = sum(os.times()[:4])
+                print(f"{now - before:6.1f} s  {figure.name}", flush=True)
+                before = now
+        finally:
+            if "raster" in sys.modules:
+                sys.modules["raster"].Browser.close()
+            shutil.rmtree(tools.work / "out", ignore_errors=True)
+    print(f"{len(figures)} figures, {sum(os.times()[:4]):.0f} s of one core")
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ Python module
 LEAD = """\
 # C++ headers
 
-This page lists the headers that an installed tubefoot offers to C++ programs ([guide](../docs/packaging.md#a-program-of-your-own)), by
+This page lists the headers that an installed tubefoot offers to C++ programs ([guide](../docs/installation.md#your-own-program)), by
 the modules of [the architecture](../docs/architecture.md). Each page shows public declarations without bodies. All names are in the
 namespace `tubefoot`. Begin with [the example](../docs/examples/own-sonar/main.cpp), which defines a sonar and an engine.
 
@@ -35,7 +35,7 @@ def prose(lines):
     parts = re.split(r"(`[^`]*`)", text)
     parts[::2] = [re.sub(r"([\\*_<>\[\]#|$~])", r"\\\1", part) for part in parts[::2]]
     text = "".join(parts)
-    text = re.sub(r"\(?docs/([\w-]+)\.md\)?", lambda page: page[0].replace(f"docs/{page[1]}.md", f"[{page[1]}](../docs/{page[1]}.md)"), text)
+    text = re.sub(r"\(?docs/((?:notes/)?[\w-]+)\.md\)?", lambda page: page[0].replace(f"docs/{page[1]}.md", f"[{page[1]}](../docs/{page[1]}.md)"), text)
     text = re.sub(r"^(\d+)\. ", r"\1\\. ", text, flags=re.M)
     return re.sub(r"^(Law [A-Z]\d+ \([^)]*\):)", r"\n**\1**", text, flags=re.M)
 
@@ -132,7 +132,7 @@ def exchange(app, page):
 
 def docstring(app, what, name, thing, options, lines):
     """docs/sensors.md in a docstring of the module is a link; what an array is comes before what is in it."""
-    lines[:] = [re.sub(r"(?<![`/\w])docs/([\w-]+)\.md", r":doc:`/docs/\1`", line) for line in lines]
+    lines[:] = [re.sub(r"(?<![`/\w])docs/((?:notes/)?[\w-]+)\.md", r":doc:`/docs/\1`", line) for line in lines]
     kind = next((line for line in lines if line.startswith(":type:")), None)
     if what == "property" and kind:  # "(N,) float64: what it is" has been taken apart
         lines.remove(kind)

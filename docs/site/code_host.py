@@ -40,7 +40,12 @@ class Anchors:
 
 
 def navigation(app, docname, source):
-    """The landing page holds the tree: what docs/index.md lists, by its headings."""
+    """Writes the navigation tree, which docs/index.md lists by headings, into the landing page.
+
+    Notes and validation pages are reached by links only: they are orphans for Sphinx.
+    """
+    if docname.startswith(("docs/notes/", "validation/")):
+        source[0] = "---\norphan: true\n---\n" + source[0]
     if docname != app.config.root_doc:
         return
     rows = []

@@ -13,7 +13,7 @@ copyright = "the authors of tubefoot, GPL-3.0-or-later"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "code_host", "api",
               "theme"]
 root_doc = "index"
-include_patterns = ["index.md", "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "validation/*.md",
+include_patterns = ["index.md", "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "docs/notes/*.md", "validation/*.md",
                     "validation/reference/*/*.md", "api/*.md", "api/python.rst"]
 
 # Links are code_host's, so that they are read as on a code host, whatever MyST's version makes of them.

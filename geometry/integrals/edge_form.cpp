@@ -1,7 +1,7 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Integrates waves F(P) of path length over a planar polygon as a
-// sum of integrals along its edges (edge_form.hpp, docs/notes/smooth-surfaces.md). Near the point c of
-// shortest path the code expands F about the shortest path D. Newton's form keeps the digits of [F(P) - F(D)]
-// / (P - D).
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Integrates waves F(P) of path length over a planar polygon as a sum of integrals along its edges
+// (edge_form.hpp, docs/notes/smooth-surfaces.md). Near the point c of shortest path the code expands F about
+// the shortest path D. Newton's form keeps the digits of [F(P) - F(D)] / (P - D).
 
 #include "geometry/integrals/edge_form.hpp"
 

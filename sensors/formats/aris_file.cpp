@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Writes ARIS files (.aris, "DDF_05", docs/exchange-formats.md):
-// headers of file and frames, range gates in whole microseconds, and the frame rates that a range gate
-// permits.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Writes ARIS files (.aris, "DDF_05", docs/exchange-formats.md): headers of file and frames, range gates in
+// whole microseconds, and the frame rates that a range gate permits.
 
 #include "sensors/formats/aris_file.hpp"
 

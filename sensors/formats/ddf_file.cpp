@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Writes DIDSON files, version 3 (.ddf, "DDF_03",
-// docs/exchange-formats.md): headers of file and frames, and the codes of range gates.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Writes DIDSON files, version 3 (.ddf, "DDF_03", docs/exchange-formats.md): headers of file and frames, and
+// the codes of range gates.
 
 #include "sensors/formats/ddf_file.hpp"
 

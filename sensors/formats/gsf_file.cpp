@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Writes GSF files (Generic Sensor Format of Leidos, version 3,
-// docs/exchange-formats.md): records of pings with scaled arrays, attitude, sound-speed profiles and
-// processing parameters, all big-endian.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Writes GSF files (Generic Sensor Format of Leidos, version 3, docs/exchange-formats.md): records of pings
+// with scaled arrays, attitude, sound-speed profiles and processing parameters, all big-endian.
 
 #include "sensors/formats/gsf_file.hpp"
 

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Writes XTF files (docs/exchange-formats.md). Offsets are those of
-// X41's structures: the number before each name is its offset.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Writes XTF files (docs/exchange-formats.md). Offsets are those of X41's structures: the number before each
+// name is its offset.
 #include "sensors/formats/xtf_file.hpp"
 
 #include <cmath>

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Writes echo files (echoes.nc), in the layout of
-// docs/output-files.md: dimensions, coordinates, attributes and the chunks of each ping.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Writes echo files (echoes.nc), in the layout of docs/output-files.md: dimensions, coordinates, attributes
+// and the chunks of each ping.
 #include <fmt/format.h>
 
 #include <algorithm>

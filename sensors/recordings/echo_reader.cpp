@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Reads echo files (echoes.nc, docs/output-files.md) of any origin.
-// Names, dimensions, units, sizes and values are checked before use, and memory is checked before allocation.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reads echo files (echoes.nc, docs/output-files.md) of any origin. Names, dimensions, units, sizes and
+// values are checked before use, and memory is checked before allocation.
 #include "sensors/recordings/echo_reader.hpp"
 
 #include <fmt/format.h>

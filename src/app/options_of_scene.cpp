@@ -168,8 +168,8 @@ void add_view(CLI::App& app, CommandOptions& requested) {
       ->option_text("NAME");
   command
       ->add_option("--pings", view.pings,
-                   "pings A to B, both included, counted from 0 (default: 0; for a sidescan or an "
-                   "echosounder, as many pings as fit on the page)")
+                   "pings A to B, both included, counted from 0 (default: from 0, as many pings as fit on "
+                   "the page)")
       ->option_text("A:B");
   CLI::Option* candidate =
       command

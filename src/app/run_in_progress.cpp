@@ -68,8 +68,8 @@ void print_relief(const LoadedScene& loaded_scene, const SimulationStats& stats)
     tell("relief: {} facets, refined once, with cells of {:g} m\n", loaded_scene.scene.mesh.facets.size(),
          loaded_scene.relief.cell_m);
   tell(
-      "finer relief would change the energy of a facet by {:.2g} of its value (RMS) and by {:.2g} at most "
-      "(first-order estimates for the worst ping, not certified)\n",
+      "finer relief would change the energy of a facet by {:.2g} (RMS) and at most {:.2g} of its value; "
+      "these first-order estimates for the worst ping are not certified\n",
       stats.finer_relief_rms, stats.finer_relief_largest);
 }
 

@@ -192,13 +192,13 @@ std::vector<std::string> warnings_of(const ComponentMesh& mesh, double highest_f
   constexpr double good = 1.0 / 50;  // corresponds to a two-way phase of a quarter of a radian
   const double wavelength = sound_speed / highest_frequency_hz;
   if (worst.off_m > good * wavelength)
-    warnings.push_back(fmt::format(
-        "flat facets deviate from a curved surface by up to {:.3g} mm, {:.2g} of the wavelength at {:g} Hz "
-        "({:.3g} mm), and the result is the strength of the facets. For a deviation of 1/50 of a wavelength, "
-        "multiply edge lengths by {:.2g} ({:.3g} mm instead of {:.3g} mm)",
-        1e3 * worst.off_m, worst.off_m / wavelength, highest_frequency_hz, 1e3 * wavelength,
-        std::sqrt(good * wavelength / worst.off_m),
-        1e3 * worst.edge_m * std::sqrt(good * wavelength / worst.off_m), 1e3 * worst.edge_m));
+    warnings.push_back(
+        fmt::format("flat facets deviate from a curved surface by up to {:.3g} mm, {:.2g} of the wavelength "
+                    "at {:g} Hz ({:.3g} mm). The result is the strength of the facets. For a deviation of "
+                    "1/50 of a wavelength, multiply edge lengths by {:.2g} ({:.3g} mm instead of {:.3g} mm)",
+                    1e3 * worst.off_m, worst.off_m / wavelength, highest_frequency_hz, 1e3 * wavelength,
+                    std::sqrt(good * wavelength / worst.off_m),
+                    1e3 * worst.edge_m * std::sqrt(good * wavelength / worst.off_m), 1e3 * worst.edge_m));
   const double phase = 4 * std::numbers::pi / wavelength * radius_of(mesh) * FarView::vertex_error;
   constexpr double worth_telling_rad = 0.01;
   if (phase > worth_telling_rad)

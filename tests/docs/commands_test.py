@@ -39,7 +39,7 @@ INSTEAD = {
         "is the test Package.Wheel, into a folder", None),
     "make fuzz": ("hours, by another compiler", "make -n fuzz"),
     "make fuzz FUZZ_SECONDS=60 FUZZ_TARGETS=mesh,csv": ("minutes, by another compiler", "make -n fuzz FUZZ_SECONDS=60"),
-    "sudo apt install ./build/tubefoot_0.1.0_amd64.deb": ("changes the machine; Package.IsWhole unpacks it", None),
+    "sudo apt install ./build/tubefoot_0.2.0_amd64.deb": ("changes the machine; Package.IsWhole unpacks it", None),
     "cmake -S docs/examples/own-sonar -B build/own-sonar -DCMAKE_PREFIX_PATH=$HOME/.local": (
         "is the test Install.ServesAProgramOfOnesOwn", None),
     "cmake --build build/own-sonar && build/own-sonar/own_sonar": (
@@ -71,7 +71,7 @@ MADE_ELSEWHERE = {
     "out/drift.png": "make track-study",
 }
 # Pages whose Python is run by tests of their own.
-PYTHON_ELSEWHERE = {"docs/python.md", "docs/output-files.md", "docs/footprints.md", "docs/command-reference.md"}
+PYTHON_ELSEWHERE = {"docs/python.md", "docs/footprints.md"}
 
 failures = []
 

@@ -40,7 +40,7 @@ class InABrowser(unittest.TestCase):
         self.page.settle()
 
     def test_pages_are_whole_and_nothing_comes_over_the_network(self):
-        pages = ["index.html", "docs/physics.html", "docs/gallery.html", "api/python.html", "api/src-engine-echo.html",
+        pages = ["index.html", "docs/energies.html", "docs/gallery.html", "api/python.html", "api/src-engine-echo.html",
                  "search.html?q=closure"]
         for name in pages:
             self.open(name)
@@ -58,7 +58,7 @@ class InABrowser(unittest.TestCase):
 
     def test_dark_as_the_reader_s_system_or_by_the_button(self):
         self.page.prefer("dark")
-        self.open("docs/physics.html")
+        self.open("docs/energies.html")
         self.assertLess(self.page.background("body"), 60)
         self.page.prefer("light")
         self.assertGreater(self.page.background("body"), 200)
@@ -69,7 +69,7 @@ class InABrowser(unittest.TestCase):
 
     def test_the_tree_has_every_section_of_the_index(self):
         index = (pathlib.Path(__file__).resolve().parents[2] / "docs/index.md").read_text()
-        self.open("docs/physics.html")
+        self.open("docs/energies.html")
         shown = self.page.js("return [...document.querySelectorAll('.sidebar-tree .caption-text')].map(e => e.textContent)")
         for heading in re.findall(r"^## (.*)", index, re.M):
             self.assertIn(heading, shown)
@@ -78,7 +78,7 @@ class InABrowser(unittest.TestCase):
             self.assertIn(entry, entries)
 
     def test_search_finds_words_and_declarations(self):
-        for words, file in [("micronavigation closure rationals", None), ("eigenray turning", "docs/physics.html"),
+        for words, file in [("micronavigation closure rationals", None), ("eigenray turning", "docs/notes/refraction.html"),
                             ("TubeSet", "api/geometry-tubes.html"), ("energy_lower", "api/python.html")]:
             self.open(f"search.html?q={words.replace(' ', '+')}")
             found = self.results()
@@ -117,7 +117,7 @@ class InABrowser(unittest.TestCase):
         self.assertFalse(self.page.js(state)[0])
 
     def test_formulas_are_formulas(self):
-        self.open("docs/physics.html")
+        self.open("docs/energies.html")
         fractions = self.page.js("return [...document.querySelectorAll('math mfrac')].map(f => f.getBoundingClientRect().height)")
         self.assertGreater(len(fractions), 10)
         self.assertGreater(min(fractions), 15)  # set as fractions, not as a line of text
@@ -134,7 +134,7 @@ class InABrowser(unittest.TestCase):
         self.assertIn("struct GridPoint", self.page.js("return document.getElementById('gridpoint').textContent"))
 
     def test_a_phone_shows_pages_in_its_width(self):
-        for name in ["index.html", "docs/physics.html", "docs/gallery.html", "docs/scene-keys.html", "docs/architecture.html",
+        for name in ["index.html", "docs/energies.html", "docs/gallery.html", "docs/scene-keys.html", "docs/architecture.html",
                      "api/python.html", "api/src-engine-echo.html", "validation/atlas.html"]:
             self.open(name, 390, 844)
             self.assertLessEqual(self.page.js("return document.documentElement.scrollWidth"), 390, name)

@@ -59,7 +59,7 @@ TEST(Abilities, TheSensorsPageSaysWhichReferencesOfTwoReceiversThereAre) {
   ASSERT_NE(end, std::string::npos);
   const std::string section = page.substr(begin, end - begin);
   EXPECT_THAT(section, Not(HasSubstr("refuses")));
-  EXPECT_THAT(section, AllOf(HasSubstr("reference.md#of-two-receivers"), HasSubstr("abilities.md")));
+  EXPECT_THAT(section, AllOf(HasSubstr("reference-results.md"), HasSubstr("limits.md")));
 }
 
 TEST(Abilities, EveryRefusalIsThereOnceAndSaysWhatToDo) {

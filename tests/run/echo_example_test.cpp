@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs the Python examples of docs/output-files.md unchanged.
+// Runs the Python examples of docs/output-files.md that read and write echo files, unchanged.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "fixtures/scene_texts.hpp"
 #include "fixtures/world/echoes.hpp"
@@ -22,17 +23,19 @@ std::string python_with_netcdf4() {
   return {};
 }
 
-/// Returns the code blocks of the page in order.
-std::vector<std::string> examples() {
-  const std::string page = bytes_of(std::filesystem::path(TUBEFOOT_SOURCE_DIR) / "docs" / "echo-file.md"),
-                    begin = "```python\n", end = "```\n";
-  std::vector<std::string> blocks;
-  for (std::size_t at = 0; (at = page.find(begin, at)) != std::string::npos;) {
-    at += begin.size();
-    blocks.push_back(page.substr(at, page.find(end, at) - at));
-  }
-  return blocks;
+/// Returns the code block under a heading of the page.
+std::string example(const std::string& heading) {
+  const std::string page = bytes_of(std::filesystem::path(TUBEFOOT_SOURCE_DIR) / "docs" / "output-files.md"),
+                    begin = "```python\n";
+  const std::size_t section = page.find("\n### " + heading + "\n");
+  if (section == std::string::npos) throw std::runtime_error("no section " + heading);
+  const std::size_t block = page.find(begin, section);
+  if (block == std::string::npos) throw std::runtime_error("no Python under " + heading);
+  const std::size_t at = block + begin.size();
+  return page.substr(at, page.find("```\n", at) - at);
 }
+
+const std::string reading = "The strongest echo", writing = "Write an echo file";
 
 /// A flat seabed under a camera that by default has the beams and samples of the example.
 const std::string scene =
@@ -45,12 +48,11 @@ struct EchoExamples : testing::Test {
 
   void SetUp() override {
     if (python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
-    ASSERT_EQ(examples().size(), 2u);
     echoes_in(folder, scene);
   }
   /// Returns the output of an example for a file.
-  std::string run(std::size_t example, const std::string& file) const {
-    const auto script = folder.write("example.py", examples()[example]);
+  std::string run(const std::string& heading, const std::string& file) const {
+    const auto script = folder.write("example.py", example(heading));
     const auto output = folder / "output.txt";
     EXPECT_EQ(
         std::system(
@@ -62,13 +64,13 @@ struct EchoExamples : testing::Test {
 };
 
 TEST_F(EchoExamples, TheFirstReadsTheStrongestEcho) {
-  EXPECT_THAT(run(0, reference), HasSubstr("camera: -"));
-  EXPECT_THAT(run(0, reference), HasSubstr("ping 0, beam "));
+  EXPECT_THAT(run(reading, reference), HasSubstr("camera: -"));
+  EXPECT_THAT(run(reading, reference), HasSubstr("ping 0, beam "));
 }
 
 TEST_F(EchoExamples, TheSecondWritesAFileThatCompares) {
   const std::string mine = (folder / "mine.nc").string();
-  run(1, mine);
+  run(writing, mine);
   const Outcome outcome = run_program({"compare", reference, mine, "--json", "-"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
@@ -79,7 +81,7 @@ TEST_F(EchoExamples, TheSecondWritesAFileThatCompares) {
   EXPECT_DOUBLE_EQ(echoes.at(0, 70, 300), 1e-9);
   EXPECT_DOUBLE_EQ(echoes.at(0, 12, 344), 2e-9);
   // An engine needs at most twenty lines, including imports.
-  const std::string code = examples()[1];
+  const std::string code = example(writing);
   EXPECT_LE(std::count(code.begin(), code.end(), '\n'), 20);
 }
 

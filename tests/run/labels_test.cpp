@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Tests labels, which attribute each energy to objects and
-// materials (docs/output-files.md). Shares add up to the energies for each engine, and means agree with
-// closed forms.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tests labels, which attribute each energy to objects and materials (docs/output-files.md). Shares add up to
+// the energies for each engine, and means agree with closed forms.
 #include "run/labels.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Tests whole runs with paths over mirrors and with second
-// scattering (docs/environment.md), in isovelocity and in stratified water.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tests whole runs with paths over mirrors and with second scattering (docs/environment.md), in isovelocity
+// and in stratified water.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

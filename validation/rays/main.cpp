@@ -113,7 +113,7 @@ std::string page(const std::vector<Figure>& figures) {
       "# Comparison with other ray codes\n\nThe table compares published figures of independent ray codes "
       "(standard cases of BELLHOP; comparison of USML with GRAB)\nwith those of tubefoot. These codes "
       "advance along a ray in steps, but tubefoot joins exact arcs, so most of the\ndifference is theirs. "
-      "[physics.md](../docs/energies.md) tests the figures of tubefoot with closed forms, to many "
+      "[Energies](../docs/energies.md) compares the values of tubefoot with closed forms, to many "
       "more\ndigits. `make rays` writes this page; the test `Rays.SecondOpinion` fails if a difference is "
       "larger than the last column.\n\n| water | quantity | tubefoot | published | code | difference | "
       "allowed |\n|---|---|---|---|---|---|---|\n";

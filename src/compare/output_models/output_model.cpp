@@ -1,6 +1,7 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Applies the steps of an output model to a picture with bounds. A
-// monotone step maps both ends of the interval of a bin. A linear step (blur) transforms bounds as it
-// transforms values. docs/engine-validation.md lists the formulas.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Applies the steps of an output model to a picture with bounds. A monotone step maps both ends of the
+// interval of a bin. A linear step (blur) transforms bounds as it transforms values.
+// docs/engine-validation.md lists the formulas.
 #include "compare/output_models/output_model.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Implements CertifiedIntegrator with beam patterns or a
-// micro-texture. Gauss-Legendre quadrature runs over t and along the arcs, with an error bound in the complex
-// plane for each variable. See docs/notes/certified-energies.md, sections "Error of the quadrature" and
-// "Micro-texture".
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Implements CertifiedIntegrator with beam patterns or a micro-texture. Gauss-Legendre quadrature runs over t
+// and along the arcs, with an error bound in the complex plane for each variable. See
+// docs/notes/certified-energies.md, sections "Error of the quadrature" and "Micro-texture".
 #include <algorithm>
 #include <array>
 #include <cmath>

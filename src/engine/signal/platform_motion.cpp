@@ -42,8 +42,8 @@ struct TabulatedMotion::Source {
     const glm::dvec3 place = motion(time_s);
     if (!std::isfinite(place.x + place.y + place.z))
       throw std::invalid_argument(
-          fmt::format("the motion of {} is not finite {} s after the start of the ping, but it must be valid "
-                      "from the start of the pulse to the last sample",
+          fmt::format("the motion of {} is not finite {} s after the start of the ping: motions must be "
+                      "valid from the start of the pulse to the last sample",
                       what, time_s));
     return place - origin_m;
   }

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Compares the error measures with figures that were worked out by
-// hand from docs/compared-figures.md, and tests their laws.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Compares the error measures with figures that were worked out by hand from docs/compared-figures.md, and
+// tests their laws.
 #include "compare/measures/echo_errors.hpp"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Tests paths with more than one scattering
-// (docs/notes/multiple-paths.md). The comparisons are sums over all pairs and triples of points with a ray
-// for each leg, and a sphere, whose echoes have closed forms.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tests paths with more than one scattering (docs/notes/multiple-paths.md). The comparisons are sums over all
+// pairs and triples of points with a ray for each leg, and a sphere, whose echoes have closed forms.
 #include "engine/paths/patch_paths.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Tests echoes of paths over mirrors and with second scattering
-// (docs/notes/multiple-paths.md). The comparisons are image series, closed forms, and brute-force rays.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tests echoes of paths over mirrors and with second scattering (docs/notes/multiple-paths.md). The
+// comparisons are image series, closed forms, and brute-force rays.
 
 #include "engine/paths/path_echo.hpp"
 

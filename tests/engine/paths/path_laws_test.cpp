@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Tests laws of paths that hold in every scene
-// (docs/notes/multiple-paths.md): energy, reciprocity and limits. A bowl is also compared with brute-force
-// rays.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tests laws of paths that hold in every scene (docs/notes/multiple-paths.md): energy, reciprocity and
+// limits. A bowl is also compared with brute-force rays.
 #include <gtest/gtest.h>
 
 #include <cmath>

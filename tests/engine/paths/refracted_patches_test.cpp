@@ -1,6 +1,7 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Tests paths with more than one scattering in stratified water
-// (docs/notes/multiple-paths.md). Gradients are a thousand times those of the sea. Thus scenes of some metres
-// refract rays as much as the sea does over kilometres.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tests paths with more than one scattering in stratified water (docs/notes/multiple-paths.md). Gradients are
+// a thousand times those of the sea. Thus scenes of some metres refract rays as much as the sea does over
+// kilometres.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: GPL-3.0-or-later Repeats the findings of fuzzing for readers of echo files
-// (validation/fuzzing.md), minimised. The test names state the findings.
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Repeats the findings of fuzzing for readers of echo files (validation/fuzzing.md), minimised. The test
+// names state the findings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
