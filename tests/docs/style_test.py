@@ -34,7 +34,7 @@ def prose(markdown):
     paragraph = []
     for line in [*text.split("\n"), ""]:
         item = re.match(r"\s*(?:[-*]|\d+\.) ", line)
-        if line.strip() and not item and not line.startswith(("|", "#", "    ", "![")):
+        if line.strip() and not item and not line.startswith(("|", "#", "    ", "!")):
             paragraph.append(line.strip())
             continue
         yield from sentences(" ".join(paragraph))
