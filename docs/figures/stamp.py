@@ -2,13 +2,15 @@
 """Hashes of the inputs of figures, and the metadata of PNG and SVG files that keep them.
 
 The hash covers the recipe, all files that the recipe or its scenes name, the sources of drawing functions, and the code
-blocks of a page that the recipe follows. The program is not an input: its revision is recorded besides the hash.
+blocks of a page that the recipe follows. Comments and titles of scene files are no inputs. The program is not an input: its revision is recorded besides the hash.
 """
 import hashlib
+import json
 import pathlib
 import re
 import struct
 import sys
+import tomllib
 import zlib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -67,6 +69,15 @@ def inputs_of(figure):
     return sorted(known)
 
 
+def content_of(file):
+    """The bytes of a file; the keys of a scene file without its title."""
+    if file.suffix != ".toml":
+        return file.read_bytes()
+    keys = tomllib.loads(file.read_text())
+    keys.pop("title", None)
+    return json.dumps(keys, sort_keys=True, default=str).encode()
+
+
 def hash_of(figure):
     digest = hashlib.sha256()
 
@@ -75,7 +86,7 @@ def hash_of(figure):
             digest.update(word.encode() + b"\0")
     add(figure.draw, figure.picture, str(figure.width), *figure.commands, *(part for file in figure.files for part in file))
     for file in inputs_of(figure):
-        add(str(file.relative_to(ROOT)), hashlib.sha256(file.read_bytes()).hexdigest())
+        add(str(file.relative_to(ROOT)), hashlib.sha256(content_of(file)).hexdigest())
     if figure.follows and not figure.draw:
         for step in page_steps(figure.follows, figure.picture):
             add(*step)

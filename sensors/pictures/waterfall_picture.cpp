@@ -234,8 +234,10 @@ Canvas Waterfall::draw(const ReceiverOutput* receiver_output) const {
   else
     subtitle += ", equal scales";
   if (receiver_output) subtitle += "; " + receiver_output->said;
-  // Noise leaves no empty range bins.
-  const bool has_empty = std::ranges::any_of(drawn.energy_j, [](double value) { return !(value > 0); });
+  // Noise leaves no empty range bins. Columns nearer than the first range bin show nothing.
+  bool has_empty = false;
+  for (std::size_t place = 0; place < drawn.energy_j.size() && !has_empty; ++place)
+    has_empty = !(drawn.energy_j[place] > 0) && columns[place % columns.size()].covered > 0;
   std::string footer = "no echo";
   if (scale.reference_j() > 0)
     footer =

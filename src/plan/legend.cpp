@@ -60,7 +60,7 @@ void add_sensors(Column& column, const Survey& survey) {
     column.words(sensor.description().name, {.size = 11.5, .bold = true});
     column.words(fmt::format("{}, {:g} kHz", kind_of(sensor.description()).name(), sensor.frequency_khz()),
                  faint);
-    column.words(fmt::format("{} ping{}, range gate {:.4g} to {:.4g} m", pings.times_s.size(),
+    column.words(fmt::format("{} ping{}, range {:.4g} to {:.4g} m", pings.times_s.size(),
                              pings.times_s.size() == 1 ? "" : "s", samples.first_m,
                              samples.first_m + samples.step_m * samples.count),
                  faint);
@@ -80,7 +80,7 @@ void add_meanings(Column& column, const SceneMarks& marks) {
     column.skip(3);
   };
   sector("fill-opacity=\"0.42\"", "received: within the range gate");
-  sector("fill-opacity=\"0.2\" stroke-dasharray=\"4 3\"", "in the gate, but below the seabed");
+  sector("fill-opacity=\"0.2\" stroke-dasharray=\"4 3\"", "in the gate, below the seabed");
   sector("fill-opacity=\"0.07\" stroke-dasharray=\"1 3\"", "nearer than the range gate");
   sheet.circle(column.middle(), 3.6, "fill=\"#555555\" stroke=\"#ffffff\" stroke-width=\"1.2\"");
   column.words("sensor at the drawn pings", faint);

@@ -196,7 +196,7 @@ TEST_F(Hostile, SceneFilesAsDeepAsTheyGet) {
   expect_refused(deep + "]\n", {"scene.toml:1:1: unknown section or key 'x'"});
   expect_refused("x = " + std::string(100'000, '['), {"scene.toml:1:", "not valid TOML"});
   expect_refused("x" + std::string(100'000, '.'), {"scene.toml"});
-  expect_refused(std::string((8 << 20) + 1, '\n'), {"scene.toml: larger than 8388608 bytes"});
+  expect_refused(std::string((8 << 20) + 1, '\n'), {"scene.toml: is larger than 8388608 bytes"});
   std::string many(small_scene);
   while (many.size() < 8'000'000) many += "x" + std::to_string(many.size()) + " = []\n";
   expect_refused(many, {"scene.toml:21:1: unknown key"});

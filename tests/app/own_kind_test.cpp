@@ -175,8 +175,8 @@ TEST(OwnKind, IsReadWithItsKeysAndItsMistakes) {
   EXPECT_THAT(error_of("kind = \"turning\"\nsteps = 0\n"),
               HasSubstr("scene.toml:17:9: 'steps' must be 1 to 4096"));
   EXPECT_THAT(error_of("kind = \"turning\"\nswath_deg = 3\n"),
-              HasSubstr("'swath_deg' goes with kind = \"multibeam\" and not with kind = \"turning\""));
-  EXPECT_THAT(error_of("kind = \"imaging\"\nsteps = 3\n"), HasSubstr("goes with kind = \"turning\""));
+              HasSubstr("'swath_deg' applies to kind = \"multibeam\", not to kind = \"turning\""));
+  EXPECT_THAT(error_of("kind = \"imaging\"\nsteps = 3\n"), HasSubstr("applies to kind = \"turning\""));
   EXPECT_THAT(error_of("kind = \"turning\"\nstep_s = 0.5\n"),
               HasSubstr("scene.toml:17:10: a turn takes longer"));
   EXPECT_THROW(read_scene_text("[[sensors]]\nname = \"s\"\nkind = \"turning\"\n", "scene.toml"), InputError);

@@ -363,7 +363,7 @@ void check_kind_of_keys(const TomlTable& table, const std::vector<TomlKey>& keys
     for (const TomlKey& key : keys) {
       if (named(key)) owners.push_back(key.kind);
     }
-    throw InputError(entry.place, fmt::format("'{}' applies to {}, not to {}: remove one of the two",
+    throw InputError(entry.place, fmt::format("'{0}' applies to {1}, not to {2}: remove '{0}', or change {2}",
                                               entry.key, fmt::join(owners, ", "), kind));
   }
 }

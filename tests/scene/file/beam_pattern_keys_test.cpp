@@ -69,12 +69,12 @@ TEST(BeamPatternKeys, MistakesAreReportedWithTheirPlace) {
       {"transmit_pattern = \"gaussian\"\n", "12:20", "needs the key 'transmit_beam_width_deg'"},
       {"receive_pattern = \"table\"\n", "12:19", "needs the key 'receive_pattern_file'"},
       {"receive_aperture_m = 1\n", "12:22",
-       "'receive_aperture_m' goes with receive_pattern = \"line\" or "
-       "\"piston\" and not with receive_pattern = \"none\""},
+       "'receive_aperture_m' applies to receive_pattern = \"line\" or \"piston\", not to receive_pattern = "
+       "\"none\""},
       {"receive_pattern = \"gaussian\"\nreceive_beam_width_deg = 1\nreceive_aperture_m = 1\n", "14:22",
-       "not with receive_pattern = \"gaussian\""},
+       "not to receive_pattern = \"gaussian\""},
       {"receive_pattern = \"piston\"\nreceive_aperture_m = 1\nreceive_pattern_angle = \"azimuth\"\n", "14:25",
-       "'receive_pattern_angle' goes with"},
+       "'receive_pattern_angle' applies to"},
       {"receive_pattern = \"line\"\nreceive_aperture_m = 1\nreceive_pattern_angle = \"off_axis\"\n", "14:25",
        "not on \"off_axis\""},
       {"receive_pattern = \"line\"\nreceive_aperture_m = 0\n", "13:22", "must be > 0, <= 1000 metres"},

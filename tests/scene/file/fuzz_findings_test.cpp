@@ -156,7 +156,7 @@ TEST(FuzzedScenes, ReliefOfThinCellsIsRefusedBeforeItsSpectrumTakesMemoryAndTime
   };
   const std::string head = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n", cells = "1 1\n1 1\n";
   EXPECT_THAT(refusal("r.asc", head + "dx 1e-6\ndy 1e4\n" + cells, read),
-              HasSubstr("r.asc: its cells are 1e-06 m by 10000 m over 20000 m, expected"));
+              HasSubstr("r.asc: its cells are 1e-06 m by 10000 m over a length of 20000 m; expected"));
   EXPECT_THAT(refusal("r.asc", head + "dx 1e-3\ndy 1e3\n" + cells, read),
               HasSubstr("at most 1e+06 times the shorter side"));
   EXPECT_THAT(refusal("r.asc", head + "cellsize 1e-140\n" + cells, read),

@@ -83,7 +83,7 @@ TEST(BeamAngles, MustAgree) {
     EXPECT_THAT(error_of(std::string("kind = \"imaging\"\nbeam_angles_deg = [-1, 1]\n") + key + "\n"),
                 HasSubstr("'beam_angles_deg' already defines the beams: remove '"));
   EXPECT_THAT(error_of("kind = \"multibeam\"\nbeam_angles_deg = [-1, 1]\nswath_deg = 9\n"),
-              HasSubstr("remove 'swath_deg', or the list"));
+              HasSubstr("remove 'swath_deg' or the list"));
   EXPECT_THAT(error_of("kind = \"imaging\"\nbeam_angles_deg = [1, 1]\n"),
               HasSubstr("must increase, from port to starboard: 1 follows 1"));
   EXPECT_THAT(error_of("kind = \"imaging\"\nbeam_angles_deg = [4]\n"), HasSubstr("two or more angles"));

@@ -111,8 +111,8 @@ TEST(ScatteringKeys, SensorsOutsideASedimentsFrequencyAreWarnedOf) {
   const Loaded far = load(folder, "law = \"sediment\"\nsediment = \"coarse sand\"");
   EXPECT_NEAR(far.db(30), -14.97, 1e-9);
   EXPECT_THAT(far.warnings,
-              ElementsAre("material 'sand' is 'coarse sand' as it scatters at 300 kHz, but sensor "
-                          "'camera' works at 1800 kHz: its table is meant for 200 to 450 kHz"));
+              ElementsAre("material 'sand' uses the table of 'coarse sand' at 300 kHz, but sensor 'camera' "
+                          "works at 1800 kHz: the table is meant for 200 to 450 kHz"));
   SceneDescription scene =
       read_scene(folder, scene_with("law = \"sediment\"\nsediment = \"silt\"\nsediment_khz = 20"));
   std::vector<std::string> warnings;
@@ -137,9 +137,8 @@ TEST(ScatteringKeys, EverySedimentKeepsTheEnergyBound) {
 TEST(ScatteringKeys, WhatScattersMoreThanItReceivesIsRefusedUnlessAllowed) {
   const TestFolder folder;
   const std::string bright = "law = \"gsab\"\noblique_db = -4.9";  // 10 log10(1 / pi) = -4.9715
-  EXPECT_THAT(load_error(folder, bright),
-              HasSubstr("scene.toml:1:1: material 'sand' scatters 1.02 times what it receives at a grazing "
-                        "angle of "));
+  EXPECT_THAT(load_error(folder, bright), HasSubstr("scene.toml:1:1: material 'sand' scatters 1.02 times the "
+                                                    "energy that it receives at a grazing angle of "));
   EXPECT_THAT(load_error(folder, bright), HasSubstr("unbounded = true"));
   EXPECT_EQ(load_error(folder, "law = \"gsab\"\noblique_db = -4.972"), "");
   const Loaded allowed = load(folder, bright + "\nunbounded = true");
@@ -163,15 +162,14 @@ TEST(ScatteringKeys, MistakesAreReportedWithTheirPlace) {
          "3:15: 'specular_db' belongs to law = \"gsab\", but this material has law = \"lambert\"");
   expect("law = \"gsab\"\nlambert_db = -20", "4:14: 'lambert_db' belongs to law = \"lambert\"");
   expect("law = \"gsab\"", "3:7: law = \"gsab\" needs 'specular_db', 'oblique_db' or 'transition_db'");
-  expect("law = \"gsab\"\nspecular_db = -3", "4:15: 'specular_db' goes together with 'specular_width_deg'");
-  expect("law = \"gsab\"\ntransition_width_deg = 3",
-         "'transition_width_deg' goes together with 'transition_db'");
+  expect("law = \"gsab\"\nspecular_db = -3", "4:15: 'specular_db' needs the key 'specular_width_deg'");
+  expect("law = \"gsab\"\ntransition_width_deg = 3", "'transition_width_deg' needs the key 'transition_db'");
   expect("law = \"gsab\"\noblique_exponent = 3", "'oblique_exponent' needs the key 'oblique_db' as well");
   expect("law = \"gsab\"\noblique_db = -20\noblique_exponent = -1", "must be 0 to 10, not -1");
   expect("law = \"gsab\"\nspecular_db = -3\nspecular_width_deg = 0", "must be 0.1 to 90 degrees, not 0");
   expect("law = \"table\"",
          "3:7: law = \"table\" needs 'table_file', or 'table_grazing_deg' with 'table_db'");
-  expect("law = \"table\"\ntable_db = [-3]", "'table_db' goes together with 'table_grazing_deg'");
+  expect("law = \"table\"\ntable_db = [-3]", "'table_db' needs the key 'table_grazing_deg'");
   expect("law = \"table\"\ntable_db = [-3]\ntable_grazing_deg = [20, 30]", "1 levels for 2 angles");
   expect("law = \"table\"\ntable_db = [-3, -3]\ntable_grazing_deg = [30, 30]",
          "must increase: 30 follows 30");
@@ -202,7 +200,7 @@ TEST(ScatteringKeys, TablesInFilesAreCheckedLineByLine) {
   expect("20,-1000\n", "t.csv:1: the level must be from -300 to 100 dB, not -1000");
   std::string long_table;
   for (int k = 1; k <= 1001; ++k) long_table += fmt::format("{},-20\n", k * 0.08);
-  expect(long_table, "t.csv:1001: more than 1000 rows");
+  expect(long_table, "t.csv:1001: the table has more than 1000 rows");
   EXPECT_THAT(
       load_error(folder,
                  "law = \"table\"\ntable_grazing_deg = [30, 30.000000000000004]\ntable_db = [-20, -20]"),

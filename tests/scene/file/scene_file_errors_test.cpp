@@ -83,8 +83,7 @@ TEST(SceneFileErrors, WrongUnitsNameTheRightOne) {
       {didson, "kind = \"didson\"\nfrequency_hz = 1", "12:1", "give it in kHz, as 'frequency_khz'"},
       {didson, "kind = \"didson\"\nping_interval_ms = 1", "12:1", "give it in seconds, as 'ping_interval_s'"},
       {didson, "kind = \"didson\"\n[water]\ndepth_m = \"5 m\"", "13:11",
-       "'depth_m' must be a number in metres (0 to 10000), not a text: write the number alone, it counts "
-       "metres"},
+       "'depth_m' must be a number in metres (0 to 10000), not a text: write only the number, in metres"},
   });
 }
 
@@ -93,7 +92,7 @@ constexpr const char* survey = "kind = \"survey\"\nlength_m = 9\nwidth_m = 9\nsp
 TEST(SceneFileErrors, SurveysSayWhereAndHowHigh) {
   const auto with = [](const std::string& more) { return survey + more; };
   for (const auto& [keys, place, says] :
-       {std::tuple(with(""), "7:1", "a survey has no height: give one of 'up_m'"),
+       {std::tuple(with(""), "7:1", "the survey has no height: give one of 'up_m'"),
         std::tuple(with("up_m = 1\ndepth_m = 1"), "7:1", "more than one height"),
         std::tuple(with("up_m = 1\naltitude_step_m = 1"), "13:19", "'altitude_step_m' needs 'altitude_m'"),
         std::tuple(with("up_m = 1\ncentre_m = [1, 2]\ncentre_crs = [1, 2]"), "14:14", "more than one centre"),
@@ -132,7 +131,7 @@ TEST(SceneFileErrors, WrongTypesSayWhatIsWanted) {
        "'position_m' must be a number in metres"},
       {didson, "kind = \"didson\"\n[[objects]]\nname=\"o\"\nshape=\"mesh\"\nfile=\"scene.toml\"\nup = \"w\"",
        "16:6", "'up' must be \"x\", \"y\" or \"z\", not \"w\""},
-      {didson, "kind = \"didson\"\n[[water]]", "12:1", "'water' must be one table: write [water], once"},
+      {didson, "kind = \"didson\"\n[[water]]", "12:1", "'water' must be one table: write [water] once"},
       {"[[materials]]", "water = 5\n[[materials]]", "1:9", "'water' must be one table"},
       {"[[materials]]", "objects = [{name = \"o\", shape = \"box\"}, 7]\n[[materials]]", "1:41",
        "'objects' must be tables: write [[objects]]"},
@@ -177,22 +176,22 @@ TEST(SceneFileErrors, ChoicesNameTheNearest) {
 TEST(SceneFileErrors, KeysOfAnotherKindSaySo) {
   expect_mistakes({
       {length, "length_m = 30\nhurst = 0.5", "7:1",
-       "'hurst' goes with kind = \"fractal\" and not with kind = \"flat\""},
+       "'hurst' applies to kind = \"fractal\", not to kind = \"flat\""},
       {didson, "kind = \"didson\"\nrange_max_m = 5", "12:1",
-       "'range_max_m' goes with kind = \"array\", kind = \"echosounder\", kind = \"imaging\", kind = "},
+       "'range_max_m' applies to kind = \"array\", kind = \"echosounder\", kind = \"imaging\", kind = "},
       {didson, "kind = \"didson\"\n[[objects]]\nname = \"o\"\nshape = \"box\"\nradius_m = 1", "15:1",
-       "'radius_m' goes with shape = \"sphere\", shape = \"cylinder\", shape = \"cone\" and not with shape = "
+       "'radius_m' applies to shape = \"sphere\", shape = \"cylinder\", shape = \"cone\", not to shape = "
        "\"box\""},
       {didson, "kind = \"didson\"\n[[objects]]\nname = \"o\"\nshape = \"box\"\nchord_error_m = 1", "15:1",
-       "not with shape = \"box\""},
-      {fixed, "kind = \"fixed\"\nspeed_m_s = 1", "9:1", "'speed_m_s' goes with kind = \"line\""},
+       "not to shape = \"box\""},
+      {fixed, "kind = \"fixed\"\nspeed_m_s = 1", "9:1", "'speed_m_s' applies to kind = \"line\""},
   });
 }
 
 TEST(SceneFileErrors, SectorsOfNoWidthOrTooWideSaySo) {
   expect_mistakes({
       {didson, "kind = \"didson\"\nhorizontal_deg = 0", "12:18",
-       "'horizontal_deg' must be > 0, < 180 degrees, not 0: a sector of no width sees nothing"},
+       "'horizontal_deg' must be > 0, < 180 degrees, not 0: a sector without width receives nothing"},
       {didson, "kind = \"didson\"\nhorizontal_deg = 180", "12:18",
        "not 180: a sector of this width does not project"},
       {didson, "kind = \"didson\"\nvertical_deg = -1", "12:16",
@@ -202,8 +201,8 @@ TEST(SceneFileErrors, SectorsOfNoWidthOrTooWideSaySo) {
        "a sector without width receives nothing"},
       {didson, "kind = \"sidescan\"\nalong_track_deg = 91", "12:19", "a sector of this width"},
       {didson, "kind = \"sidescan\"\ndepression_min_deg = 40\ndepression_max_deg = 40", "13:22",
-       "'depression_min_deg' (40) must be less than 'depression_max_deg' (40): a sector of no width sees "
-       "nothing"},
+       "'depression_min_deg' (40) must be less than 'depression_max_deg' (40): a sector without width "
+       "receives nothing"},
       {didson, "kind = \"sidescan\"\ndepression_min_deg = 86", "12:22",
        "must be less than 'depression_max_deg' (85)"},
       {didson, "kind = \"sidescan\"\ndepression_max_deg = 91", "12:22", "90 is straight down"},
@@ -299,18 +298,18 @@ TEST(SceneFileErrors, LambertMaterialsConserveEnergy) {
 TEST(SceneFileErrors, NamesMustDifferAndReferToSomething) {
   expect_mistakes({
       {terrain, "[[materials]]\nname = \"sand\"\n[[terrain]]\nmaterial = \"sand\"", "4:8",
-       "the name \"sand\" is taken at scene.toml:2:8 already: every entry of [[materials]] needs its own "
+       "the name \"sand\" is already used at scene.toml:2:8: every entry of [[materials]] needs its own "
        "'name'"},
       {didson, "kind = \"didson\"\n[[sensors]]\nkind = \"didson\"\nname = \"camera\"", "14:8",
-       "taken at scene.toml:10:8"},
+       "already used at scene.toml:10:8"},
       {terrain, "[[terrain]]\nkind = \"flat\"\nwidth_m = 1\nlength_m = 1\n[[terrain]]", "7:1",
-       "the name \"terrain\" is taken at scene.toml:3:1"},
+       "the name \"terrain\" is already used at scene.toml:3:1"},
       {"[trajectory]", "[trajectory]\nkind = \"fixed\"\n[[trajectories]]", "9:1",
-       "the name \"trajectory\" is taken at"},
+       "the name \"trajectory\" is already used at"},
       {didson,
        "kind = \"didson\"\n[[objects]]\nname = \"o\"\nshape = \"box\"\n[[objects]]\nname = \"o\"\nshape = "
        "\"box\"",
-       "16:8", "taken at scene.toml:13:8"},
+       "16:8", "already used at scene.toml:13:8"},
       {flat, "kind = \"flat\"\nmaterial = \"sund\"", "5:12", "is named \"sund\": did you mean \"sand\"?"},
       {flat, "kind = \"flat\"\nmaterial = \"concrete\"", "5:12",
        "no entry of [[materials]] is named \"concrete\": expected \"sand\""},
@@ -365,7 +364,7 @@ TEST(SceneFileErrors, NestingDoesNotOverflowTheStack) {
     return all;
   };
   EXPECT_THAT(scene_error(folder, repeated("a.", 100000) + "a = 1"),
-              StartsWith("scene.toml:1:130: more than 64 dots"));
+              StartsWith("scene.toml:1:130: the line has more than 64 dots"));
   EXPECT_THAT(scene_error(folder, "a = " + repeated("[", 100000)), StartsWith("scene.toml:1:"));
   EXPECT_THAT(scene_error(folder, "a = " + repeated("[\n{" + repeated("a.", 63) + "a=", 128)),
               HasSubstr("not valid TOML"));
@@ -390,7 +389,7 @@ TEST(SceneFileErrors, TheSceneFileItselfMustBeReadable) {
   EXPECT_EQ(error_of(""), ": there is no such scene file");
   EXPECT_THAT(error_of(std::string(5000, 'x')), HasSubstr(": cannot be accessed: "));
   EXPECT_THAT(error_of(folder.write("large.toml", std::string((16 << 20) + 1, '#'))),
-              HasSubstr(": larger than "));
+              HasSubstr(": is larger than "));
 }
 
 TEST(SceneFileErrors, NamedFilesMustExistAndBeReadable) {
@@ -407,7 +406,7 @@ TEST(SceneFileErrors, NamedFilesMustExistAndBeReadable) {
   EXPECT_THAT(error_of("scene.toml/grid.tif"), StartsWith("scene.toml:5:8: 'file': "));
   EXPECT_EQ(error_of("sub"), "scene.toml:5:8: 'file': 'sub' is a folder, expected a regular file");
   EXPECT_EQ(error_of("pipe"), "scene.toml:5:8: 'file': 'pipe' is a special file, expected a regular file");
-  EXPECT_THAT(error_of(std::string(3000, 'x')), StartsWith("scene.toml:5:8: 'file': cannot look at 'xxx"));
+  EXPECT_THAT(error_of(std::string(3000, 'x')), StartsWith("scene.toml:5:8: 'file': cannot access 'xxx"));
   EXPECT_EQ(error_of("/dev/zero"),
             "scene.toml:5:8: 'file': '/dev/zero' is a special file, expected a regular file");
   EXPECT_THAT(error_of("a\\u0000b"), HasSubstr("without control characters"));
