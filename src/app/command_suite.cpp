@@ -53,7 +53,7 @@ int suite_command(const SuiteOptions& options) {
     tell("{:<17} {} facets{}{}\n", scene.aspect->name, scene.facets, answer, wider);
   }
   tell("wrote {}: {} of {} scenes\n", options.output.string(),
-       options.seed ? "a validation set" : "the published set", scenes.size());
+       options.seed ? "a validation set" : "the debug set", scenes.size());
   return 0;
 }
 

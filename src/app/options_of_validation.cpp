@@ -295,7 +295,7 @@ void add_suite(CLI::App& app, CommandOptions& requested) {
   command
       ->add_option("--seed", suite.seed,
                    "write a validation set of the same classes, drawn with this text as seed (default: the "
-                   "published set)")
+                   "debug set)")
       ->option_text("SEED");
   command
       ->add_option(

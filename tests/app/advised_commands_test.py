@@ -508,7 +508,7 @@ def cases(folder):
     case = Case(folder, "thin cells of relief")
     geotiff(case.folder / "map.tif", 0 * grid() + 0.1, (500000, 1e-5, 0, 6651000, 0, -200), "EPSG:32632")
     status, said = accepted(case, "map.tif", relief)
-    assert "resample it to square cells" in said, said
+    assert "resample the raster to square cells" in said, said
     executed.append(re.search(r"`(gdalwarp -tr SIZE[^`]*)`", said)[1])  # of which "other resolution" ran the same with figures
 
     case = Case(folder, "class raster that is too large")

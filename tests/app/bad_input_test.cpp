@@ -83,8 +83,9 @@ TEST_F(BadInput, BrokenMesh) {
   expect_mesh_refused(tetrahedron.substr(0, 29), place + ":4:");
   expect_mesh_refused(tetrahedron.substr(0, tetrahedron.find('f')),
                       place + ": holds 4 points and no facets: it is a point cloud");
-  expect_mesh_refused(replaced(tetrahedron, "f 3 1 4", "f 3 1 5"),
-                      place + ":8: the face names vertex 5, out of range: the file holds 4 vertices");
+  expect_mesh_refused(
+      replaced(tetrahedron, "f 3 1 4", "f 3 1 5"),
+      place + ":8: the face refers to vertex 5, which is out of range: the file holds 4 vertices");
   expect_mesh_refused(replaced(tetrahedron, "f 3 1 4", "f 3 0 4"), place + ":8");
   expect_mesh_refused(replaced(tetrahedron, "f 3 1 4", "f 3 -9 4"), place + ":8");
   for (const std::string number : {"nan", "-inf", "1e999"})

@@ -31,8 +31,8 @@ TEST_F(Hostile, NamesThatAreNoFiles) {
   fs::create_symlink("/dev/zero", folder / "zero.obj");
   expect_refused(naming("zero.obj"), {place, "is a special file"});
   expect_refused(naming("thing.obj\\u0000.txt"), {place, "control characters"});
-  expect_refused(naming(std::string(60'000, 'x')), {place, "cannot look at '", "xxx [", " characters] xxx"});
-  expect_refused(naming(std::string(1'000'000, 'x')), {place, "has 1000000 bytes, expected 65536 at most"});
+  expect_refused(naming(std::string(60'000, 'x')), {place, "cannot access '", "xxx [", " characters] xxx"});
+  expect_refused(naming(std::string(1'000'000, 'x')), {place, "has 1000000 bytes, expected at most 65536"});
 }
 
 TEST_F(Hostile, SceneFilesThatAreNoFiles) {

@@ -32,7 +32,7 @@ TEST_F(Hostile, MeshesThatAnnounceMoreThanTheyHold) {
   expect_refused(with_mesh("stl"), {"announces 4294967295 facets", "the file has 84"});
   folder.write("thing.stl", "");
   fs::resize_file(folder / "thing.stl", std::uintmax_t{1} << 40);  // a sparse file
-  expect_refused(with_mesh("stl"), {"scene.toml:11:8: 'file'", "more than 64 GiB", "cut it"});
+  expect_refused(with_mesh("stl"), {"scene.toml:11:8: 'file'", "more than 64 GiB", "cut the file"});
 }
 
 /// A TIFF of single-precision cells of one block without data, which readers take for zeros.
@@ -122,13 +122,14 @@ std::string sphere(double chord_error_m) {
 TEST_F(Hostile, NumbersInASceneFile) {
   expect_refused(replaced(small_scene, "width_m = 20", "width_m = 1e7\ncell_m = 1e-3"),
                  {"scene.toml:4:1: ", "the terrain would have 3e+14 cells, at most 5e+07", "larger cell_m"});
-  expect_refused(sphere(1e-12), {"scene.toml:8:1: ", "at most 2e+07 are made", "larger chord_error_m"});
+  expect_refused(sphere(1e-12),
+                 {"scene.toml:8:1: ", "but at most 2e+07 are allowed", "larger chord_error_m"});
   expect_refused(replaced(small_scene, "beams = 4", "beams = 4096\nsamples = 65536"),
                  {"scene.toml:19:11: ", "268435456 range bins per ping, but at most 67108864"});
   expect_refused(
       replaced(small_scene, "beams = 4\n", "beams = 4000\ncycles = 4000\npings = 10000000\n"),
       {"scene.toml:20:", "with 4000 transmissions each give 40000000000 transmissions, but at most 100000000",
-       "fewer pings"});
+       "distribute the pings"});
   const std::string relief =
       "name = \"sand\"\n[[materials.relief]]\nkind = \"fbm\"\ntile_m = 1000\nresolution_m = 1e-6\nhurst = "
       "0.5\nrms_height_m = 0.1\n";

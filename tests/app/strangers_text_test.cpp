@@ -147,7 +147,7 @@ TEST_F(StrangersText, BytesThatAreNoUtf8AreEscapedInFilesNames) {
 TEST_F(StrangersText, WhatIsTooLongIsRefusedOrCut) {
   for (const auto& [title, sand, word] :
        {std::tuple{std::string(3'000'000, 'x'), std::string("sand"), "'title' has 3000000 bytes"},
-        std::tuple{std::string("t"), std::string(300, 'x'), "'name' has 300 bytes, expected 200 at most"}}) {
+        std::tuple{std::string("t"), std::string(300, 'x'), "'name' has 300 bytes, expected at most 200"}}) {
     const Outcome outcome = run({"check", scene_of(title, sand, "thing").string()});
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_THAT(outcome.err, HasSubstr(word));

@@ -37,15 +37,11 @@ INSTEAD = {
     "make wheel": (BUILDS + "; is the test Package.Wheel", "make -n wheel"),
     "python3 -m venv --system-site-packages there && there/bin/pip install --no-index build/tubefoot-*.whl": (
         "is the test Package.Wheel, into a folder", None),
-    "make fuzz": ("hours, by another compiler", "make -n fuzz"),
-    "make fuzz FUZZ_SECONDS=60 FUZZ_TARGETS=mesh,csv": ("minutes, by another compiler", "make -n fuzz FUZZ_SECONDS=60"),
     "sudo apt install ./build/tubefoot_0.2.0_amd64.deb": ("changes the machine; Package.IsWhole unpacks it", None),
     "cmake -S docs/examples/own-sonar -B build/own-sonar -DCMAKE_PREFIX_PATH=$HOME/.local": (
         "is the test Install.ServesAProgramOfOnesOwn", None),
     "cmake --build build/own-sonar && build/own-sonar/own_sonar": (
         "is the test Install.ServesAProgramOfOnesOwn", None),
-    f"{PROGRAM} chart scenes/chart/*.toml scenes/wellhead/scene.toml -o out/chart": (
-        "minutes", f"{PROGRAM} chart scenes/chart/flat-bed.toml -o out/chart --repeats 1 --seconds 0.01"),
     "tubefoot chart scenes/chart/*.toml scenes/wellhead/scene.toml -o out/chart": (
         "minutes", "tubefoot chart scenes/chart/flat-bed.toml -o out/chart --repeats 1 --seconds 0.01"),
     f"{PROGRAM} run scenes/channel/scene.toml -o out/channel": (
@@ -53,9 +49,6 @@ INSTEAD = {
     f"{PROGRAM} coverage scenes/survey/scene.toml --pings 100:299 -o out/coverage": (
         "200 pings of a scene that is shortened here",
         f"{PROGRAM} coverage scenes/survey/scene.toml --pings 0:1 -o out/coverage"),
-    "tubefoot run scenes/wellhead/scene.toml -o reference --reference --tolerance 1e-9": (
-        "minutes; docs/reference-results.md runs a small scene so",
-        f"{PROGRAM} run scenes/chart/sphere-on-plane.toml -o out/reference --reference --tolerance 1e-9"),
     "tubefoot advise scenes/wellhead/scene.toml --tolerance 0.5dB": (
         "minutes", "tubefoot advise scenes/chart/flat-bed.toml --tolerance 0.5dB"),
     "tubefoot run scenes/wellhead/scene.toml -o out --tolerance 0.5dB": (

@@ -108,7 +108,7 @@ TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
   EXPECT_LT(told.at("facets_made").get<double>(), 3 * told.at("uniform_facets").get<double>());
   EXPECT_GT(told.at("change_by_finer_relief").at("largest").get<double>(), 0);
   EXPECT_GE(told.at("change_by_finer_relief").at("largest"), told.at("change_by_finer_relief").at("rms"));
-  EXPECT_THAT(online.out, HasSubstr("first-order estimates for the worst ping, not certified"));
+  EXPECT_THAT(online.out, HasSubstr("first-order estimates for the worst ping are not certified"));
 
   // A refined seabed of another scene, a damaged one, and a missing one.
   const auto refused = [&](std::string_view text) {

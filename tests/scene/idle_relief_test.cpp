@@ -87,7 +87,7 @@ TEST(IdleRelief, IsWarnedOfOnASheetOfTwoSides) {
   both->triangles.push_back({0, 2, 1});
   both->triangles.push_back({0, 3, 2});
   EXPECT_THAT(warnings_of(rock(both, "normal")),
-              testing::Contains(AllOf(HasSubstr("'wall': relief"), HasSubstr("cancel"))));
+              testing::Contains(AllOf(HasSubstr("'wall': on "), HasSubstr("cancel"))));
 }
 
 }  // namespace

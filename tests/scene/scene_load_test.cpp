@@ -112,7 +112,7 @@ std::vector<std::string> warnings_with(ObjectDescription tiny) {
 TEST(SnappedAreas, AreWarnedOfWhereAnObjectOfAnyKindChangesByAThousandth) {
   const TestFolder folder;
   const auto changes =
-      Contains(AllOf(HasSubstr("'tiny': the grid, whose unit is 9.54e-07 m, changes the area"),
+      Contains(AllOf(HasSubstr("'tiny': the grid with its unit of 9.54e-07 m changes the area"),
                      HasSubstr("'grid_exponent' in [run]"), HasSubstr("at most to 23")));
   EXPECT_THAT(warnings_with(object("tiny", BoxPrimitive{{1e-5, 1e-5, 1e-5}})), changes);
   EXPECT_THAT(warnings_with(object("tiny", SpherePrimitive{1e-6})), changes);

@@ -133,7 +133,7 @@ TEST_F(Mcap, SizesThatLieAreRefused) {
   }
   refused(mcap::file(mcap::chunk(records, "", records.size() + 1, 0)), "its header declares");
   refused(mcap::file(mcap::chunk(records, "snappy", records.size(), 0)),
-          "is compressed by 'snappy', which is not read");
+          "is compressed with 'snappy', which tubefoot does not read");
   Bytes record = mcap::record(12, "x");
   record.replace(1, 8, little(~std::uint64_t{0}));
   refused(mcap::file(record), "has 18446744073709551615 bytes");
@@ -258,7 +258,7 @@ TEST_F(Mcap, ATopicIsChosenOrTold) {
   expect_refused<UsageError>([&] { read(mcap::file(two), "/soner"); },
                              "has no topic '/soner'; it has:\n  /sonar");
   expect_refused<InputError>([&] { read(mcap::file(two), "/words"); },
-                             "type std_msgs/msg/String, which is not read");
+                             "type std_msgs/msg/String, which tubefoot does not read");
   refused(mcap::file(mcap::schema(3, "std_msgs/msg/String") + mcap::channel(3, 3, "/words")),
           "has no topic with sonar pictures");
   refused(mcap::file(""), "it has none");

@@ -204,8 +204,7 @@ TEST_F(Messages, ACameraImageIsReadInItsEncodings) {
   EXPECT_THAT(frame(camera_image(1, 2, "rgba8", 8, Bytes("aaaXbbbY"))).values, ElementsAre('a', 'b'));
   refused(camera_image(1, 2, "rgb8", 6, Bytes("aaaabc")), image_type,
           "pixel 1 of row 0 has a colour (97, 98, 99)");
-  refused(camera_image(1, 2, "yuv422", 4, "abcd"), image_type,
-          "encoding: is 'yuv422', expected one of mono8");
+  refused(camera_image(1, 2, "yuv422", 4, "abcd"), image_type, "encoding is 'yuv422', expected one of mono8");
 }
 
 TEST_F(Messages, CountsThatLieAreRefused) {
@@ -218,7 +217,7 @@ TEST_F(Messages, CountsThatLieAreRefused) {
   refused(with([](Sonar& s) { s.beams = 5; }), projected_type, "image.data has 12 bytes");
   refused(with([](Sonar& s) { s.beams = 4'000'000'000u; }), projected_type, "4000000000 beams");
   refused(with([](Sonar& s) { s.dtype = 10; }), projected_type, "image.dtype is 10");
-  refused(with([](Sonar& s) { s.dtype = 9; }), projected_type, "float64 for each of 3 beams");
+  refused(with([](Sonar& s) { s.dtype = 9; }), projected_type, "float64 values for each of 3 beams");
   refused(with([](Sonar& s) { s.data.clear(); }), projected_type, "image.data has 0 samples");
   refused(with([](Sonar& s) { s.ranges.pop_back(); }), projected_type, "the number of ranges says 3");
   refused(with([](Sonar& s) { s.directions.resize(6); }), projected_type, "beam_directions has 2 entries");
@@ -226,8 +225,10 @@ TEST_F(Messages, CountsThatLieAreRefused) {
           "entry 0 is (0, 0, 0)");
   refused(with([](Sonar& s) { s.directions[1] = NAN; }), projected_type, "which is not a direction");
   refused(with([](Sonar& s) { s.ranges[2] = INFINITY; }), projected_type, "ranges: entry 2 is inf");
-  refused(camera_image(2, 2, "mono8", 1, "ab"), image_type, "step: is 1 bytes, a row of 2 'mono8' has 2");
-  refused(camera_image(3, 2, "mono8", 2, "abcd"), image_type, "data: has 4 bytes, 3 rows of 2 are 6");
+  refused(camera_image(2, 2, "mono8", 1, "ab"), image_type,
+          "step is 1 bytes, but a row of 2 pixels of 'mono8' has 2");
+  refused(camera_image(3, 2, "mono8", 2, "abcd"), image_type,
+          "data has 4 bytes, but 3 rows of 2 bytes have 6");
   refused(camera_image(0xffffffff, 0xffffffff, "mono8", 0xffffffff, "ab"), image_type,
           "but a ping has at most");
   refused(camera_image(0, 5, "mono8", 5, ""), image_type, "has no samples");

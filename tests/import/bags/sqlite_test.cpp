@@ -85,7 +85,7 @@ TEST_F(SqliteBag, ASchemaIsNotTrusted) {
   refused_with(
       "ALTER TABLE messages RENAME TO m; CREATE VIEW messages AS SELECT id, topic_id, timestamp, "
       "zeroblob(1000000000) AS data FROM m",
-      "has a view, 'messages', which is not read");
+      "has a view, 'messages', which tubefoot does not read");
   refused_with("CREATE TABLE more(a, b BLOB GENERATED ALWAYS AS (zeroblob(9)))",
                "a table with computed columns, 'more'");
   refused_with("CREATE VIRTUAL TABLE more USING fts5(a)", "a virtual table, 'more");
@@ -187,7 +187,7 @@ TEST_F(BagFolder, AllItsFilesAreOneRecording) {
   metadata("    - r_0.db3\n",
            "  message_count: 9\n  compression_format: zstd\n  compression_mode: MESSAGE\n");
   EXPECT_THAT(read_bag(folder.path()).noticed,
-              Contains("metadata.yaml tells of 9 messages, its files have 1"));
+              Contains("metadata.yaml lists 9 messages, but the files have 1"));
 }
 
 TEST_F(BagFolder, WhatItsMetadataMayNotSay) {
@@ -203,7 +203,7 @@ TEST_F(BagFolder, WhatItsMetadataMayNotSay) {
   metadata("    []\n");
   refused(folder.path(), "has no relative_file_paths");
   metadata("    - r_0.db3\n", "  compression_format: lz4\n");
-  refused(folder.path(), "compression_format: 'lz4' is not read");
+  refused(folder.path(), "compression_format: tubefoot does not read 'lz4'");
   folder.write("metadata.yaml", "a: [1, 2");
   refused(folder.path(), "is not YAML");
   folder.write("metadata.yaml", Bytes(100'000, '['));

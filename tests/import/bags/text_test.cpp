@@ -92,15 +92,15 @@ TEST_F(PrintedMessages, ImagesAndRawImagesAreReported) {
 
 TEST_F(PrintedMessages, WhatWasCutOffInPrintingIsReported) {
   refused("  - 0\n", "  - '...'\n", "m.yaml:29:5: data: the list was cut off when it was printed");
-  refused("ranges:\n- 1.0\n- 2.5\n", "ranges: '<sequence type: float, length: 2>'\n", "ranges: is no list");
+  refused("ranges:\n- 1.0\n- 2.5\n", "ranges: '<sequence type: float, length: 2>'\n", "ranges is not a list");
 }
 
 TEST_F(PrintedMessages, WhatIsWrongIsNamedByItsLine) {
   refused("ranges:\n- 1.0\n- 2.5\n", "", "has no 'ranges'");
   refused("- 2.5", "- 2.5m", "m.yaml:21:3: ranges: '2.5m' is not a number of the field's type");
-  refused("  - 255", "  - 256", "m.yaml:28:5: data: '256' is no number");
+  refused("  - 255", "  - 256", "m.yaml:28:5: data: '256' is not a number");
   refused("  - 255", "  - -1", "data: '-1' is not a number");
-  refused("beam_count: 2", "beam_count: 2e9", "beam_count: '2e9' is no number");
+  refused("beam_count: 2", "beam_count: 2e9", "beam_count: '2e9' is not a number");
   refused("is_bigendian: false", "is_bigendian: 0", "expected true or false");
   refused("  - 255\n", "", "m.yaml:1: image.data: has 3 bytes");
   refused("header:", "header: [", "is not a message as ros2 topic echo prints it (YAML)");

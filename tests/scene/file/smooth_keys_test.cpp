@@ -63,10 +63,11 @@ TEST(SmoothKeys, OnesThatDoNotGoTogetherAreRefused) {
     EXPECT_THAT(error_with(fmt::format("smooth = false\n{}", key)),
                 HasSubstr("applies only with smooth = true"));
   }
-  EXPECT_THAT(error_with("smooth = true\nreflection = 1\nfluid = [2, 1, 0]"),
-              HasSubstr("scene.toml:5:9: 'reflection' and 'fluid' both say what the material reflects"));
+  EXPECT_THAT(
+      error_with("smooth = true\nreflection = 1\nfluid = [2, 1, 0]"),
+      HasSubstr("scene.toml:5:9: 'reflection' and 'fluid' both define the reflection of the material"));
   EXPECT_THAT(error_with("smooth = true\nfluid = [2, 1, 0]\ngrain_size_phi = 1"),
-              HasSubstr("'fluid' and 'grain_size_phi' both say"));
+              HasSubstr("'fluid' and 'grain_size_phi' both define"));
   EXPECT_THAT(error_with("smooth = true\nreflection = 1.1"), HasSubstr("must be -1 to 1, not 1.1"));
   EXPECT_THAT(error_with("smooth = true\nroughness_m = -1"), HasSubstr("must be 0 to 10"));
   EXPECT_THAT(error_with("smooth = true\nfluid = [0, 1, 0]"), HasSubstr("must be 0.01 to 100"));

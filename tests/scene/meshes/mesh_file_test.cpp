@@ -311,7 +311,7 @@ std::vector<BadMesh> bad_meshes() {
       {"StlMissingVertex", "m.stl", with(stl, "      vertex 0 1 0\n", ""), ":6:5: ", "expected 'vertex'"},
       {"StlNoFacet", "m.stl", "solid nothing\nendsolid nothing\n", ": ", "no facets"},
       {"StlBinaryCut", "m.stl", without_last(binary, 1), ": ",
-       "announces 4 facets in 284 bytes, the file has 283"},
+       "declares 4 facets in 284 bytes, but the file has 283"},
       {"StlBinaryHeaderCut", "m.stl", std::string(50, '\1'), ": ", "cut off"},
       {"StlBinaryNan", "m.stl", nan_stl, ": ", "finite"},
   };

@@ -274,7 +274,7 @@ TEST(Models, NestingWithoutEndIsRefused) {
       [&] {
         read(folder, {"m.dae", text});
       },
-      ThrowsMessage<InputError>(HasSubstr("deeper than 1000")));
+      ThrowsMessage<InputError>(HasSubstr("more than 1000 levels deep")));
 }
 
 TEST(Models, NodesThatDoubleAndDoubleEndInALimit) {

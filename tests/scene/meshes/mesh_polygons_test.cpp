@@ -210,7 +210,8 @@ TEST(MeshPolygons, WhatIsNotFlatIsReportedWithHowFar) {
   const NamedMesh mesh = read("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.4\nv 0 1 0\nf 1 2 3 4\n");
   EXPECT_THAT(mesh.triangles, SizeIs(2));
   EXPECT_THAT(mesh.warnings,
-              ElementsAre(HasSubstr("1 polygons are not flat, that of line 5 the most (0.0962")));
+              ElementsAre(HasSubstr("1 polygons are not flat and are cut into triangles; the face of line 5 "
+                                    "deviates most from its plane, by 0.0962")));
   // Rounding to single precision gives no warning.
   EXPECT_THAT(read("m.obj", "v 0 0 100\nv 1 0 100\nv 1 1 100.000004\nv 0 1 100\nf 1 2 3 4\n").warnings,
               IsEmpty());

@@ -172,7 +172,7 @@ TEST(VrtSources, AreFoundThroughVirtualRastersAndEachOnce) {
   EXPECT_THAT(companions_of(seabed), IsEmpty());
   const auto own = folder.write("own.vrt", vrt_of("own.vrt"));
   EXPECT_THAT(vrt_sources(own), ElementsAre(own));
-  EXPECT_THAT([&] { companions_of(own); }, ThrowsMessage<InputError>(HasSubstr("within 8 others")));
+  EXPECT_THAT([&] { companions_of(own); }, ThrowsMessage<InputError>(HasSubstr("nested in 8 others")));
   EXPECT_THAT(vrt_sources(folder.write("far.vrt", vrt_of("/elsewhere/bed.tif", 0))),
               ElementsAre("/elsewhere/bed.tif"));
 }

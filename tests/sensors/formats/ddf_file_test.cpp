@@ -166,7 +166,7 @@ TEST(DdfFile, headers_no_didson_has_are_refused_before_a_file_is_made) {
     return said;
   };
   const double nan = std::nan("");
-  EXPECT_THAT(refused([](DdfHeader& told) { told.beams = 64; }), HasSubstr("64 beams"));
+  EXPECT_THAT(refused([](DdfHeader& told) { told.beams = 64; }), HasSubstr("invalid number of beams 64"));
   EXPECT_THAT(refused([](DdfHeader& told) { told.beams = 48; }), HasSubstr("high resolution has 96"));
   EXPECT_THAT(refused([](DdfHeader& told) { told.high_resolution = false; }),
               HasSubstr("low resolution has 48"));

@@ -150,8 +150,8 @@ TEST_F(SignalsNetcdf, AreRefusedWithTheVariableAndWhatToDo) {
     return [=](int id) { nc_put_att_double(id, NC_GLOBAL, name, NC_DOUBLE, 1, &value); };
   };
   refused(without("pressure"),
-          "variable 'pressure' is missing; expected (ping, receiver, sample, complex) in W^(1/2) "
-          "(docs/output-files.md has the layout)");
+          "variable 'pressure' is missing; expected dimensions (ping, receiver, sample, complex) and unit "
+          "'W^(1/2)' (see docs/output-files.md for the layout)");
   refused(without("receiver_position"), "'receiver_position' is missing");
   refused(without("sample_time"), "'sample_time' is missing");
   refused(with("pressure", 1, NAN), "holds nan at ping 1; expected finite numbers");

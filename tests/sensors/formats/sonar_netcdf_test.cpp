@@ -459,7 +459,7 @@ TEST(SonarNetcdf, RefusesWhatDoesNotFit) {
   SonarNetcdfHeader none = header();
   none.beams = 0;
   EXPECT_THAT([&] { SonarNetcdfFile(folder / "x.nc", none); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("0 beams")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("the number of beams is 0")));
   EXPECT_THAT([&] { SonarNetcdfFile(folder / "nowhere" / "x.nc", header()); },
               ThrowsMessage<std::runtime_error>(HasSubstr("No such file")));
 }

@@ -576,7 +576,7 @@ TEST(XtfFile, RefusesHeadersBeforeTouchingTheFile) {
   refuse([](XtfHeader& h) { h.sidescan->max_samples = 0; }, "samples");
   refuse([](XtfHeader& h) { h.sidescan->port.frequency_khz = 65536; }, "PORT frequency");
   refuse([](XtfHeader& h) { h.sidescan->starboard.tilt_deg = nan; }, "STBD tilt");
-  refuse([](XtfHeader& h) { h.bathymetry->down_m = infinity; }, "BATHY place down");
+  refuse([](XtfHeader& h) { h.bathymetry->down_m = infinity; }, "BATHY position down");
   refuse([](XtfHeader& h) { h.sidescan.reset(), h.bathymetry.reset(); }, "neither");
   const auto left = file_content(path);
   EXPECT_EQ(std::string(left.begin(), left.end()), "what was there");
