@@ -130,7 +130,7 @@ FIGURES = [
     # Pictures of other pages.
     Figure("pictures/material-patches.png", (run("seabed/patches.toml", "patches"),), "out/patches/sidescan-mosaic.png", 700),
     Figure("pictures/truth-imaging.png", (run("imaging/scene.toml", "labelled", "--labels"),),
-           "out/labelled/sonar-truth-0000.png", 1200),
+           "out/labelled/sonar-labels-0000.png", 1200),
     Figure("pictures/refraction.png", ("build/release/tubefoot_refraction_study scenes/refraction/scene.toml out/refraction.png",),
            "out/refraction.png", 900),
     Figure("pictures/scene-window.png", (f"{TUBEFOOT} check window.toml --png out/window.png",), "out/window.png", 1300,

@@ -252,7 +252,7 @@ def interferometric():
         for end in (up, down):
             sheet.dot(end, 4, PURPLE, "white")
     sheet.angle(at, 78, 0, -30, PURPLE, both=False)
-    sheet.key((LEFT + wide - 5, at[1] + 30), "staff_tilt_deg", "end", PURPLE)
+    sheet.key((LEFT + wide - 5, at[1] - 8), "receiver_pair_tilt_deg", "end", PURPLE)
     pointing(sheet, (at[0] + 24, at[1] - 40), polar(at, 17, 60), "receiver pair", key=False)
     cell = polar(at, 150, -180 + 58)
     sheet.wedge(at, 146, 154, -180 + 8, -180 + 66, ORANGE, "none", opacity=0.6)
@@ -266,7 +266,7 @@ def interferometric():
     sheet.line([centre, polar(centre, 140, -30)], PURPLE, 1.4, "8 3 2 3")
     sheet.line([centre, (x1 - 6, centre[1])], FAINT, 1, "5 4")
     sheet.angle(centre, 96, 0, -30, PURPLE, both=False)
-    sheet.key((x1 - 4, centre[1] + 24), "staff_tilt_deg", "end", PURPLE)
+    sheet.key((x1 - 4, centre[1] + 93), "receiver_pair_tilt_deg", "end", PURPLE)
     arrival = -62
     front = polar(centre, 150, arrival)
     away = polar((0, 0), 1, arrival)

@@ -182,7 +182,7 @@ def test_two_receivers_in_numpy_are_the_built_in_binning(two_receivers):
 
 
 @pytest.mark.parametrize("channels, text", [
-    ((1, 1, 1.01, 0), r"engine 'odd': in beam 0 and sample 0 of transmission 0 of ping \d of sensor 'side' the mean product .* more than"),
+    ((1, 1, 1.01, 0), r"engine 'odd': invalid covariance in beam 0 and sample 0 of transmission 0 of ping \d of sensor 'side': its magnitude .* more than"),
     ((1, 1, 0.8, -0.8), "more than the geometric mean"),
     ((0, 1, 0.1, 0), "more than the geometric mean"),
     ((1, -1, 0, 0), "negative or not finite"),

@@ -257,7 +257,7 @@ void add_keys(CLI::App& app, CommandOptions& requested) {
   CLI::App* command =
       app.add_subcommand("keys", "Print the keys of scene files with type, unit, default, range and meaning");
   command->add_option("NAME", keys.name,
-                      "section, kind or key, as in 'water', 'multibeam' or 'frequency_khz'; a part of a name "
+                      "section, kind or key, for example 'water' or 'frequency_khz'; a part of a name "
                       "selects all keys that contain this part (default: list the sections)");
   command->add_flag("--json", keys.json, "print JSON for other programs, without NAME for all keys");
   command->footer("Example:\n  tubefoot keys water\n  tubefoot keys frequency_khz");

@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCsv{"Nan", std::string(kHeader) + "0,nan,2,3,4,5,6\n", ":2:3: ", "finite"},
                     BadCsv{"ShortRow", std::string(kHeader) + "0,1,2,3,4,5\n", ":2: ", "6 fields"},
                     BadCsv{"TimeStandsStill", std::string(kHeader) + "0,1,2,3,4,5,6\n0,1,2,3,4,5,6\n",
-                           ":3:1: ", "increase"}),
+                           ":3:1: ", "increasing times"}),
     [](const auto& bad) { return bad.param.name; });
 
 // An ignored column loses motion, so that a column with a similar name is an error.
@@ -133,8 +133,8 @@ TEST(Waypoints, ListOtherColumnsAsIgnored) {
                                  "time_s,note,east_m,north_m,up_m,heading_deg,heading,pitch_rate,\n"
                                  "0,a,0,0,0,0,0,0,\n1,b,0,1,0,0,0,0,\n");
   read_waypoints({file, {}}, around);
-  EXPECT_THAT(odd,
-              testing::ElementsAre(file.string() + ": ignores the columns 'note', 'heading', 'pitch_rate'"));
+  EXPECT_THAT(odd, testing::ElementsAre(file.string() +
+                                        ": tubefoot ignores the columns 'note', 'heading', 'pitch_rate'"));
   odd.clear();
   read_waypoints({folder.write("plain.csv", "time_s,east_m,north_m,up_m\n0,0,0,0\n1,0,1,0\n"), {}}, around);
   EXPECT_THAT(odd, testing::IsEmpty());
@@ -144,7 +144,7 @@ TEST(Waypoints, AColumnThatStandsTwiceIsRefused) {
   const TestFolder folder;
   const auto file = folder.write("route.csv", "time_s,east_m,north_m,up_m,up_m\n0,0,0,0,1\n1,0,1,0,1\n");
   EXPECT_THAT([&] { read(file); },
-              ThrowsMessage<InputError>(HasSubstr("route.csv:1:28: the column up_m stands twice")));
+              ThrowsMessage<InputError>(HasSubstr("route.csv:1:28: the column up_m occurs twice")));
 }
 
 TEST(Waypoints, AMissingFileIsNamedWithThePlaceThatNamedIt) {

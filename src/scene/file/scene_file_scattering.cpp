@@ -158,11 +158,10 @@ std::vector<TomlField<MaterialDescription>> smooth_fields() {
             {.meaning =
                  "Smooth materials: fluid seabed with this mean grain size in phi units (APL-UW TR 9407).",
              .ranges = {{.lo = -1, .hi = 9}}}),
-      field(
-          "roughness_m", &M::roughness_m,
-          {.meaning =
-               "smooth: standard deviation of the surface height. Roughness reduces the coherent amplitude.",
-           .ranges = {{.lo = 0, .hi = 10}}})};
+      field("roughness_m", &M::roughness_m,
+            {.meaning = "Smooth materials: standard deviation of the surface height. Roughness reduces the "
+                        "coherent amplitude.",
+             .ranges = {{.lo = 0, .hi = 10}}})};
 }
 
 void check_smooth(const MaterialDescription& material, const TomlTable& table) {

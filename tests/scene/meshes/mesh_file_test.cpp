@@ -301,7 +301,7 @@ std::vector<BadMesh> bad_meshes() {
       {"PlyBinaryCutInVertices", "m.ply", without_last(little, 60), ": ", "cut off in vertex 4 of 4"},
       {"PlyBinaryInf", "m.ply", nan_ply, ": ", "finite"},
       {"PlyBinaryIndex", "m.ply", out_of_range_ply, ": ",
-       "face 3 (counted from 0) names vertex 4, which is out of range"},
+       "face 3 (counted from 0) refers to vertex 4, which is out of range"},
       {"PlyHugeCount", "m.ply", with(little, "vertex 4", "vertex 4000000000"), ": ", "cut off"},
       {"PlyStrips", "m.ply", with(ply, "element face", "element tristrips"), ": ", "triangle strips"},
 

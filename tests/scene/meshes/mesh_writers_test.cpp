@@ -133,7 +133,7 @@ TEST(MeshWriters, FacesOfTwoCornersAreCountedAndLeftOut) {
     EXPECT_THAT(mesh.warnings, told) << name;
   }
   EXPECT_THAT([] { read("m.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n"); },
-              ThrowsMessage<InputError>(HasSubstr("no facet, but 1 points or lines")));
+              ThrowsMessage<InputError>(HasSubstr("no facets, only 1 points or lines")));
 }
 
 TEST(MeshWriters, PointCloudsAreReportedWhatToBecome) {

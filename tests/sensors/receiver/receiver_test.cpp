@@ -209,7 +209,7 @@ TEST(ReceiverChain, RefusesWhatIsNoEnergyAndSaysWhere) {
       chain.receive(9, energies, samples);
       ADD_FAILURE() << "accepted " << bad;
     } catch (const std::invalid_argument& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("ping 9, beam 2, sample 7"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("ping 9, beam 2, range bin 7"));
     }
   }
   EXPECT_THROW(chain.receive(0, std::vector<double>(150), samples), std::invalid_argument);

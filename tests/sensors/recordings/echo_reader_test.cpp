@@ -166,8 +166,9 @@ TEST_F(EchoReader, EnergyBoundIsReadIfItIsThere) {
 }
 
 TEST_F(EchoReader, MissingVariablesAreNamed) {
-  for (const auto& [name, dimensions] : std::map<std::string, std::string>{
-           {"slant_range", "(sample) in m"}, {"beam_azimuth", "(beam) in degree"}}) {
+  for (const auto& [name, dimensions] :
+       std::map<std::string, std::string>{{"slant_range", "dimensions (sample) and unit 'm'"},
+                                          {"beam_azimuth", "dimensions (beam) and unit 'degree'"}}) {
     group.variables.erase(name);
     EXPECT_THAT(refusal(), HasSubstr(fmt::format("variable '{}' is missing; expected {}", name, dimensions)));
   }
