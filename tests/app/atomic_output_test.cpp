@@ -152,9 +152,9 @@ TEST_F(AtomicOutput, PingsAreKeptInNoFileButTheRunsOwn) {
       {"is a link", [&](const fs::path& p) { fs::create_symlink(at("victim"), p); }},
       {"is a link", [&](const fs::path& p) { fs::create_symlink(at("nowhere"), p); }},
       {"second name", [&](const fs::path& p) { fs::create_hard_link(at("victim"), p); }},
-      {"is not a file of pings", [&](const fs::path& p) { ASSERT_EQ(mkfifo(p.c_str(), 0666), 0); }},
+      {"is not a checkpoint", [&](const fs::path& p) { ASSERT_EQ(mkfifo(p.c_str(), 0666), 0); }},
       {"cannot be opened", [&](const fs::path& p) { fs::create_directory(p); }},
-      {"is not a file of pings", [&](const fs::path&) { folder.write("results.partial", "mine"); }}};
+      {"is not a checkpoint", [&](const fs::path&) { folder.write("results.partial", "mine"); }}};
   for (const auto& [why, plant] : plants) {
     SCOPED_TRACE(why);
     plant(folder / "results.partial");
@@ -173,7 +173,7 @@ TEST_F(AtomicOutput, PingsAreKeptInNoFileOfSomebodyElse) {
   fs::permissions(folder / "results.partial", fs::perms(0666));
   Surroundings nobody;
   nobody.as_nobody = true;
-  expect_refused(run(results, nobody), "belongs to somebody else", names_below(folder.path()));
+  expect_refused(run(results, nobody), "belongs to another user", names_below(folder.path()));
 }
 
 TEST_F(AtomicOutput, FoldersThatCannotBeReplacedAreFoundBeforeTheFirstPing) {

@@ -277,7 +277,7 @@ TEST_F(Faults, InputThatChangesDuringTheRunIsNoticed) {
       const Outcome outcome = run(results, {}, somebody_edits);
       EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
       EXPECT_THAT(outcome.err, AllOf(HasSubstr("was changed during the run"), HasSubstr("--resume"),
-                                     HasSubstr("1000 of 1000 pings are kept")));
+                                     HasSubstr("1000 of 1000 pings are stored")));
       EXPECT_FALSE(fs::exists(results));
       EXPECT_EQ(run(results, {"--resume"}).exit_code, 2) << "it is still another";
       folder.write(name, good);

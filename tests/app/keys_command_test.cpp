@@ -44,10 +44,11 @@ TEST(KeysCommand, PrintsAKeyWithAllItsProperties) {
 
 TEST(KeysCommand, PrintsASectionWithItsKindsOrAKind) {
   const std::string terrain = keys_of("terrain");
-  EXPECT_THAT(terrain, AllOf(StartsWith("[[terrain]] "), HasSubstr("\n[[terrain]] kind = \"flat\" "),
-                             HasSubstr("\n  width_m                   number in metres; required; range: > 0, "
-                                       "<= 10000000\n"),
-                             Not(HasSubstr("patch_size_m"))));
+  EXPECT_THAT(terrain,
+              AllOf(StartsWith("[[terrain]] "), HasSubstr("\n[[terrain]] kind = \"flat\" "),
+                    HasSubstr("\n  width_m                   number in metres; required; range: > 0, "
+                              "<= 10000000\n"),
+                    Not(HasSubstr("patch_size_m"))));
   EXPECT_EQ(keys_of("[[terrain]]"), terrain);
   const std::string multibeam = keys_of("multibeam");
   EXPECT_THAT(multibeam, AllOf(StartsWith("[[sensors]] kind = \"multibeam\"\n"), HasSubstr("  swath_deg "),
@@ -102,7 +103,8 @@ TEST(KeysCommand, WritesAllKeysAsJson) {
   const Outcome outcome = run_program({"keys", "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   std::size_t keys = 0;
-  for (const nlohmann::json& section : nlohmann::json::parse(outcome.out).at("sections")) {
+  const nlohmann::json all = nlohmann::json::parse(outcome.out);
+  for (const nlohmann::json& section : all.at("sections")) {
     EXPECT_NE(section.at("meaning"), "");
     for (const nlohmann::json& key : section.at("keys")) {
       for (const char* property : {"name", "type", "unit", "default", "range", "meaning"})

@@ -209,7 +209,7 @@ std::vector<Mistake> directions() {
        0},
       {"looks out over the terrain's edge",
        {{"[0, 0, 3]", "[25, 0, 3]\nheading_deg = 90"}},
-       {"receives nothing", "towards 90 degrees", "5 m beside the terrain", "east -20 to 20"},
+       {"receives nothing", "towards 90 degrees", "5 m outside of the terrain", "east -20 to 20"},
        0},
   };
 }
@@ -219,7 +219,7 @@ std::vector<Mistake> windows() {
   return {
       {"a window behind all echoes",
        {{"range_min_m = 2", "range_min_m = 60"}, {"range_max_m = 12", "range_max_m = 65"}},
-       {"receives nothing", "lies 5.23 to 11.88 m away", "its range gate is 60 to 65 m",
+       {"receives nothing", "at ranges of 5.23 to 11.88 m", "its range gate is 60 to 65 m",
         "change the range gate"},
        0},
       {"a window behind all echoes, run",
@@ -284,7 +284,7 @@ std::vector<Mistake> frames() {
          {"receives nothing", "up 500.00 m, 500 m above the terrain", "14.6 to 35 degrees down",
           "and no facet is there"}),
       at("500 m off the terrain", "[500, 0, 3]",
-         {"receives nothing", "480 m beside the terrain", "north -30 to 30"}),
+         {"receives nothing", "480 m outside of the terrain", "north -30 to 30"}),
       {"depths where heights are wanted",
        {{"length_m = 60", "length_m = 60\ncentre_m = [0, 0, 20]"}},
        {"scene.toml:25:1: sensor 'camera' is 17 m below the seabed"}},
@@ -351,7 +351,7 @@ std::vector<Mistake> units() {
        {"scene.toml:32:17: 'frequency_khz' must be 1 to 10000 kHz, not 455000"}},
       {"a frequency in MHz",
        {{"samples = 64", "samples = 64\nfrequency_khz = 1.8"}},
-       {"beams of 2.5 degrees at 1.8 kHz, which takes an antenna of 19.1 m", "kHz"},
+       {"beams of 2.5 degrees at 1.8 kHz, which need an antenna of 19.1 m", "kHz"},
        0},
       {"a sound speed in km/s",
        {{"sound_speed_m_s = 1500", "sound_speed_m_s = 1.5"}},
@@ -469,7 +469,7 @@ std::vector<Mistake> tables() {
   return {
       of_track("semicolons", with(",", ";"),
                {"scene.toml:21:1: track.csv:1: ", "expected some of time_s,east_m,north_m,",
-                "columns are separated by semicolons here, expected commas"}),
+                "columns are separated by semicolons, expected commas"}),
       of_track("tabs", with(",", "\t"), {"track.csv:1: ", "separated by tabs"}),
       of_track("decimal commas", with(",3,90", ",3,0,90"),
                {"track.csv:2: the row has 8 fields, expected 7", "are decimals written with commas?"}),
@@ -477,8 +477,9 @@ std::vector<Mistake> tables() {
                {"track.csv:1: ", "the first line holds numbers: put the header above it"}),
       of_track("other names", with("east_m,north_m,up_m", "x,y,z"),
                {"track.csv:1: expected the columns east_m and north_m, or latitude_deg and longitude_deg"}),
-      of_track("headings whose name says radians", with("heading_deg", "heading_rad"),
-               {"track.csv:1: the column 'heading_rad' is in other units", "call it heading_deg"}),
+      of_track(
+          "headings whose name says radians", with("heading_deg", "heading_rad"),
+          {"track.csv:1: the name of the column 'heading_rad' has another unit", "rename it to heading_deg"}),
       of_track("headings without their unit", with("heading_deg", "heading"),
                {"scene.toml:21:1: track.csv:1:28: unknown column 'heading': did you mean 'heading_deg'?"}),
       of_track("columns of another program",

@@ -144,7 +144,7 @@ TEST_F(OutputFolders, FullDiskIsReportedAndLosesNothing) {
       }
     if (fs::exists(folder / "results.partial")) {
       EXPECT_EQ(names_below(folder.path()), with_pings) << outcome.err;
-      EXPECT_THAT(outcome.err, HasSubstr("1 of 1 pings are kept"));
+      EXPECT_THAT(outcome.err, HasSubstr("1 of 1 pings are stored"));
       EXPECT_EQ(run(results, {}, {"--resume"}).exit_code, 0);
       fs::remove_all(results);
     }

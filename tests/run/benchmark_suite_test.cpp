@@ -188,7 +188,7 @@ TEST_F(SuiteScript, RefusesWhatTubefootCompareRefuses) {
   EXPECT_EQ(compare(reference, rays), 2);
   EXPECT_THAT(output(), testing::HasSubstr("compute the same scene"));
   EXPECT_EQ(compare(reference, suite() / "README.md"), 2);
-  EXPECT_THAT(output(), testing::HasSubstr("cannot be read"));
+  EXPECT_THAT(output(), testing::HasSubstr("cannot read the file"));
   EXPECT_EQ(compare(reference, reference), 0) << output();
   EXPECT_EQ(Json::parse(output())["sensors"][0]["l1_error"], 0);
 }

@@ -195,8 +195,8 @@ TEST_F(CoarseningRun, RefusesWhatIsNoTolerance) {
     EXPECT_FALSE(exists(output()));
   }
   EXPECT_THAT(tried(scene, {"--coarsen", "2"}).err,
-              HasSubstr("--coarsen '2': expected how far facets may move, as a part of what a sonar tells "
-                        "apart there: 0 (not at all) to 1"));
+              HasSubstr("--coarsen '2': expected the permitted displacement of facets as a share of the "
+                        "resolution of the sonars, from 0 (no merging) to 1"));
 }
 
 TEST_F(CoarseningRun, IsRefusedWhereFacetsMatter) {

@@ -99,10 +99,10 @@ TEST_F(HiddenElements, InABoxAreReportedWithTheirNumberAndPing) {
                     HasSubstr("t = 1.500 s, east 5.000, north 5.000, up 1.000 m"),
                     HasSubstr("move it out ('receivers_m', 'lever_arm_m', or the trajectory)")));
   EXPECT_THAT(said({{0, 0, 5}}, {5.9, 4.1, 1.9}),
-              HasSubstr("the transmitter of sensor 'tail' is inside object 'crate'"));
+              HasSubstr("the transmitter of sensor 'tail' is inside the closed object 'crate'"));
   // Over the edges and corners of facets.
   for (const glm::dvec3 at : {glm::dvec3(4.000001, 4.000001, 0.5), {5.999999, 5.5, 1}, {5, 5, 1.999}})
-    EXPECT_THAT(said({at}), HasSubstr("receiver of sensor 'tail' is inside object 'crate'"));
+    EXPECT_THAT(said({at}), HasSubstr("receiver of sensor 'tail' is inside the closed object 'crate'"));
 }
 
 TEST_F(HiddenElements, OnAnObjectAreReportedApart) {
@@ -111,8 +111,8 @@ TEST_F(HiddenElements, OnAnObjectAreReportedApart) {
 }
 
 TEST_F(HiddenElements, BetweenTwoSpheresAreInTheOuterOne) {
-  EXPECT_THAT(said({{-6, 1.5, 6}}), HasSubstr("is inside object 'outer'"));
-  EXPECT_THAT(said({{-6, 0, 6.2}}), HasSubstr("is inside object"));
+  EXPECT_THAT(said({{-6, 1.5, 6}}), HasSubstr("is inside the closed object 'outer'"));
+  EXPECT_THAT(said({{-6, 0, 6.2}}), HasSubstr("is inside the closed object"));
 }
 
 TEST_F(HiddenElements, BelowTheSeabedAreReportedHowFar) {

@@ -83,7 +83,7 @@ TEST(NoReturn, IsNotExpectedOfATrackThatReceivesSomethingOnce) {
   const auto beside = expected_no_returns(*survey_of(track(15)), request);
   ASSERT_EQ(beside.size(), 1U);
   EXPECT_THAT(beside.front().warning, HasSubstr("receives nothing at any ping: at ping 15"));
-  EXPECT_THAT(beside.front().warning, HasSubstr("155 m beside the terrain"));
+  EXPECT_THAT(beside.front().warning, HasSubstr("155 m outside of the terrain"));
 }
 
 // The check of direct visibility does not exclude echoes over a mirror.

@@ -48,7 +48,7 @@ struct Parts : testing::Test {
     for (int number = of; number >= 1; --number) {
       const Outcome outcome = part(number, of, more);
       ASSERT_EQ(outcome.exit_code, 0) << outcome.signal << outcome.err;
-      EXPECT_THAT(outcome.out, HasSubstr(fmt::format("part {} of {}", number, of)));
+      EXPECT_THAT(outcome.out, HasSubstr(fmt::format("shard {} of {}", number, of)));
     }
   }
   Outcome join(const Words& more = {}) const {
@@ -126,12 +126,13 @@ TEST_F(Parts, ThatWereKilledGoOn) {
     const Outcome stopped = part(2, 2, {}, surroundings);
     EXPECT_NE(stopped.exit_code, 0);
     if (signal == SIGINT) {
-      EXPECT_THAT(stopped.err, AllOf(HasSubstr("interrupted: "),
-                                     HasSubstr("pings of part 2 of 2 are kept in"), HasSubstr("--resume")));
+      EXPECT_THAT(stopped.err,
+                  AllOf(HasSubstr("interrupted: "), HasSubstr("pings of shard 2 of 2 are stored in"),
+                        HasSubstr("--resume")));
     } else {  // as if it had been writing one
       fs::resize_file(file(2, 2), fs::file_size(file(2, 2)) - 7);
     }
-    expect_refused("part 2 of 2");
+    expect_refused("shard 2 of 2");
     EXPECT_THAT(part(2, 2).err, HasSubstr("add --resume to continue"));
     const Outcome other = part(2, 2, {"--resume", "--arithmetic", "filtered"});
     EXPECT_EQ(other.exit_code, 2);
@@ -156,7 +157,7 @@ TEST_F(Parts, ThatAreNotAllThereAreRefused) {
   expect_refused("contains shard 1 of 3");
   fs::remove(file(2, 3));
   fs::copy_file(file(1, 3), file(1, 4));
-  expect_refused("parts of a run in 3 and of one in 4");
+  expect_refused("shards of a run in 3 and of a run in 4");
 }
 
 TEST_F(Parts, OfAnotherRunAreRefused) {
@@ -164,7 +165,7 @@ TEST_F(Parts, OfAnotherRunAreRefused) {
   ASSERT_EQ(part(1, 2, {"--resume"}).exit_code, 0);
   fs::remove(file(2, 2));
   ASSERT_EQ(part(2, 2, {"--arithmetic", "filtered"}).exit_code, 0);
-  expect_refused("part 2 of 2 ('" + file(2, 2).string() + "') had arithmetic = \"filtered\", not \"fixed\"");
+  expect_refused("shard 2 of 2 ('" + file(2, 2).string() + "') had arithmetic = \"filtered\", not \"fixed\"");
   for (const int k : {1, 2}) {
     fs::remove(file(k, 2));
     ASSERT_EQ(part(k, 2, {"--labels", "--label-level", k == 1 ? "20" : "12"}).exit_code, 0);
@@ -174,9 +175,9 @@ TEST_F(Parts, OfAnotherRunAreRefused) {
   ASSERT_EQ(part(1, 2).exit_code, 0);
   folder.write("thing.obj", std::string(tetrahedron) + "v 9 9 9\n");
   ASSERT_EQ(part(2, 2).exit_code, 0);
-  expect_refused("has changed since part 1 of 2");
+  expect_refused("has changed since shard 1 of 2");
   folder.write("thing.obj", tetrahedron);
-  expect_refused("has changed since part 2 of 2");
+  expect_refused("has changed since shard 2 of 2");
 }
 
 TEST_F(Parts, AreNotTakenFromALinkOrAFileOfSomethingElse) {
@@ -186,10 +187,10 @@ TEST_F(Parts, AreNotTakenFromALinkOrAFileOfSomethingElse) {
   expect_refused("it is a link");
   fs::remove(file(2, 2));
   folder.write(file(2, 2).filename().string(), "mine");
-  expect_refused("is not a part of a run");
+  expect_refused("is not a shard");
   const Outcome outcome = part(2, 2, {"--resume"});
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("is not a part of a run"));
+  EXPECT_THAT(outcome.err, HasSubstr("is not a shard"));
   EXPECT_EQ(bytes_of(file(2, 2)), "mine");
 }
 
@@ -199,8 +200,8 @@ TEST_F(Parts, AreNotComputedTwiceAtATimeNorJoinedMeanwhile) {
   surroundings.interrupt_when = [&] {
     std::error_code none_yet;
     if (fs::file_size(file(1, 1), none_yet) < 20000 || none_yet) return false;
-    EXPECT_THAT(part(1, 1).err, HasSubstr("another process is computing part 1 of 1"));
-    expect_refused("part 1 of 1 is being computed");
+    EXPECT_THAT(part(1, 1).err, HasSubstr("another process is computing shard 1 of 1"));
+    expect_refused("another process is computing shard 1 of 1");
     return true;
   };
   EXPECT_EQ(part(1, 1, {}, surroundings).exit_code, 1);
@@ -271,8 +272,9 @@ TEST_F(Parts, MeetAFullDiskWithWhatTheyHave) {
   small_disk.largest_file_bytes = 100000;
   const Outcome outcome = part(1, 1, {}, small_disk);
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot write the part"),
-                                 HasSubstr("of 3003 pings of part 1 of 1 are kept"), HasSubstr("--resume")));
+  EXPECT_THAT(outcome.err,
+              AllOf(HasSubstr("cannot write the part"), HasSubstr("of 3003 pings of shard 1 of 1 are stored"),
+                    HasSubstr("--resume")));
   ASSERT_EQ(part(1, 1, {"--resume", "--quiet"}).exit_code, 0);
   ASSERT_EQ(join({"--quiet"}).exit_code, 0);
 }

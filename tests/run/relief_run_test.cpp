@@ -316,7 +316,8 @@ TEST(ReliefRun, RefusesWhatCannotBe) {
   EXPECT_THAT(refused(replaced(replaced(scene, "[0.2, -5, 1.5]", "[0.2, -5, 0.001]"), "[0.2, 5, 1.5]",
                                "[0.2, 5, 0.001]")),
               HasSubstr("below the seabed"));
-  EXPECT_THAT(refused(replaced(scene, "cell_m = 0.05", "cell_m = 1e-6")), HasSubstr("too fine for a grid"));
+  EXPECT_THAT(refused(replaced(scene, "cell_m = 0.05", "cell_m = 1e-6")),
+              HasSubstr("too small for the grid"));
   const std::string vast =
       replaced(replaced(offline_scene(), "cell_m = 0.05", "cell_m = 0.001"), "width_m = 12", "width_m = 64");
   EXPECT_THAT(refused(vast), HasSubstr("facets, more than 100000000"));

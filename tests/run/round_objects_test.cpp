@@ -96,8 +96,7 @@ TEST(RoundObjects, CheckTellsHowRoundTheyAre) {
   };
   EXPECT_THAT(told("shape = \"sphere\"\n", 100),
               HasSubstr("ball: the facets have the area of the curved surface and are within 750 um of it (a "
-                        "sixteenth of what 's' "
-                        "tells apart, 0.012 m of range)"));
+                        "sixteenth of the resolution of 's', 0.012 m in range)"));
   EXPECT_THAT(told("shape = \"cylinder\"\nchord_error_m = 0.004\n", 100),
               HasSubstr("are within 4 mm of it (as the scene says)"));
   EXPECT_THAT(told("shape = \"cone\"\n", 1), HasSubstr("are within 20 mm of it (a fiftieth of the radius)"));

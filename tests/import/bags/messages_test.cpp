@@ -179,7 +179,7 @@ TEST_F(Messages, ARawImageHasTheRangesOfItsSamples) {
   const ForeignData no_speed = this->read(raw_image(1000, 0, 3, 0, {}, "abcdef", 2));
   EXPECT_THAT(no_speed.frames.at(0).range_m, IsEmpty());
   EXPECT_THAT(no_speed.noticed, Contains(HasSubstr("give the ranges with --ranges")));
-  refused(raw_image(1000, 1500, 4, 0, {}, "abcdef", 2), raw_type, "samples_per_beam says 4");
+  refused(raw_image(1000, 1500, 4, 0, {}, "abcdef", 2), raw_type, "samples_per_beam is 4");
   refused(raw_image(1000, 1500, 3, 0, {0.1f}, "abcdef", 2), raw_type, "rx_angles has 1 entries");
 }
 
@@ -219,7 +219,7 @@ TEST_F(Messages, CountsThatLieAreRefused) {
   refused(with([](Sonar& s) { s.dtype = 10; }), projected_type, "image.dtype is 10");
   refused(with([](Sonar& s) { s.dtype = 9; }), projected_type, "float64 values for each of 3 beams");
   refused(with([](Sonar& s) { s.data.clear(); }), projected_type, "image.data has 0 samples");
-  refused(with([](Sonar& s) { s.ranges.pop_back(); }), projected_type, "the number of ranges says 3");
+  refused(with([](Sonar& s) { s.ranges.pop_back(); }), projected_type, "the number of ranges is 3");
   refused(with([](Sonar& s) { s.directions.resize(6); }), projected_type, "beam_directions has 2 entries");
   refused(with([](Sonar& s) { s.directions[1] = s.directions[2] = 0; }), projected_type,
           "entry 0 is (0, 0, 0)");

@@ -102,7 +102,7 @@ TEST_F(PrintedMessages, WhatIsWrongIsNamedByItsLine) {
   refused("  - 255", "  - -1", "data: '-1' is not a number");
   refused("beam_count: 2", "beam_count: 2e9", "beam_count: '2e9' is not a number");
   refused("is_bigendian: false", "is_bigendian: 0", "expected true or false");
-  refused("  - 255\n", "", "m.yaml:1: image.data: has 3 bytes");
+  refused("  - 255\n", "", "m.yaml:1: image.data has 3 bytes");
   refused("header:", "header: [", "is not a message as ros2 topic echo prints it (YAML)");
   expect_refused<InputError>([&] { read(printed + "data: hello\n---\n"); },
                              "m.yaml:32: is not a message that tubefoot reads");

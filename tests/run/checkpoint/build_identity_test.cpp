@@ -54,7 +54,7 @@ TEST_F(Builds, GoOnWithTheirOwnRunsOnly) {
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.err,
               AllOf(HasSubstr("another build of tubefoot (sources " + sources + ", here " + others + ")"),
-                    HasSubstr("go on with that build, or delete the .partial file")));
+                    HasSubstr("continue with that build, or delete the .partial file")));
   EXPECT_TRUE(bytes_of(partial) == kept);
   EXPECT_FALSE(fs::exists(results));
   const Outcome again = run_program(run_here({"--resume"}));
@@ -74,7 +74,7 @@ TEST_F(Builds, ShareNoRun) {
   const Outcome refused = run_program(run_here(), surroundings);
   EXPECT_EQ(refused.exit_code, 2) << refused.err;
   EXPECT_THAT(refused.err,
-              AllOf(HasSubstr("rank 1 on "), HasSubstr("is another build of tubefoot than rank 0"),
+              AllOf(HasSubstr("rank 1 on "), HasSubstr("uses a different build of tubefoot than rank 0"),
                     HasSubstr("sources " + sources + ", here " + others)));
   EXPECT_FALSE(fs::exists(results));
 }

@@ -84,7 +84,7 @@ TEST_F(ChangedInput, OfEveryKindIsNoticed) {
     const Outcome outcome = run(somebody_edits);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("was changed during the run"), HasSubstr("restore it"),
-                                   HasSubstr("1000 of 1000 pings are kept")));
+                                   HasSubstr("1000 of 1000 pings are stored")));
     EXPECT_FALSE(fs::exists(results));
     if (name == files.begin()->first) {
       EXPECT_EQ(run().exit_code, 2) << "it is still another";

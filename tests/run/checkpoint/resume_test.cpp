@@ -76,7 +76,7 @@ TEST_F(Resume, InterruptedRunsSayHowToGoOn) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const Outcome outcome = stopped(signal, 5);
     EXPECT_EQ(outcome.exit_code, 1) << outcome.signal;
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 3000 pings are kept in"),
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 3000 pings are stored in"),
                                    HasSubstr("results.partial"), HasSubstr("--resume")));
     EXPECT_EQ(names_below(folder.path()),
               (std::set<std::string>{"scene.toml", "thing.obj", "results.partial"}));

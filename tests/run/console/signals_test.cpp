@@ -88,7 +88,7 @@ TEST_F(Signals, AFileTooLargeIsSaidAndLosesNothing) {
       EXPECT_THAT(outcome.err, HasSubstr("File too large"));
     } else {
       there.insert("results.partial");
-      EXPECT_THAT(outcome.err, AllOf(HasSubstr("1 of 1 pings are kept"), HasSubstr("--resume")));
+      EXPECT_THAT(outcome.err, AllOf(HasSubstr("1 of 1 pings are stored"), HasSubstr("--resume")));
     }
     EXPECT_EQ(names_below(folder.path()), there);
     const Outcome again = run({}, {"--resume"});
@@ -103,7 +103,7 @@ TEST_F(Signals, AClosedTerminalAndAUsedUpLimitEndARunAsSigtermDoes) {
     const Outcome outcome = run(stopped_at(5, signal));
     EXPECT_EQ(outcome.signal, 0);
     EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 3000 pings are kept in"),
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 3000 pings are stored in"),
                                    HasSubstr("--resume")));
     EXPECT_GE(done(), 5u);
     std::set<std::string> there = input;
@@ -149,7 +149,7 @@ TEST_F(Signals, WhatWasKeptBeforeIsReportedAgain) {
   const Outcome outcome = run(at_once, {"--resume"});
   if (outcome.exit_code == 0) return;  // over before the signal came
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 3000 pings are kept in")));
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 3000 pings are stored in")));
   EXPECT_GE(done(), kept);
 }
 

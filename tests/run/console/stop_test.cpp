@@ -222,7 +222,8 @@ TEST_F(Stop, PingsThatWereFinishedAreKept) {
                                        "--reference", "--threads",    "1"};
   const Outcome outcome = run_program(words, stopped_once_said("pings 2/3.*; tubes [0-9]+/[0-9]+"));
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: 2 of 3 pings are kept in"), HasSubstr("--resume")));
+  EXPECT_THAT(outcome.err,
+              AllOf(HasSubstr("interrupted: 2 of 3 pings are stored in"), HasSubstr("--resume")));
   EXPECT_LT(outcome.seconds_to_stop, long_s);
 }
 

@@ -203,7 +203,7 @@ TEST_F(Ranks, StopWhenRequestedAndSayHowToGoOn) {
     };
     const Outcome outcome = on_ranks(2, results, {}, surroundings);
     EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 30003 pings are kept in"),
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("interrupted: "), HasSubstr("of 30003 pings are stored in"),
                                    HasSubstr("--resume")));
     EXPECT_EQ(names_below(folder.path()),
               (std::set<std::string>{"scene.toml", "thing.obj", "results.partial"}));
@@ -239,7 +239,7 @@ TEST_F(Ranks, RefuseToMixScenes) {
   const Outcome outcome = run_program({}, surroundings);
   EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
   EXPECT_EQ(times(outcome.err, "rank 1 on "), 1) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("reads another scene"));
+  EXPECT_THAT(outcome.err, HasSubstr("has a different command or scene"));
   EXPECT_FALSE(fs::exists(results));
 }
 
