@@ -41,6 +41,7 @@ demo: program
 	@echo
 	@echo "The acoustic camera, from three sides:  out/wellhead/camera-0000.png  camera-0001.png  camera-0002.png"
 	@echo "The sidescan sonar, in passing:         out/wellhead/sidescan.png"
+	@echo "With speckle and noise:                 out/wellhead/camera-0000-received.png  sidescan-received.png"
 
 PYTHON_SITE := $(shell /usr/bin/python3 -m site --user-site 2>/dev/null)
 
