@@ -39,7 +39,7 @@ TEXT_OF_HOLE = "1 of 4 heights are holes, the first in row 1, column 1: expected
     ({"heights": HOLE}, "terrain.heights: " + TEXT_OF_HOLE),
     ({"heights": masked(np.zeros((2, 2)), 1, 1)}, "terrain.heights: " + TEXT_OF_HOLE),
     ({"heights": HOLE * np.nan}, "terrain.heights: 4 of 4 heights are holes, the first in row 0, column 0: "),
-    ({"heights": ENDLESS}, "terrain.heights: row 1, column 2 is -inf: expected metres, or nan where there is a hole"),
+    ({"heights": ENDLESS}, "terrain.heights: row 1, column 2 is -inf: expected metres, or nan for a hole"),
     ({"heights": np.zeros((2, 2)), "origin_m": (0, np.nan)},
      "terrain.origin_m: expected finite numbers, but element 1 is nan"),
     ({"heights": np.zeros((2, 2)), "origin_m": (0,)}, r"terrain.origin_m: expected \(east, north\), not"),

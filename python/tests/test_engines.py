@@ -132,7 +132,7 @@ def test_energies_that_are_none(scene, energy, text):
 def test_engines_that_are_none(scene):
     with pytest.raises(tubefoot.UsageError, match="not function"):
         tubefoot.run(scene, engine=lambda transmission: None)
-    with pytest.raises(tubefoot.UsageError, match="built in"):
+    with pytest.raises(tubefoot.UsageError, match="built-in"):
         tubefoot.run(scene, engine=nothing, tolerance=1e-3)
     with pytest.raises(tubefoot.UsageError, match="needs a name"):
         tubefoot.engine("")(lambda transmission: None)

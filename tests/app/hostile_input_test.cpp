@@ -157,10 +157,10 @@ TEST_F(HostileToMemory, NumbersWithinAllOtherLimits) {
        "larger cell_m"});
   expect_refused(sphere(3e-7), {"scene.toml:8:1: ", "facets would need", "larger chord_error_m"});
   expect_refused(replaced(small_scene, "beams = 4\n", "beams = 4\npings = 10000000\n"),
-                 {"scene.toml:15:1: ", "the poses of 1e+07 transmissions would need 1.28 GB", "fewer pings"});
+                 {"scene.toml:15:1: ", "the poses of 1e+07 transmissions would need 1.28 GB", "reduce the number of pings"});
   folder.write("grid.tif", sparse_tiff(7000, 7000, 100));
   expect_refused(with_raster("load = \"whole\""),
-                 {"facets between 7000 x 7000 cells need 7.84 GB of memory", "decimate"});
+                 {"facets between 7000 x 7000 cells would need 7.84 GB of memory", "decimate"});
 }
 
 // Each part fits, but their sum does not.
