@@ -132,9 +132,9 @@ def test_one_ping_is_a_result_with_one_ping(result):
     (-4, IndexError, "ping -4: sensor 'camera' has pings 0 to 2"),
     ([0, 7], IndexError, "ping 7: sensor 'camera' has pings 0 to 2"),
     ([True, False], IndexError, "there are 2 booleans for 3 pings"),
-    ("1", TypeError, "expected a ping, a slice or numbers of pings, not str"),
-    (1.0, TypeError, "expected a ping, a slice or numbers of pings, not float"),
-    ([0.5], TypeError, "numbers of pings are integers, not float64"),
+    ("1", TypeError, "expected a ping, a slice or ping numbers, not str"),
+    (1.0, TypeError, "expected a ping, a slice or ping numbers, not float"),
+    ([0.5], TypeError, "expected integers as ping numbers, not float64"),
 ])
 def test_wrong_pings(result, pings, error, text):
     with pytest.raises(error) as raised:

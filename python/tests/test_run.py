@@ -312,7 +312,7 @@ except KeyboardInterrupt:
     (dict(engine="tubes"), "engine: 'tubes' is not 'tube' or 'ray': did you mean 'tube'?"),
     (dict(engine="magic"), "engine: 'magic' is not 'tube' or 'ray'"),
     (dict(binning="centroids"), "binning: 'centroids' is not 'exact', 'spread' or 'centroid': did you mean 'centroid'?"),
-    (dict(threads=0), "threads: 0 is not in 1 to 4096"),
+    (dict(threads=0), "threads: 0 is not within 1 to 4096"),
     (dict(engine="ray", rays=1e6), "rays: expected a whole number, not 1000000.0"),
     (dict(threads="2"), "threads: expected a whole number, not '2'"),
     (dict(rays=10, rays_per_beam=10), "rays and rays_per_beam exclude each other: leave out one of them"),

@@ -115,7 +115,7 @@ def test_wrong_arrays(folder, keys, wrong, text):
     ("sensors[1].rangemax", lambda k: k["sensors"][1].update(rangemax=3), "sensors[1].rangemax: "),
     ("water.ph", lambda k: k["water"].update(ph="acid"), "water.ph: "),
     ("objects[0].file", lambda k: k["objects"][0].update(file="gone.obj"), "objects[0].file: "),
-    ("materials[1].name", lambda k: k["materials"][1].update(name="sand"), "taken at materials[0].name already"),
+    ("materials[1].name", lambda k: k["materials"][1].update(name="sand"), "already used at materials[0].name"),
     ("objects[0].material", lambda k: k["objects"][0].update(material="stele"), 'did you mean "steel"?'),
 ])
 def test_errors_name_the_path_of_the_key(folder, keys, path, change, text):

@@ -149,11 +149,11 @@ TEST_F(AtomicOutput, FilesOfOthersStayAsTheyAre) {
 TEST_F(AtomicOutput, PingsAreKeptInNoFileButTheRunsOwn) {
   folder.write("victim", "");
   const std::vector<std::pair<std::string, std::function<void(const fs::path&)>>> plants{
-      {"is a link", [&](const fs::path& p) { fs::create_symlink(at("victim"), p); }},
-      {"is a link", [&](const fs::path& p) { fs::create_symlink(at("nowhere"), p); }},
-      {"second name", [&](const fs::path& p) { fs::create_hard_link(at("victim"), p); }},
+      {"is a symbolic link", [&](const fs::path& p) { fs::create_symlink(at("victim"), p); }},
+      {"is a symbolic link", [&](const fs::path& p) { fs::create_symlink(at("nowhere"), p); }},
+      {"second hard link", [&](const fs::path& p) { fs::create_hard_link(at("victim"), p); }},
       {"is not a checkpoint", [&](const fs::path& p) { ASSERT_EQ(mkfifo(p.c_str(), 0666), 0); }},
-      {"cannot be opened", [&](const fs::path& p) { fs::create_directory(p); }},
+      {"cannot open the checkpoint", [&](const fs::path& p) { fs::create_directory(p); }},
       {"is not a checkpoint", [&](const fs::path&) { folder.write("results.partial", "mine"); }}};
   for (const auto& [why, plant] : plants) {
     SCOPED_TRACE(why);

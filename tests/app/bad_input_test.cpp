@@ -194,7 +194,7 @@ TEST_F(BadInput, SensorInsideAnObjectIsAWarning) {
                    "[[objects]]\nname = \"housing\"\nshape = \"box\"\nposition_m = [0, 0, 2]\n");
   const Outcome outcome = run();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("sensor 'camera' is inside the closed object 'housing' at ping 0"));
+  EXPECT_THAT(outcome.err, HasSubstr("sensor 'camera' is inside object 'housing' at ping 0"));
 }
 
 TEST_F(BadInput, NothingInViewIsAWarning) {

@@ -225,7 +225,7 @@ TEST_F(CommandLine, CheckSaysWhatWasUnderstood) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   for (const char* words :
        {"A tetrahedron", "facets         6 (0 degenerate, 0 duplicate", "grid unit      2^-20 m",
-        "largest snap   0 m", "sensor         camera: 1 pings, 4 beams, 512 samples", "expected cost"})
+        "largest snap   0 m", "sensor         camera: 1 pings, 4 beams, 512 range bins", "expected cost"})
     EXPECT_THAT(outcome.out, HasSubstr(words));
   EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml", "thing.obj"}));
 }

@@ -81,8 +81,8 @@ TEST_F(Hostile, NamesThatLeaveTheFolderAreReported) {
     EXPECT_THAT(outcome.err,
                 HasSubstr(fmt::format("\"{}\" lies outside of the scene's folder, at '{}'", file, real)));
   EXPECT_THAT(outcome.err,
-              AllOf(HasSubstr("scene.toml:6:8: 'grid.prj', which is read along with \"grid.asc\", leaves"),
-                    Not(HasSubstr("\"thing.obj\" leaves"))));
+              AllOf(HasSubstr("scene.toml:6:8: 'grid.prj', which belongs to \"grid.asc\", lies outside"),
+                    Not(HasSubstr("\"thing.obj\" lies outside"))));
 }
 
 // A message quotes the input, and a terminal must not obey the quoted text.

@@ -29,7 +29,7 @@ TEST_F(Hostile, MeshesThatAnnounceMoreThanTheyHold) {
       "z\nend_header\n\xff\xff\xff\xff");
   expect_refused(with_mesh("ply"), {"thing.ply: is cut off in face 1 of 4294967294"});
   folder.write("thing.stl", std::string(80, '\0') + "\xff\xff\xff\xff");
-  expect_refused(with_mesh("stl"), {"announces 4294967295 facets", "the file has 84"});
+  expect_refused(with_mesh("stl"), {"declares 4294967295 facets", "the file has 84"});
   folder.write("thing.stl", "");
   fs::resize_file(folder / "thing.stl", std::uintmax_t{1} << 40);  // a sparse file
   expect_refused(with_mesh("stl"), {"scene.toml:11:8: 'file'", "more than 64 GiB", "cut the file"});
@@ -120,8 +120,9 @@ std::string sphere(double chord_error_m) {
 }
 
 TEST_F(Hostile, NumbersInASceneFile) {
-  expect_refused(replaced(small_scene, "width_m = 20", "width_m = 1e7\ncell_m = 1e-3"),
-                 {"scene.toml:4:1: ", "the terrain would have 3e+14 cells, at most 5e+07", "larger cell_m"});
+  expect_refused(
+      replaced(small_scene, "width_m = 20", "width_m = 1e7\ncell_m = 1e-3"),
+      {"scene.toml:4:1: ", "the terrain would have 3e+14 cells, but at most 5e+07", "larger cell_m"});
   expect_refused(sphere(1e-12),
                  {"scene.toml:8:1: ", "but at most 2e+07 are allowed", "larger chord_error_m"});
   expect_refused(replaced(small_scene, "beams = 4", "beams = 4096\nsamples = 65536"),
@@ -157,7 +158,8 @@ TEST_F(HostileToMemory, NumbersWithinAllOtherLimits) {
        "larger cell_m"});
   expect_refused(sphere(3e-7), {"scene.toml:8:1: ", "facets would need", "larger chord_error_m"});
   expect_refused(replaced(small_scene, "beams = 4\n", "beams = 4\npings = 10000000\n"),
-                 {"scene.toml:15:1: ", "the poses of 1e+07 transmissions would need 1.28 GB", "reduce the number of pings"});
+                 {"scene.toml:15:1: ", "the poses of 1e+07 transmissions would need 1.28 GB",
+                  "reduce the number of pings"});
   folder.write("grid.tif", sparse_tiff(7000, 7000, 100));
   expect_refused(with_raster("load = \"whole\""),
                  {"facets between 7000 x 7000 cells would need 7.84 GB of memory", "decimate"});
@@ -180,7 +182,7 @@ TEST_F(Hostile, RunsThatWouldFillTheDisk) {
   const Outcome outcome = run({"run", (folder / "scene.toml").string(), "-o", (folder / "results").string()});
   expect_harmless(outcome);
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("results.partial: cannot set 53740847.4 MB aside"),
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("results.partial: cannot reserve 53740847.4 MB"),
                                  HasSubstr("choose another -o")));
   EXPECT_EQ(names_below(folder.path()), before);
 }

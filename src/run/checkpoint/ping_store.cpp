@@ -79,7 +79,7 @@ StoreSummary read_summary(const Descriptor& opened, const fs::path& path, Header
   if (size == 0) return {};  // the run was killed before it wrote the header
   if (pread(file, &header, sizeof header, 0) != sizeof header ||
       std::memcmp(header.magic, Header{}.magic, sizeof header.magic) != 0)
-    throw unusable("is a checkpoint of another version of tubefoot");
+    throw unusable("is not a checkpoint of this version of tubefoot");
   // the run was killed before it reserved its disk space
   const bool begun = header.identity_bytes == size - sizeof header;
   if ((header.bytes != size && !begun) || header.identity_bytes > size - sizeof header)

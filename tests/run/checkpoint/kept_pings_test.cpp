@@ -50,7 +50,7 @@ TEST_F(KeptPings, OfAnotherVersionAreRefused) {
   ASSERT_TRUE(kept.starts_with(format));
   other = kept;
   other[format.size()] = '1';
-  expect_refused(other, "is a checkpoint of another version");
+  expect_refused(other, "is not a checkpoint of this version");
 }
 
 TEST_F(KeptPings, CutAnywhereAreRefused) {
