@@ -135,7 +135,7 @@ TEST_F(Hostile, NumbersInASceneFile) {
       "name = \"sand\"\n[[materials.relief]]\nkind = \"fbm\"\ntile_m = 1000\nresolution_m = 1e-6\nhurst = "
       "0.5\nrms_height_m = 0.1\n";
   expect_refused(replaced(small_scene, "name = \"sand\"\n", relief),
-                 {"at most 16384", "coarser resolution_m"});
+                 {"the limit is 16384", "coarser resolution_m"});
   expect_refused(
       replaced(small_scene, "length_m = 30",
                "length_m = 30\n[terrain.material_map]\nkind = \"patches\"\npatch_size_m = 1e-6\nshares = { "

@@ -86,11 +86,12 @@ TEST_F(InputRegistry, ARefusedElementIsNamedWithItsLine) {
                "<!-- <PansharpeningOptions> -->\n" +
                    vrt_of("<PansharpeningOptions>\n</PansharpeningOptions>\n" + simple_band("grid.asc")));
   expect_refused(with_raster("mosaic.vrt"),
-                 {"mosaic.vrt:4: has an element <PansharpeningOptions>, which is not read"});
+                 {"mosaic.vrt:4: has an element <PansharpeningOptions>, which tubefoot does not read"});
   folder.write("mosaic.vrt", vrt_of(replaced(simple_band("grid.asc"), "band=\"1\"",
                                              "band=\"1\" subClass=\"VRTRawRasterBand\"")));
-  expect_refused(with_raster("mosaic.vrt"),
-                 {"mosaic.vrt:3: has <VRTRasterBand subClass=\"VRTRawRasterBand\">, which is not read"});
+  expect_refused(
+      with_raster("mosaic.vrt"),
+      {"mosaic.vrt:3: has <VRTRasterBand subClass=\"VRTRawRasterBand\">, which tubefoot does not read"});
 }
 
 TEST_F(InputRegistry, FoldersNamedLikeAddressesAreFolders) {
@@ -211,7 +212,7 @@ TEST_F(InputRegistry, PipesAreNotWaitedFor) {
   folder.write("grid.asc", grid);
   folder.write("mosaic.vrt", vrt_of(simple_band("grid.asc")));
   pipe("grid.asc.aux.xml");
-  expect_refused(with_raster("mosaic.vrt"), {"grid.asc.aux.xml: is a special file", "move or delete it"});
+  expect_refused(with_raster("mosaic.vrt"), {"grid.asc.aux.xml: is a special file", "move it away"});
   fs::remove(folder / "grid.asc.aux.xml");
   EXPECT_EQ(check(with_raster("mosaic.vrt")).exit_code, 0);
 
@@ -223,7 +224,7 @@ TEST_F(InputRegistry, PipesAreNotWaitedFor) {
 
   write_tiff("grid.tif");
   pipe("grid.tifw");
-  expect_refused(with_raster("grid.tif"), {"grid.tifw: is a special file", "move or delete it"});
+  expect_refused(with_raster("grid.tif"), {"grid.tifw: is a special file", "move it away"});
   pipe("echoes.nc");
   const Outcome compared = run({"compare", (folder / "echoes.nc").string(), (folder / "echoes.nc").string()});
   EXPECT_EQ(compared.exit_code, 2);
