@@ -171,11 +171,11 @@ TEST_F(Compare, ASilentReferenceHasNoFiniteError) {
 TEST_F(Compare, OtherShapesAreRefused) {
   candidate.dimensions[0].second = 1;
   candidate.variables["energy"].values.resize(12);
-  expect_mismatch("'energy' of sensor 'sensor' has 1 pings x 3 beams x 4 samples");
+  expect_mismatch("'energy' of sensor 'sensor' has 1 pings x 3 beams x 4 range bins");
   candidate.dimensions[2].second = 3;
   candidate.variables["energy"].values.resize(18);
   candidate.variables["slant_range"].values.resize(3);
-  expect_mismatch("2 pings x 3 beams x 3 samples");
+  expect_mismatch("2 pings x 3 beams x 3 range bins");
 }
 
 TEST_F(Compare, OtherRangesAreRefused) {

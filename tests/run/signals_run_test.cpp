@@ -407,7 +407,7 @@ TEST_F(SignalRefusals, SayWhatIsWrongAndWhatToDo) {
   EXPECT_THAT(
       said(replaced(scene("receivers = 1\n", at_rest + dense, 60), "range_max_m = 11", "range_max_m = 60")),
       AllOf(HasSubstr("scene.toml:"), HasSubstr("scatterers at a spacing of 0.0001 m"),
-            HasSubstr("'spacing_m' of")));
+            HasSubstr("'spacing_m' to")));
   EXPECT_THAT(
       said(replaced(scene("", "[trajectory]\nkind = \"fixed\"\nposition_m = [900000, 0, 0]\n" + dense),
                     "[0.3, 6, -6]", "[900000.3, 6, -6]")),

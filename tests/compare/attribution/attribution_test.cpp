@@ -192,7 +192,7 @@ TEST_F(Attribute, WhatDoesNotFitIsRefused) {
   folder.write("other.toml", replaced(two_balls, "samples = 200", "samples = 100"));
   EXPECT_THAT(refusal({"--attribute", "--scene", path("other.toml")}), HasSubstr("scene_hash"));
   EXPECT_THAT(refusal({"--attribute", "--any-scene", "--scene", path("other.toml")}),
-              HasSubstr("1 pings x 48 beams x 200 samples"));
+              HasSubstr("1 pings x 48 beams x 200 range bins"));
   folder.write("renamed.toml", replaced(two_balls, "name = \"sonar\"", "name = \"b\"") + short_pings(2));
   EXPECT_THAT(refusal({"--attribute", "--any-scene", "--scene", path("renamed.toml")}), HasSubstr("sensor"));
   for (const char* words : {"0x100", "1x0", "points:0", "points:many", "points:", "2000x10", "1x9999999999"})

@@ -56,7 +56,7 @@ TEST_F(KeptPings, OfAnotherVersionAreRefused) {
 TEST_F(KeptPings, CutAnywhereAreRefused) {
   for (const std::size_t bytes : {std::size_t{17}, std::size_t{300}, kept.size() - 1})
     expect_refused(kept.substr(0, bytes), "");
-  expect_refused(kept + "x", "is shorter or longer than its header states");
+  expect_refused(kept + "x", "is cut short");
 }
 
 TEST_F(KeptPings, WithOneBitTurnedEndInTheSameOrAreRefused) {
