@@ -98,7 +98,7 @@ TEST(RoundObjects, CheckTellsHowRoundTheyAre) {
               HasSubstr("ball: the facets have the area of the curved surface and are within 750 um of it (a "
                         "sixteenth of the resolution of 's', 0.012 m in range)"));
   EXPECT_THAT(told("shape = \"cylinder\"\nchord_error_m = 0.004\n", 100),
-              HasSubstr("are within 4 mm of it (as the scene says)"));
+              HasSubstr("are within 4 mm of it (from the scene)"));
   EXPECT_THAT(told("shape = \"cone\"\n", 1), HasSubstr("are within 20 mm of it (a fiftieth of the radius)"));
   EXPECT_THAT(told("shape = \"sphere\"\n", 10000),
               HasSubstr("are within 300 um of it (the finest default, coarser than"));
