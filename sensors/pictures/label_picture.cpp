@@ -303,12 +303,12 @@ Canvas draw_labels_of_ping(const Recording& recording, const LabelRecording& lab
   return draw(
       label_recording, fan ? fan_of(sensor) : columns_of(sensor),
       frames_of(label_recording, std::array{ping}),
-      fmt::format("{}   ping {}   whose the energy is", name_of(recording), ping),
+      fmt::format("{}   ping {}   objects and materials of the echoes", name_of(recording), ping),
       fmt::format(
-          "samples in the colours of what returns their energy, mixed by shares; {} to {} m{}",
+          "colours are mixed by the shares of energy; {} to {} m{}",
           tick_label(sensor.samples().first_m, 0.01),
           tick_label(sensor.samples().first_m + sensor.samples().count * sensor.samples().step_m, 0.01),
-          fan ? "" : ", one column a beam, the nearest sample on top"),
+          fan ? "" : ", one column per beam, nearest range bin on top"),
       font);
 }
 
@@ -320,9 +320,9 @@ Canvas draw_labels_of_track(const Recording& recording, const LabelRecording& la
   std::vector<std::size_t> pings;
   for (std::size_t row = 0; row < rows; ++row) pings.push_back(row * all / rows);
   return draw(label_recording, track_of(sensor, rows), frames_of(label_recording, pings),
-              fmt::format("{}   {} pings   whose the energy is", name_of(recording), all),
-              fmt::format("samples in the colours of what returns their energy, mixed by shares; {}",
-                          sensor.beams().size() == 1 ? "first ping left, nearest sample on top"
+              fmt::format("{}   {} pings   objects and materials of the echoes", name_of(recording), all),
+              fmt::format("colours are mixed by the shares of energy; {}",
+                          sensor.beams().size() == 1 ? "first ping left, nearest range bin on top"
                                                      : "first ping at the bottom, port left"),
               font);
 }

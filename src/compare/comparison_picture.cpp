@@ -247,7 +247,7 @@ class Section {
     return std::max(text_width(title_, title_size, font), plots_width());
   }
   int plots_width() const {
-    return axis_width + 3 * drawing_.width() + gap + 2 * legend_gap + 2 * DecibelScale::legend_width;
+    return axis_width + 3 * drawing_.width() + gap + 3 * legend_gap + 2 * DecibelScale::legend_width;
   }
   int height() const { return title_height + panel_title_height + drawing_.height() + axis_height; }
 
@@ -257,7 +257,7 @@ class Section {
     const int w = drawing_.width();
     const int bar_y0 = std::max(top, bottom - 400);
     const int first = x + axis_width, second = first + w + gap, bar = second + w + legend_gap,
-              third = bar + DecibelScale::legend_width, last_bar = third + w + legend_gap;
+              third = bar + DecibelScale::legend_width + legend_gap, last_bar = third + w + legend_gap;
     panel(canvas, first, top, "reference", true, [&](std::size_t k) { return scale_.colour(reference_[k]); });
     panel(canvas, second, top, "candidate", false,
           [&](std::size_t k) { return scale_.colour(candidate_[k]); });

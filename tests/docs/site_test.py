@@ -110,7 +110,7 @@ class InABrowser(unittest.TestCase):
         self.assertEqual(first[1], "wellhead-camera-0.png")
         self.assertGreater(first[2], 1100)
         self.assertGreater(first[3], 650)
-        self.assertEqual(first[4], "Acoustic camera, from the south")
+        self.assertEqual(first[4], "Acoustic camera south of the well head")
         self.page.js("document.querySelector('dialog.picture').dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowRight'}))")
         self.assertEqual(self.page.js(state)[1], "wellhead-camera-1.png")
         self.page.js("document.querySelector('dialog.picture').click()")
@@ -119,7 +119,7 @@ class InABrowser(unittest.TestCase):
     def test_formulas_are_formulas(self):
         self.open("docs/energies.html")
         fractions = self.page.js("return [...document.querySelectorAll('math mfrac')].map(f => f.getBoundingClientRect().height)")
-        self.assertGreater(len(fractions), 10)
+        self.assertGreaterEqual(len(fractions), 5)
         self.assertGreater(min(fractions), 15)  # set as fractions, not as a line of text
         self.assertEqual(self.page.js("return document.querySelectorAll('article').length && "
                                       "(document.querySelector('article').textContent.match(/\\\\frac|\\$/) || []).length"), 0)
@@ -213,7 +213,7 @@ class WrongSites(unittest.TestCase):
         "docs/architecture.md": "# Architecture\n\n## Modules\n\n| module | content | may include |\n|---|---|---|\n"
                          "| `geometry/numbers` | numbers | |\n\n```math\n\\frac{1}{2}\n```\n",
         "geometry/numbers/point.hpp": "namespace tubefoot {\n\n/// A point.\nstruct Point {\n  int x = 0;\n};\n\n}  // namespace tubefoot\n",
-        "docs/installation.md": "# Packages\n\n## A program of your own\n",
+        "docs/installation.md": "# Installation\n\n## Your own program\n",
         "docs/examples/own-sonar/main.cpp": "int main() {}\n",
         "python/tubefoot/__init__.py": '"""A module."""\n__all__ = []\n',
     }
@@ -222,7 +222,7 @@ class WrongSites(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="tubefoot-site-") as scratch:
             sources = pathlib.Path(scratch) / "sources"
             pages = dict(self.PAGES, **changes)
-            pages["docs/index.md"] += "- [Packages](packaging.md)\n"
+            pages["docs/index.md"] += "- [Installation](installation.md)\n"
             for name, text in pages.items():
                 (sources / name).parent.mkdir(parents=True, exist_ok=True)
                 (sources / name).write_text(text)

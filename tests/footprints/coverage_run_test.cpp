@@ -207,6 +207,15 @@ TEST(CoverageRun, IsInTheReferenceSystemOfTheScene) {
   EXPECT_NEAR(utm.MaxY - local.MaxY, 7245100, 1e-6);
 }
 
+/// Returns (closed, all) of the line "closure  CLOSED of ALL facets" that the command prints.
+std::pair<int, int> closure_of(const std::string& output) {
+  int closed = -1, all = -1;
+  const std::size_t start = output.find("closure");
+  if (start != std::string::npos)
+    std::sscanf(output.c_str() + start, "closure %d of %d facets", &closed, &all);
+  return {closed, all};
+}
+
 // Doubles choose the same planes here. With a large tolerance their choice is still a partition.
 TEST(CoverageRun, OfWhatDoublesSeeIsAsExact) {
   const TestFolder folder;
@@ -220,10 +229,8 @@ TEST(CoverageRun, OfWhatDoublesSeeIsAsExact) {
             folder / "wrong.csv");
   ASSERT_EQ(wrong.exit_code, 0) << wrong.err;
   EXPECT_FALSE(bytes_of(folder / "exact.csv") == bytes_of(folder / "wrong.csv"));
-  int closed = 0, all = -1;
-  const std::size_t at = wrong.out.find("closes ");
-  ASSERT_NE(at, std::string::npos) << wrong.out;
-  ASSERT_EQ(std::sscanf(wrong.out.c_str() + at, "closes %d facets of %d", &closed, &all), 2);
+  const auto [closed, all] = closure_of(wrong.out);
+  EXPECT_GT(all, 100);
   EXPECT_EQ(closed, all);
 }
 
@@ -269,15 +276,8 @@ TEST(CoverageRun, WellheadCloses) {
   const Outcome outcome = cover(fs::path(TUBEFOOT_SOURCE_DIR) / "scenes/wellhead/scene.toml",
                                 folder / "c.csv", {"--sensor", "camera"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  std::istringstream lines(outcome.out);
-  std::string line;
-  std::size_t closed = 0, of = 0;
-  while (std::getline(lines, line)) {
-    std::istringstream words(line);
-    std::string first, facets, between;
-    if (words >> first && first == "closes") words >> closed >> facets >> between >> of;
-  }
-  EXPECT_GT(of, 10000u);
+  const auto [closed, of] = closure_of(outcome.out);
+  EXPECT_GT(of, 10000);
   EXPECT_EQ(closed, of);
 }
 

@@ -148,7 +148,7 @@ TEST_F(Mcap, SizesThatLieAreRefused) {
 TEST_F(Mcap, ABombOfZerosIsRefused) {
   const Bytes zeros = zstd(Bytes(std::size_t{64} << 20, '\0'));
   ASSERT_LT(zeros.size(), 10'000u);
-  refused(mcap::file(mcap::chunk(zeros, "zstd", std::uint64_t{64} << 20, 0)), "has the invalid opcode 0");
+  refused(mcap::file(mcap::chunk(zeros, "zstd", std::uint64_t{64} << 20, 0)), "has the opcode 0");
   refused(mcap::file(mcap::chunk(zeros, "zstd", 1000, 0)), "unpacks to");
   refused(mcap::file(heads + mcap::message(1, 0, zeros)), "follow its last field");
 }
