@@ -13,9 +13,11 @@
 #include "geometry/footprints/plane_lines.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 
-// Represents a piece that one of two apexes sees of a facet as lines, and intersects two such pieces. Edges
-// on the facet's own edges are recognised by their names. This header is expensive to compile: include it
-// only in .cpp files.
+// Represents a visible piece of a facet by the lines of its edges. Intersects two pieces of one facet
+// that are visible from different apexes. A piece is a convex polygon, counter-clockwise as its apex sees it.
+// A corner's name is the mesh vertex or the two planes that define the corner (names.hpp). Names show without
+// arithmetic which edges of a piece lie on edges of the facet. Lines are exact; points are rounded. This
+// header is expensive to compile: include it only in .cpp files.
 namespace tubefoot {
 
 /// Returns the edges of the facet on which a corner lies, by name alone. Bit e stands for the edge from
@@ -24,13 +26,13 @@ inline unsigned edges_of(const CornerName& corner, const std::array<VertexId, 3>
   const auto index = [&](PointId id) {
     return id == no_point ? 3 : int(std::find(vertex.begin(), vertex.end(), id) - vertex.begin());
   };
-  const auto both_ends = [](int i) { return (1u << i) | (1u << ((i + 2) % 3)); };
-  if (corner.point != no_point) return index(corner.point) < 3 ? both_ends(index(corner.point)) : 0;
+  const auto edges_at_vertex = [](int i) { return (1u << i) | (1u << ((i + 2) % 3)); };
+  if (corner.point != no_point) return index(corner.point) < 3 ? edges_at_vertex(index(corner.point)) : 0;
   unsigned edges = 0;
   for (const PlaneName& plane : {corner.p, corner.q}) {
-    if (plane.depth) continue;
+    if (plane.depth) continue;  // a depth plane contains no edge of the facet by name
     const int i = index(plane.a), j = index(plane.b);
-    if (i < 3 && j < 3 && i != j) edges |= both_ends(i) & both_ends(j);
+    if (i < 3 && j < 3 && i != j) edges |= edges_at_vertex(i) & edges_at_vertex(j);
   }
   return edges;
 }
@@ -49,11 +51,12 @@ class SeenPiece {
         chart_(chart) {
     if (look.mesh != nullptr) {
       // The names are those of the facet that was seen, which may be a part of this facet.
-      FacetCone own;
-      if (FacetCone::make(*look.mesh, piece_.facet, look.tubes.apex, own) && own.point == facet.point) {
-        vertex_ = own.vertex;
+      FacetCone facet_when_seen;
+      if (FacetCone::make(*look.mesh, piece_.facet, look.tubes.apex, facet_when_seen) &&
+          facet_when_seen.point == facet.point) {
+        vertex_ = facet_when_seen.vertex;
       } else {
-        vertex_.fill(no_point);
+        vertex_.fill(no_point);  // no corner lies on a facet edge by name, so whole_ becomes false
         is_cut_ = true;
       }
     } else {
@@ -105,14 +108,14 @@ class SeenPiece {
     }
     return lines_;
   }
-  /// Returns the corner of this piece at which `arriving` turns into `leaving`, or null if these are not
-  /// successive lines of the piece.
+  /// Compares addresses, so `lines_` must not move between calls. Returns the corner of this piece at which
+  /// `arriving` turns into `leaving`, or null if these are not successive lines of the piece.
   const glm::dvec3* corner_between(const PlaneLine& arriving, const PlaneLine& leaving) const {
     const std::less<const PlaneLine*> before;
-    const auto own = [&](const PlaneLine& line) {
+    const auto is_line_of_this = [&](const PlaneLine& line) {
       return !lines_.empty() && !before(&line, &lines_.front()) && !before(&lines_.back(), &line);
     };
-    if (!own(arriving) || !own(leaving)) return nullptr;
+    if (!is_line_of_this(arriving) || !is_line_of_this(leaving)) return nullptr;
     const std::size_t k = std::size_t(&leaving - lines_.data());
     return std::size_t(&arriving - lines_.data()) == (k == 0 ? lines_.size() : k) - 1 ? &points_[k] : nullptr;
   }
@@ -148,13 +151,14 @@ class SeenPiece {
 /// Computes the intersection of two pieces of a facet; empty if there is none.
 inline void shared_by(SeenPiece& sent, SeenPiece& received, LinePolygon& polygon) {
   thread_local std::vector<int> sides;
-  const auto clip_by = [&](SeenPiece& other, bool edges_too) {
-    const auto& walls = other.lines();
-    for (std::uint32_t k = 0; k < walls.size() && !polygon.empty(); ++k)
-      if (!walls[k].is_none() && (edges_too || !other.on_facet_edge(k))) clip(polygon, walls[k], sides);
+  const auto clip_by = [&](SeenPiece& other, bool including_facet_edges) {
+    const auto& lines = other.lines();
+    for (std::uint32_t k = 0; k < lines.size() && !polygon.empty(); ++k)
+      if (!lines[k].is_none() && (including_facet_edges || !other.on_facet_edge(k)))
+        clip(polygon, lines[k], sides);
   };
   // A visible piece lies on its facet, so the facet's own edges cut nothing off. Pieces of a part that a
-  // mirror has cut are an exception.
+  // mirror has cut are an exception. Such a piece is never the whole facet.
   if (sent.is_whole_facet() && !received.is_whole_facet()) {
     polygon = received.polygon();
     if (received.is_of_cut_facet()) clip_by(sent, true);

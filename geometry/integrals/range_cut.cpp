@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Integrates a function g of range over planar polygons, by range samples. Let F_k(r) be the integral of
-// g(s) s ds. By Green's theorem the integral over polygon and sample k is the integral of F_k(r(phi)) dphi
-// along the boundary. Chebyshev interpolants on cells give F_k, and Gauss-Legendre rules integrate along the
-// edges.
+// Integrates a function g of range over planar polygons, by range samples. Let rho and phi be polar
+// coordinates about the foot, which is the point of the plane nearest to the apex. With r^2 = D^2 + rho^2 an
+// area element is r dr dphi. Let F_k(r) be the integral of g(r) r dr from the lower border of sample k to r,
+// but at most to its upper border. By Green's theorem the integral over polygon and sample k is the integral
+// of F_k(r(phi)) dphi along the boundary. Chebyshev interpolants on cells (parts of samples) give F_k, and
+// Gauss-Legendre rules integrate along the parts of edges that lie in one cell (stretches).
 
 #include "geometry/integrals/range_cut.hpp"
 
@@ -20,7 +22,7 @@ namespace {
 
 using Cell = RadialIntegral::Cell;
 
-constexpr int nodes = 12;  // of the Chebyshev interpolant of g(s) s; its degree is 11, that of its primitive
+constexpr int nodes = 12;  // of the Chebyshev interpolant of g(r) r; its degree is 11, that of its primitive
                            // 12
 
 struct ChebyshevTables {
@@ -42,15 +44,15 @@ struct ChebyshevTables {
 };
 
 /// The integrand of a RadialIntegral.
-struct Radial {
+struct Integrand {
   const std::function<double(double)>& g;
-  std::span<const double> corners;
-  double roundings;
+  std::span<const double> kinks;  ///< ranges at which derivatives of g may jump
+  double roundings;               ///< error of g in units of 1e-15
 };
 
-/// Interpolates g(s) s on [cell.lo, cell.hi]. Returns false if the interpolant is less accurate than
-/// rounding, unless `anyway`.
-bool fit(Cell& cell, const Radial& radial, bool anyway) {
+/// Interpolates g(r) r on [cell.lo, cell.hi]. Returns false if the last two coefficients exceed the rounding
+/// error of the values, unless `accept_inaccurate`.
+bool fit(Cell& cell, const Integrand& integrand, bool accept_inaccurate) {
   static const ChebyshevTables tables;
   const double half = (cell.hi - cell.lo) / 2;
   cell.middle = cell.lo + half;
@@ -58,10 +60,10 @@ bool fit(Cell& cell, const Radial& radial, bool anyway) {
 
   std::array<double, nodes> value{}, chebyshev{};
   for (int j = 0; j < nodes; ++j) {
-    const double s = cell.middle + half * tables.x[j];
-    value[j] = radial.g(s) * s;
+    const double r = cell.middle + half * tables.x[j];
+    value[j] = integrand.g(r) * r;
     if (!std::isfinite(value[j]))
-      throw std::invalid_argument(fmt::format("the function to integrate is not finite at range {} m", s));
+      throw std::invalid_argument(fmt::format("the integrand is not finite at range {} m", r));
   }
   double largest = 0;
   for (int k = 0; k < nodes; ++k) {
@@ -69,14 +71,14 @@ bool fit(Cell& cell, const Radial& radial, bool anyway) {
     chebyshev[k] *= (k == 0 ? 1.0 : 2.0) / nodes;
     largest = std::max(largest, std::abs(chebyshev[k]));
   }
-  // The range itself is rounded, which appears as slope * range * rounding. With strong absorption the
-  // values have many times their own rounding error, and a finer cell does not reduce it.
-  const double slope = std::abs(value[0] - value[nodes - 1]) / (cell.hi - cell.lo);
-  const double noise = 1e-15 * (radial.roundings * largest + slope * cell.hi) + 1e-300;
-  if (std::max(std::abs(chebyshev[nodes - 1]), std::abs(chebyshev[nodes - 2])) > noise && !anyway)
+  // The range itself is rounded. This changes the values by slope * range * rounding, which strong absorption
+  // makes larger than the rounding error of g. A finer cell does not reduce this error.
+  const double mean_slope = std::abs(value[0] - value[nodes - 1]) / (cell.hi - cell.lo);
+  const double noise = 1e-15 * (integrand.roundings * largest + mean_slope * cell.hi) + 1e-300;
+  if (std::max(std::abs(chebyshev[nodes - 1]), std::abs(chebyshev[nodes - 2])) > noise && !accept_inaccurate)
     return false;
 
-  int degree = nodes - 1;  // omits terms below the rounding of s and g(s): narrow samples need degree 3 or 4
+  int degree = nodes - 1;  // omits terms below the rounding of r and g(r): narrow samples need degree 3 or 4
   while (degree > 0 && std::abs(chebyshev[degree]) <= noise) --degree;
   std::array<double, nodes> coefficient{};
   for (int k = 0; k <= degree; ++k)
@@ -87,40 +89,40 @@ bool fit(Cell& cell, const Radial& radial, bool anyway) {
   return true;
 }
 
-void append_cells(std::vector<Cell>& cells, double lo, double hi, std::size_t sample, const Radial& radial) {
+void append_cells(std::vector<Cell>& cells, double lo, double hi, std::size_t sample,
+                  const Integrand& integrand) {
   Cell cell;
   cell.lo = lo;
   cell.hi = hi;
   cell.sample = sample;
-  const bool narrow = hi - lo < 1e-10 * hi;
-  const auto corner = std::lower_bound(radial.corners.begin(), radial.corners.end(), lo);
-  if (fit(cell, radial, narrow && corner != radial.corners.end() && *corner <= hi)) {
+  const bool narrow = hi - lo < 1e-10 * hi;  // the contribution of such a cell is below rounding
+  const auto kink = std::lower_bound(integrand.kinks.begin(), integrand.kinks.end(), lo);
+  if (fit(cell, integrand, narrow && kink != integrand.kinks.end() && *kink <= hi)) {
     cells.push_back(cell);
     return;
   }
-  if (narrow)
-    throw std::invalid_argument(fmt::format("the function to integrate is not smooth at range {} m", lo));
-  // Geometric halving away from the singularity at the apex needs few cells. For narrow samples it equals
+  if (narrow) throw std::invalid_argument(fmt::format("the integrand is not smooth at range {} m", lo));
+  // Geometric halving away from the singularity of g at range 0 needs few cells. For narrow samples it equals
   // arithmetic halving.
   const double cut = hi > 2 * lo ? std::sqrt(lo * hi) : lo + (hi - lo) / 2;
-  append_cells(cells, lo, cut, sample, radial);
-  append_cells(cells, cut, hi, sample, radial);
+  append_cells(cells, lo, cut, sample, integrand);
+  append_cells(cells, cut, hi, sample, integrand);
 }
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Fewer stretches than this are integrated one by one.
-constexpr std::size_t few = 3;
+constexpr std::size_t min_batch = 3;
 
 /// Two nodes of a quadrature at once, each computed as a single double would be.
-using Pair = double __attribute__((vector_size(16)));
+using Double2 = double __attribute__((vector_size(16)));
 
 /// The Gauss-Legendre rule of n nodes on [-1, 1], in pairs. For odd n the last pair has a padding node of
 /// weight 0.
 template <unsigned n>
 struct PairedRule {
   static constexpr std::size_t pairs = (n + 1) / 2;
-  std::array<Pair, pairs> x{}, weight{};
+  std::array<Double2, pairs> x{}, weight{};
   std::array<double, n> each_x{}, each_weight{};  ///< the same nodes and weights, one by one
   PairedRule() {
     using Rule = boost::math::quadrature::gauss<double, n>;
@@ -154,7 +156,7 @@ RuleOfStretches rule_of(double count) {
 }  // namespace
 
 RadialIntegral::RadialIntegral(std::span<const double> borders_m, const std::function<double(double)>& g,
-                               std::span<const double> corners_m, double roundings)
+                               std::span<const double> kinks_m, double roundings)
     : samples_(borders_m.size() - 1) {
   if (borders_m.size() < 2) throw std::invalid_argument("range samples need at least two borders");
   for (std::size_t k = 0; k < borders_m.size(); ++k)
@@ -162,16 +164,16 @@ RadialIntegral::RadialIntegral(std::span<const double> borders_m, const std::fun
       throw std::invalid_argument(fmt::format(
           "borders of range samples must be finite, not negative and increasing; border {} is {} m", k,
           borders_m[k]));
-  const Radial radial{g, corners_m, roundings};
+  const Integrand integrand{g, kinks_m, roundings};
   for (std::size_t k = 0; k < samples_; ++k) {
     double lo = std::max(borders_m[k], nearest_range_m);
     const double hi = borders_m[k + 1];
-    for (auto corner = std::upper_bound(corners_m.begin(), corners_m.end(), lo);
-         corner != corners_m.end() && *corner < hi; ++corner) {
-      append_cells(cells_, lo, *corner, k, radial);
-      lo = *corner;
+    for (auto kink = std::upper_bound(kinks_m.begin(), kinks_m.end(), lo);
+         kink != kinks_m.end() && *kink < hi; ++kink) {
+      append_cells(cells_, lo, *kink, k, integrand);
+      lo = *kink;
     }
-    if (hi > lo) append_cells(cells_, lo, hi, k, radial);
+    if (hi > lo) append_cells(cells_, lo, hi, k, integrand);
   }
   if (cells_.empty()) throw std::invalid_argument("all range samples are nearer than a nanometre");
   from_front_.reserve(cells_.size());
@@ -207,7 +209,8 @@ std::size_t RadialIntegral::cell_at(double range_m) const {
   const double* high = highs();
   if (!(range_m >= high[0])) return 0;
   if (range_m >= high[cells_.size() - 1]) return cells_.size();
-  // Samples are uniform and most of them have one cell, so that the guess is nearly always right.
+  // Samples are usually uniform and have one cell each, so that the guess is nearly always right. Cells are
+  // contiguous, and a wrong guess costs a linear search.
   auto k = std::min(static_cast<std::size_t>((range_m - front()) * cells_per_m_), cells_.size() - 1);
   while (range_m >= high[k]) ++k;
   while (k > 0 && range_m < high[k - 1]) --k;
@@ -280,12 +283,15 @@ SampleSpan RangeCutter::add(const PlanarPolygon& polygon, double factor, std::sp
     walk(edge);
   }
 
-  double beyond = angle_.back();
+  // Boundary in a cell counts its integral of F dphi. Boundary beyond the cell counts the whole cell times
+  // its angle about the foot.
+  double angle_beyond = angle_.back();
   for (std::size_t k = end; k-- > first_;) {
     const Cell& cell = cells[k];
-    const double all = nearest_.range > cell.lo ? from_nearest_.over(cell.hi - nearest_.range) : cell.whole;
-    out[cell.sample] += factor * (inside_[k - first_] + beyond * all);
-    beyond += angle_[k - first_];
+    // only the first cell can begin before the nearest point
+    const double whole = nearest_.range > cell.lo ? from_nearest_.over(cell.hi - nearest_.range) : cell.whole;
+    out[cell.sample] += factor * (inside_[k - first_] + angle_beyond * whole);
+    angle_beyond += angle_[k - first_];
   }
   return {cells[first_].sample, cells[end - 1].sample + 1};
 }
@@ -324,7 +330,7 @@ void RangeCutter::walk_outwards(const Edge& edge, double from, double to) {
   while (last < cells.size() && !(range_to <= highs[last] || last == last_)) ++last;
   const bool ends = last < cells.size();
   const std::size_t crossed = last - first;
-  if (crossed < few) {
+  if (crossed < min_batch) {
     for (std::size_t k = first; k < last; ++k) {
       const double end = crossing(highs[k], y);
       integrate(edge, k, y, end);
@@ -367,7 +373,7 @@ void RangeCutter::integrate_along(const Edge& edge, double direction, std::size_
     const bool alone = rule_[k] == 0 || nearest_.range > radial_.lows()[first + k];
     std::size_t end = k + 1;
     while (!alone && end < count && end - k < most_stretches && rule_[end] == rule_[k]) ++end;
-    if (end - k < few) {
+    if (end - k < min_batch) {
       for (; k < end; ++k) integrate(edge, first + k, ends_[k], ends_[k + 1]);
       continue;
     }
@@ -383,7 +389,9 @@ void RangeCutter::integrate_along(const Edge& edge, double direction, std::size_
 
 /// Adds one stretch of an edge that lies in one cell. The nearest singularities of the integrand are those
 /// of 1 / (height^2 + s^2), as far from the stretch as the foot is. On intervals of at most half that
-/// distance Gauss-Legendre converges like 8^-2n. Most intervals are shorter and need fewer nodes.
+/// distance Gauss-Legendre converges like 8^-2n (Trefethen, Approximation Theory and Approximation Practice,
+/// theorem 19.3). Most intervals are shorter and need fewer nodes. Angles and weights have the sense of the
+/// edge, whatever the direction of the walk.
 void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double to) {
   const Cell& cell = radial_.cells()[k];
   const bool from_nearest = nearest_.range > cell.lo;
@@ -399,32 +407,34 @@ void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double
   while (rest > 0) {
     const double s = edge.start + y, distance = std::sqrt(s * s + height2);
     double step = std::min(rest, distance / 2);
-    if (rest - step < step / 4) step = rest;  // no tiny remainder at the end
+    if (rest - step < step / 4) step = rest;  // no short step at the end
     const double half = direction * step / 2, centre = y + half;
 
     const auto quadrature = [&]<unsigned n>(const PairedRule<n>& rule) {
       constexpr std::size_t pairs = PairedRule<n>::pairs;
-      std::array<Pair, pairs> turned, gain;
+      std::array<Double2, pairs> dphi, range_increment;
 #pragma GCC unroll 4
       for (std::size_t p = 0; p < pairs; ++p) {
-        const Pair along = centre + half * rule.x[p], at = edge.start + along, at2 = at * at;
-        turned[p] = step / 2 * (rule.weight[p] * edge.height / (height2 + at2));
-        const Pair range2 = edge.range2 + at2, range{std::sqrt(range2[0]), std::sqrt(range2[1])};
-        const Pair reach_x = along * along_edge.x, reach_y = along * along_edge.y;
+        const Double2 along = centre + half * rule.x[p], at = edge.start + along, at2 = at * at;
+        dphi[p] = step / 2 * (rule.weight[p] * edge.height / (height2 + at2));
+        const Double2 range2 = edge.range2 + at2, range{std::sqrt(range2[0]), std::sqrt(range2[1])};
+        const Double2 reach_x = along * along_edge.x, reach_y = along * along_edge.y;
         // range - nearest range, without cancellation
-        gain[p] = ((from_nearest_point.x + reach_x) * (from_foot.x + reach_x + nearest_from_foot.x) +
-                   (from_nearest_point.y + reach_y) * (from_foot.y + reach_y + nearest_from_foot.y)) /
-                      (range + near_range) -
-                  skipped;
+        range_increment[p] =
+            ((from_nearest_point.x + reach_x) * (from_foot.x + reach_x + nearest_from_foot.x) +
+             (from_nearest_point.y + reach_y) * (from_foot.y + reach_y + nearest_from_foot.y)) /
+                (range + near_range) -
+            skipped;
       }
-      const std::array<Pair, pairs> gained = radial.over(gain);
+      const std::array<Double2, pairs> primitive_increment = radial.over(range_increment);
 #pragma GCC unroll 8
       for (std::size_t i = 0; i < n; ++i) {
-        angle += turned[i / 2][i % 2];
-        inside += turned[i / 2][i % 2] * gained[i / 2][i % 2];
+        angle += dphi[i / 2][i % 2];
+        inside += dphi[i / 2][i % 2] * primitive_increment[i / 2][i % 2];
       }
     };
-    // The error of n nodes is about (step / 2 distance)^2n. It equals rounding at each of these limits.
+    // The relative error of n nodes is about (step / (4 distance))^2n. It is 1e-17 at the limits of 3, 4 and
+    // 5 nodes, and 4e-15 for the longest steps of 8 nodes.
     if (step <= 0.006 * distance)
       quadrature(rule_of_3);
     else if (step <= 0.03 * distance)

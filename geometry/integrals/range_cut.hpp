@@ -19,7 +19,7 @@ namespace tubefoot {
 /// Integrals of a function of range over planar polygons that are cut by range samples.
 ///
 /// On a plane at distance D from the apex let rho, phi be polar coordinates about the foot point. Then r^2 =
-/// D^2 + rho^2, so that r dr = rho drho, and an area element is r dr dphi. Let F_k(r) = integral of g(s) s
+/// D^2 + rho^2, so that r dr = rho drho, and an area element is r dr dphi. Let F_k(r) = integral of g(r) r
 /// ds from r_k to r (clamped to the sample r_k .. r_k+1). By Green's theorem the integral of g(r) dA over
 /// polygon and sample k is the integral of F_k(r(phi)) dphi along the polygon's boundary. Boundary beyond
 /// the sample counts F_k(r_k+1) times its angle, and boundary nearer than the sample counts nothing. The
@@ -28,14 +28,14 @@ namespace tubefoot {
 /// This class is F. One object, prepared for a set of range samples and a g, serves any number of polygons.
 class RadialIntegral {
  public:
-  /// A range interval on which g(s) s is a polynomial up to rounding. A sample consists of one or more
+  /// A range interval on which g(r) r is a polynomial up to rounding. A sample consists of one or more
   /// cells.
   struct Cell {
     double lo = 0, hi = 0;  ///< range, metres
     double middle = 0, per_half = 0;
     int degree = 0;
     std::size_t sample = 0;
-    std::array<double, 13> primitive{};  ///< primitive of g(s) s, in x = (s - middle) * per_half
+    std::array<double, 13> primitive{};  ///< primitive of g(r) r, in x = (s - middle) * per_half
     double whole = 0;                    ///< its integral over the whole cell
   };
 
@@ -44,7 +44,7 @@ class RadialIntegral {
    public:
     From() = default;
     From(const Cell& cell, double from_m);
-    /// Integrals of g(s) s ds over lengths from there, each independent of the others. The divided
+    /// Integrals of g(r) r ds over lengths from there, each independent of the others. The divided
     /// difference of the primitive keeps the relative accuracy for short lengths too. `Real` is a double or
     /// a vector of doubles.
     template <class Real, std::size_t n>
@@ -77,12 +77,12 @@ class RadialIntegral {
 
   /// `borders_m`: sample k is borders_m[k] .. borders_m[k+1]; increasing, not negative, finite, at least
   /// two. `g`: finite and smooth on the samples. The constructor splits cells until an interpolant of degree
-  /// 11 represents g to about 1e-15. `corners_m`: increasing ranges at which cells end, because derivatives
+  /// 11 represents g to about 1e-15. `kinks_m`: increasing ranges at which cells end, because derivatives
   /// of g may jump or be infinite there. Next to such a range, a cell of 1e-10 of the range is accepted as
-  /// it is. `roundings`: number of roundings in the values of g. Throws std::invalid_argument for borders
+  /// it is. `roundings`: error of the values of g in units of 1e-15. Throws std::invalid_argument for borders
   /// that break these rules, for a g that is not finite, and for a g that no splitting makes smooth.
   RadialIntegral(std::span<const double> borders_m, const std::function<double(double)>& g,
-                 std::span<const double> corners_m = {}, double roundings = 1);
+                 std::span<const double> kinks_m = {}, double roundings = 1);
 
   std::size_t samples() const { return samples_; }
   const std::vector<Cell>& cells() const { return cells_; }
@@ -99,7 +99,7 @@ class RadialIntegral {
   /// Index of the cell that contains a range: 0 for a nearer range, cells().size() for a farther one.
   std::size_t cell_at(double range_m) const;
 
-  /// Integral of g(s) s ds from `from_m` to `from_m + length_m` inside a cell.
+  /// Integral of g(r) r ds from `from_m` to `from_m + length_m` inside a cell.
   static double within(const Cell& cell, double from_m, double length_m) {
     return From(cell, from_m).over(length_m);
   }

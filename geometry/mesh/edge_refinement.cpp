@@ -305,7 +305,7 @@ class Refiner {
 
   void count_one_more() {
     if (made_.fetch_add(1, std::memory_order_relaxed) >= limits_.facets)
-      throw RefinementTooLarge(fmt::format("a refinement makes more than {} facets", limits_.facets));
+      throw RefinementTooLarge(fmt::format("the refinement creates more than {} facets", limits_.facets));
   }
 
   RefinedMesh joined(std::vector<Yield>& yields) const {

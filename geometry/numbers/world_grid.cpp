@@ -68,7 +68,7 @@ std::size_t GridPointHash::operator()(const GridPoint& p) const noexcept {
 WorldGrid::WorldGrid(int exponent, glm::dvec3 origin_m) : exponent_(exponent), origin_m_(0) {
   if (exponent < 0 || exponent > kLargestExponent) {
     throw GridRangeError(
-        fmt::format("grid exponent {} is outside of 0 (unit 1 m) to {}", exponent, kLargestExponent));
+        fmt::format("invalid grid exponent {}: expected 0 (unit 1 m) to {}", exponent, kLargestExponent));
   }
   for (int axis = 0; axis < 3; ++axis) {
     origin_m_[axis] = std::ldexp(static_cast<double>(whole_units(origin_m[axis], exponent)), -exponent);

@@ -66,12 +66,12 @@ void check_grid(const AngularGrid& grid) {
   for (std::size_t k = 1; k < azimuth.size(); ++k)
     if (azimuth[k] - azimuth[k - 1] >= pi)
       throw std::invalid_argument(
-          fmt::format("azimuth cell {} of a tube grid spans {} rad: a tube must stay below pi", k - 1,
+          fmt::format("azimuth cell {} of a tube grid spans {} rad: a tube must span less than pi", k - 1,
                       azimuth[k] - azimuth[k - 1]));
   // The limit permits a few roundings of 2 pi, because edges are often sums of steps.
   if (azimuth.back() - azimuth.front() > 2 * pi + 1e-12)
     throw std::invalid_argument(
-        fmt::format("a tube grid spans {} rad of azimuth: beyond 2 pi its tubes overlap",
+        fmt::format("a tube grid spans {} rad in azimuth: above 2 pi, its tubes would overlap",
                     azimuth.back() - azimuth.front()));
   if (grid.elevation_edges_rad.front() <= -pi / 2 || grid.elevation_edges_rad.back() >= pi / 2)
     throw std::invalid_argument(

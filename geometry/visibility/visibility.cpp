@@ -57,7 +57,7 @@ VisibilityScratch::VisibilityScratch(VisibilityScratch&&) noexcept = default;
 Arithmetic arithmetic_from_name(std::string_view name) {
   for (const auto& [arithmetic, text] : arithmetic_names)
     if (text == name) return arithmetic;
-  throw std::invalid_argument("there is no arithmetic '" + std::string(name) +
+  throw std::invalid_argument("unknown arithmetic '" + std::string(name) +
                               "': choose fixed, filtered, rational or double");
 }
 

@@ -221,5 +221,5 @@ for call in calls:
     assert done.returncode == 0, done.stderr
     said = done.stdout.splitlines()
     assert len(said) == 7 and "filesystem error" not in done.stdout
-    deleted = "the current folder has been deleted, so the name has no starting point"
+    deleted = "the current folder has been deleted, so the relative name cannot be resolved"
     assert all(deleted in line for line in said[:5]) and all(line.startswith("here") for line in said[5:])

@@ -119,7 +119,7 @@ def test_back_projection_gives_points_their_strength(signals):
     (dict(samples=40), "longer than the record of 0.001 s per ping"),
     (dict(strengths=[1]), "one strength per target"),
     (dict(receivers=[[1, 2]]), r"receivers must have the shape \(N, 3\)"),
-    (dict(ping_times=[3]), "ping 0 starts at 3 s, but the track has poses from 0 s to 2 s only"),
+    (dict(ping_times=[3]), "ping 0 starts at 3 s, but the track has poses only from 0 s to 2 s"),
     (dict(sound_speed=-1), "sound speed is -1"),
 ])
 def test_what_makes_no_signals(change, text):

@@ -449,7 +449,8 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
 
     A probable mistake in the scene gives a :class:`SceneWarning`. A sensor that receives nothing gives a
     :class:`SilenceWarning`. Each warning appears as soon as its cause is known. With
-    ``warnings.simplefilter("error", tubefoot.SilenceWarning)`` such a run stops before its first ping.
+    ``warnings.simplefilter("error", tubefoot.SilenceWarning)`` such a run stops before its first ping. With refraction,
+    tiled terrain, relief refined per transmission or multiple paths, the cause is known only after the run.
 
     Raises:
         InputError: the scene is invalid.

@@ -135,8 +135,8 @@ std::vector<Complex> back_projected(const ElementSignals& signals, const PixelPl
   if (!std::isfinite(glm::length(plane.first_m)) || !std::isfinite(glm::length(last_m)))
     throw std::invalid_argument("the first or the last pixel of the picture has no finite position");
   if (how.half_beam_rad && !(*how.half_beam_rad > 0 && *how.half_beam_rad <= std::numbers::pi / 2))
-    throw std::invalid_argument(
-        fmt::format("the half beam is {} rad, but must be above 0 and at most pi / 2", *how.half_beam_rad));
+    throw std::invalid_argument(fmt::format(
+        "the half beam width is {} rad, but must be above 0 and at most pi / 2", *how.half_beam_rad));
   interpolator.check_holds(signals.waveform, signals.sampling);
   const Projector projector(signals, interpolator, how);
   std::vector<Complex> picture(plane.columns * plane.rows);

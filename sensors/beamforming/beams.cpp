@@ -37,7 +37,7 @@ BeamSteering normalised(const ElementSignals& signals, std::size_t ping, BeamSte
   for (std::size_t beam = 0; beam < steering.directions.size(); ++beam) {
     const double length = glm::length(steering.directions[beam]);
     require(length > 0 && std::isfinite(length),
-            fmt::format("the direction of beam {} has no length above 0", beam));
+            fmt::format("the direction of beam {} must be a finite vector with a length above 0", beam));
     steering.directions[beam] /= length;
   }
   if (steering.weights.empty()) steering.weights.assign(signals.receivers(), 1);
@@ -123,16 +123,19 @@ std::vector<Complex> delay_and_sum(const ElementSignals& signals, std::size_t pi
 std::vector<Complex> phase_and_sum(const ElementSignals& signals, std::size_t ping,
                                    const BeamSteering& requested) {
   const BeamSteering steering = normalised(signals, ping, requested);
-  require(!steering.near_field, "beams by phases need plane waves: use delay_and_sum() for the near field");
+  require(!steering.near_field,
+          "beamforming by phase shifts needs plane waves: use delay_and_sum() for the near field");
   const SignalSampling& sampling = signals.sampling;
   double longest_s = 0;
   for (std::size_t beam = 0; beam < steering.directions.size(); ++beam)
     for (std::size_t receiver = 0; receiver < signals.receivers(); ++receiver)
       longest_s = std::max(longest_s, std::abs(far_delay_s(signals, steering, beam, receiver)));
-  require(longest_s * sampling.rate_hz <= static_cast<double>(signals.samples()),
-          fmt::format("a beam arrives at a receiver {:.3g} s earlier or later than at the reference point of "
-                      "the array, longer than the record: place the receivers closer together",
-                      longest_s));
+  require(
+      longest_s * sampling.rate_hz <= static_cast<double>(signals.samples()),
+      fmt::format(
+          "the plane wave of a beam arrives at a receiver {:.3g} s earlier or later than at the reference "
+          "point of the array, which is longer than the record: place the receivers closer together",
+          longest_s));
   // Appends as many zeros as the longest shift, so that the cyclic transform does not wrap samples around.
   const SignalTransform transform(signals.samples() +
                                   static_cast<std::size_t>(std::ceil(longest_s * sampling.rate_hz)));
@@ -163,7 +166,8 @@ std::vector<double> beam_energies(const std::vector<Complex>& beams, const Signa
                                   double sound_speed_m_s, const RangeSamples& samples) {
   check(sampling);
   require(beams.size() % sampling.samples == 0,
-          fmt::format("{} values are not whole beams of {} samples", beams.size(), sampling.samples));
+          fmt::format("the number of values, {}, is not a multiple of the number of samples per beam, {}",
+                      beams.size(), sampling.samples));
   require(samples.count > 0 && samples.step_m > 0,
           "there must be at least one range sample, with a length above 0 m");
   require(sound_speed_m_s > 0,

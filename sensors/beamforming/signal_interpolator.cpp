@@ -55,8 +55,8 @@ KaiserDesign design(double band, double error) {
 SignalInterpolator::SignalInterpolator(double band, double error) : band_(band), error_(error) {
   if (!(band > 0 && band < 1))
     throw std::invalid_argument(
-        fmt::format("the band of the interpolator is {} of half the sampling rate, but must be above 0 and "
-                    "below 1: increase the sampling rate",
+        fmt::format("the band of the interpolator is {} times half the sampling rate, but this factor must "
+                    "be above 0 and below 1: increase the sampling rate",
                     band));
   if (!(error >= 1e-9 && error < 0.5))
     throw std::invalid_argument(
@@ -64,8 +64,8 @@ SignalInterpolator::SignalInterpolator(double band, double error) : band_(band),
   const auto [taps, shape] = design(band, error);
   if (taps > most_taps)
     throw std::invalid_argument(
-        fmt::format("an interpolator for {} of half the sampling rate with an error of {} needs {} taps, but "
-                    "the limit is {}: increase the sampling rate, or permit a larger error",
+        fmt::format("an interpolator for a band of {} times half the sampling rate with an error of {} needs "
+                    "{} taps, but the limit is {}: increase the sampling rate, or permit a larger error",
                     band, error, taps, most_taps));
   taps_ = taps;
   const double half = 0.5 * static_cast<double>(taps);
@@ -134,10 +134,10 @@ void SignalInterpolator::check_holds(const TransmitWaveform& waveform, const Sig
   const double farthest_hz = std::max(std::abs(waveform.start_hz - sampling.baseband_hz),
                                       std::abs(waveform.stop_hz - sampling.baseband_hz));
   if (farthest_hz <= band_ * sampling.rate_hz / 2) return;
-  throw std::invalid_argument(
-      fmt::format("the waveform extends {} Hz from the baseband frequency, but the interpolator covers {:g} "
-                  "of half the sampling rate, {} Hz: sample at {:g} Hz or more, or use a wider band",
-                  farthest_hz, band_, band_ * sampling.rate_hz / 2, 2 * farthest_hz / band_));
+  throw std::invalid_argument(fmt::format(
+      "the waveform extends {} Hz from the baseband frequency, but the interpolator covers only {:g} times "
+      "half the sampling rate, which is {} Hz: sample at {:g} Hz or more, or use a wider band",
+      farthest_hz, band_, band_ * sampling.rate_hz / 2, 2 * farthest_hz / band_));
 }
 
 }  // namespace tubefoot

@@ -84,7 +84,7 @@ struct Detection {
 /// part. A shadow or a null of the speckle within an echo therefore separates nothing, and the water between
 /// a target and the seabed does. The selected part contains the first return or the maximum. For a centroid
 /// it is the part of more energy, or the nearer of equal parts. A centroid uses only its own echo. If it
-/// falls into a gap of that echo, the range is the nearest border of a sample that counts.
+/// falls into a gap of that echo, the range is the middle of the nearest sample that counts.
 ///
 /// Throws std::invalid_argument for negative or non-finite energies, for a number of energies other than
 /// `samples.count`, for samples without length, or for an invalid rule.

@@ -61,7 +61,7 @@ void CellMeans::add(double east_m, double north_m, double value, double weight) 
 void CellMeans::add(const CellSums& sums) {
   if (sums.cell_m() != cell_m_)
     throw std::invalid_argument(
-        fmt::format("sums over cells of {} m cannot be added to cells of {} m", sums.cell_m(), cell_m_));
+        fmt::format("sums in cells of {} m cannot be added to cells of {} m", sums.cell_m(), cell_m_));
   for (const CellSum& sum : sums.sums()) add(sum);
 }
 
@@ -73,7 +73,7 @@ void CellMeans::add(const CellSum& one) {
     if (found == tiles_.end()) {
       if ((tiles_.size() + 1) * sizeof(Tile) > most_bytes_)
         throw std::runtime_error(
-            fmt::format("cells of {} m over this area need more than {} MiB: use larger cells", cell_m_,
+            fmt::format("cells of {} m in this area need more than {} MiB: use larger cells", cell_m_,
                         most_bytes_ >> 20));
       found = tiles_.emplace(key, std::make_unique<Tile>()).first;
     }

@@ -83,7 +83,7 @@ class Strips {
     const double steps = std::ceil(length_m / spacing_m_);
     if (!(steps < most_points))
       throw std::runtime_error(
-          fmt::format("a sidescan sample with a length of {:.3g} m has too many points in cells of {} m: "
+          fmt::format("a sidescan sample with a length of {:.3g} m needs too many points in cells of {} m: "
                       "divide the survey line, or use larger cells",
                       length_m, sums_.cell_m()));
     return static_cast<int>(steps);

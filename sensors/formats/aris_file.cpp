@@ -65,7 +65,7 @@ void check(const ArisHeader& header, const std::string& what) {
   require_field(header.pulse_width_us == 0 || (header.pulse_width_us >= 4 && header.pulse_width_us <= 100),
                 what, "the pulse width", header.pulse_width_us, "4 to 100 us, or 0 if unknown");
   require_field(std::abs(header.water_temperature_c) <= 1000, what, "the water's temperature",
-                header.water_temperature_c, "within -1000 to 1000 degrees");
+                header.water_temperature_c, "between -1000 and 1000 degrees");
 }
 
 ArisPingMode aris_ping_mode(int beams) {

@@ -38,12 +38,12 @@ double heading_in_circle(double heading_deg) {
 void require_field(bool holds, const std::string& what, const char* quantity, double value,
                    const char* wanted) {
   if (!holds)
-    throw std::invalid_argument(fmt::format("{}: {} is {}, must be {}", what, quantity, value, wanted));
+    throw std::invalid_argument(fmt::format("{}: {} is {}, but must be {}", what, quantity, value, wanted));
 }
 
 void check(const CameraFrame& frame, const std::string& what, int beams, int samples) {
   require_field(frame.unix_time_s >= 0 && frame.unix_time_s <= std::numeric_limits<std::uint32_t>::max(),
-                what, "the time", frame.unix_time_s, "in seconds since 1970 and before 2106");
+                what, "the time", frame.unix_time_s, "a time before 2106 in seconds since 1970");
   require_field(std::abs(frame.latitude_deg) <= 90, what, "the latitude", frame.latitude_deg,
                 "-90 to 90 degrees");
   require_field(std::abs(frame.longitude_deg) <= 180, what, "the longitude", frame.longitude_deg,
@@ -52,10 +52,10 @@ void check(const CameraFrame& frame, const std::string& what, int beams, int sam
   if (frame.camera) check(*frame.camera, what);
   constexpr double far = 1e6;  // limit for metres and for metres per second: no water is as deep
   require_field(std::abs(frame.velocity_m_s) <= far, what, "the velocity", frame.velocity_m_s,
-                "within -1e6 to 1e6 m/s");
-  require_field(std::abs(frame.depth_m) <= far, what, "the depth", frame.depth_m, "within -1e6 to 1e6 m");
+                "between -1e6 and 1e6 m/s");
+  require_field(std::abs(frame.depth_m) <= far, what, "the depth", frame.depth_m, "between -1e6 and 1e6 m");
   require_field(std::abs(frame.altitude_m) <= far, what, "the altitude", frame.altitude_m,
-                "within -1e6 to 1e6 m");
+                "between -1e6 and 1e6 m");
   const std::size_t wanted = static_cast<std::size_t>(beams) * static_cast<std::size_t>(samples);
   if (frame.amplitudes.size() != wanted)
     throw std::invalid_argument(

@@ -61,7 +61,7 @@ void check(const DdfHeader& header, const std::string& what) {
   require_field(header.sound_speed_m_s > 0 && header.sound_speed_m_s <= 1e5, what, "the speed of sound",
                 header.sound_speed_m_s, "above 0, at most 1e5 m/s");
   require_field(std::abs(header.water_temperature_c) <= 1000, what, "the water's temperature",
-                header.water_temperature_c, "within -1000 to 1000 degrees");
+                header.water_temperature_c, "between -1000 and 1000 degrees");
 }
 
 double ddf_window_length_m(const DdfHeader& camera, std::uint32_t length_code) {

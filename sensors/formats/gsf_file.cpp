@@ -40,9 +40,9 @@ const GsfOptions& checked(const std::filesystem::path& path, const GsfOptions& o
   check.text("version", options.version, header_size);
   const auto scale = [&](const char* name, const GsfScale& array, int small, int large) {
     if (array.multiplier < 1)
-      check.fail(fmt::format("multiplier of {} is {}, must be at least 1", name, array.multiplier));
+      check.fail(fmt::format("the multiplier of {} is {}, but must be at least 1", name, array.multiplier));
     if (array.bytes != small && array.bytes != large)
-      check.fail(fmt::format("{} is stored in {} bytes, must be {}", name, array.bytes,
+      check.fail(fmt::format("{} is stored in {} bytes, but must be stored in {}", name, array.bytes,
                              small == large ? fmt::to_string(small) : fmt::format("{} or {}", small, large)));
   };
   scale("depth", options.depth, 2, 4);
@@ -300,7 +300,7 @@ void GsfFile::add_attitude(std::span<const GsfAttitude> attitudes) {
     earlier_s = one.unix_time_s;
     const Attitude lie = attitude(one.heading_deg, one.pitch_deg, one.roll_deg, one.heave_m, check);
     data.append<std::uint16_t>(
-        check.integer<std::uint16_t>("time after the first [s]", one.unix_time_s - begin_s, 1000));
+        check.integer<std::uint16_t>("time after the first attitude [s]", one.unix_time_s - begin_s, 1000));
     data.append<std::int16_t>(lie.pitch);
     data.append<std::int16_t>(lie.roll);
     data.append<std::int16_t>(lie.heave);

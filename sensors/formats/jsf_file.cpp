@@ -183,7 +183,7 @@ class Message {
 }  // namespace
 
 void JsfFile::add(const JsfPing& ping, std::span<const std::complex<double>> samples) {
-  const FieldCheck check(fmt::format("{}: ping {} to {}", file_.path().string(), ping.number,
+  const FieldCheck check(fmt::format("{}: ping {}, {}", file_.path().string(), ping.number,
                                      ping.starboard ? "starboard" : "port"));
   const int weighting = weighting_of(samples, check);
   Message message(ping, samples.size(), check);

@@ -102,15 +102,15 @@ class FieldCheck {
   double positive(std::string_view name, double value) const {
     if (!(value > 0 && std::isfinite(value)))
       throw std::invalid_argument(
-          fmt::format("{}: {} is {}, must be above 0 and finite", where_, name, value));
+          fmt::format("{}: {} is {}, but must be above 0 and finite", where_, name, value));
     return value;
   }
   /// The text itself, if it fits with the terminating zero that readers expect.
   const std::string& text(std::string_view name, const std::string& value, std::size_t capacity) const {
     if (value.size() >= capacity || value.find('\0') != std::string::npos)
       throw std::invalid_argument(
-          fmt::format("{}: {} '{}' has {} bytes, must have at most {} and no zero byte", where_, name, value,
-                      value.size(), capacity - 1));
+          fmt::format("{}: {} '{}' has {} bytes, but must have at most {} and no zero byte", where_, name,
+                      value, value.size(), capacity - 1));
     return value;
   }
   [[noreturn]] void fail(const std::string& what) const {
@@ -120,7 +120,7 @@ class FieldCheck {
  private:
   [[noreturn]] void refuse(std::string_view name, double value, double lowest, double highest) const {
     throw std::invalid_argument(
-        fmt::format("{}: {} is {}, must lie within {} to {}", where_, name, value, lowest, highest));
+        fmt::format("{}: {} is {}, but must be from {} to {}", where_, name, value, lowest, highest));
   }
 
   std::string where_;

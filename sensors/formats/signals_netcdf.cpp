@@ -273,7 +273,7 @@ class SignalsInput {
       const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
       if (!(std::abs(length - 1) < 1e-6))
         root_.fail((of + "_attitude").c_str(),
-                   fmt::format("has the length {} at {} {}, expected 1", length, of, k));
+                   fmt::format("has length {} at {} {}, expected length 1", length, of, k));
       track.push_back({times[k], {{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}}});
     }
     return {std::move(track), starts, flag("stop_and_hop")};

@@ -30,11 +30,11 @@ void require(bool holds, const std::string& what) {
 
 void check_header(const SonarNetcdfHeader& h) {
   require(h.beams > 0 && h.beams <= 32767,
-          fmt::format("the number of beams is {}, must be 1 to 32767", h.beams));
+          fmt::format("the number of beams is {}, but must be 1 to 32767", h.beams));
   require(std::isfinite(h.frequency_hz) && h.frequency_hz > 0,
-          fmt::format("frequency is {} Hz, must be positive", h.frequency_hz));
+          fmt::format("the frequency is {} Hz, but must be positive", h.frequency_hz));
   require(std::isfinite(h.sound_speed_m_s) && h.sound_speed_m_s > 0,
-          fmt::format("sound speed is {} m/s, must be positive", h.sound_speed_m_s));
+          fmt::format("the sound speed is {} m/s, but must be positive", h.sound_speed_m_s));
 }
 
 template <typename Value>
@@ -98,7 +98,7 @@ class SonarNetcdfFile::State {
       require(holds, fmt::format("ping {}: {}", pings_, what));
     };
     const auto as_many = [&](std::size_t count, const char* what) {
-      fits(count == beams_, fmt::format("{} {} for {} beams", count, what, beams_));
+      fits(count == beams_, fmt::format("there are {} {} for {} beams", count, what, beams_));
     };
     as_many(ping.across_angle_deg.size(), "beam angles");
     as_many(of_signals_ ? ping.backscatter.size() : ping.backscatter_db.size(), "time series");
@@ -110,9 +110,9 @@ class SonarNetcdfFile::State {
     fits(pings_ == 0 || ping.unix_time_ns > last_time_ns_,
          "its time is not later than that of the previous ping");
     fits(ping.sample_interval_s > 0 && std::isfinite(ping.sample_interval_s),
-         fmt::format("sample interval is {} s, must be positive", ping.sample_interval_s));
+         fmt::format("its sample interval is {} s, but must be positive", ping.sample_interval_s));
     fits(ping.blanking_interval_s >= 0 && std::isfinite(ping.blanking_interval_s),
-         fmt::format("blanking interval is {} s, must be at least 0", ping.blanking_interval_s));
+         fmt::format("its blanking interval is {} s, but must be at least 0", ping.blanking_interval_s));
   }
 
   void write() {

@@ -140,8 +140,8 @@ void XtfFile::add_sidescan_ping(const XtfSidescanPing& ping) {
   put_place(packet, ping.place, check);
   const auto add_channel = [&](std::uint16_t index, const XtfChannel& channel, const char* name,
                                std::span<const std::uint16_t> samples) {
-    check.within(fmt::format("number of samples to {}", name), static_cast<double>(samples.size()), 1,
-                 header_.sidescan->max_samples);
+    check.within(fmt::format("number of samples on the {} side", name), static_cast<double>(samples.size()),
+                 1, header_.sidescan->max_samples);
     PacketBytes chunk(std::endian::little, ping_channel_size);
     chunk.put<std::uint16_t>(0, index);
     chunk.put<float>(4, check.real("slant range [m]", ping.slant_range_m));

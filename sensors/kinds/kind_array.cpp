@@ -139,7 +139,7 @@ void check_products(const ArrayDescription& own, const TomlTable& table) {
   if (own.picture_m &&
       !((*own.picture_m)[2] > (*own.picture_m)[0] && (*own.picture_m)[3] > (*own.picture_m)[1]))
     throw InputError(table.place_of("picture_m"),
-                     "'picture_m' must be [east, north, east, north] with the lower corner first");
+                     "'picture_m' must be [east, north, east, north] with the south-west corner first");
   if (own.picture_m) {
     const auto& [west, south, east, north] = *own.picture_m;
     const double columns = pixels_between(west, east, own), rows = pixels_between(south, north, own);
@@ -196,8 +196,8 @@ class ArrayKind : public SensorKind {
                            "rectangle. 1: Hann window.",
                 .ranges = {share}}),
          field("sampling_frequency_khz", &A::sampling_frequency_khz,
-               {.meaning = "Rate of the complex samples, which contain frequencies within half of this rate "
-                           "of `baseband_khz`.",
+               {.meaning = "Rate of the complex samples. They represent frequencies up to half of this rate "
+                           "below and above `baseband_khz`.",
                 .ranges = {above_0},
                 .default_value = "1.25 times the bandwidth of the pulse"}),
          field("baseband_khz", &A::baseband_khz,
@@ -231,11 +231,12 @@ class ArrayKind : public SensorKind {
                {.meaning = "true: the carrier stands still during a ping. false: the carrier moves while the "
                            "sound travels."}),
          field("own_sights", &A::own_views,
-               {.meaning = "true: each receiver uses the surface that the transmitter and this receiver both "
-                           "see. false: all receivers use the visibility from the transmitter (and from "
-                           "`receiver_arm_m`)."}),
+               {.meaning = "true: the signal of a receiver comes from the surface that is visible from both "
+                           "the transmitter and this receiver. false: the signals of all receivers come from "
+                           "the surface that is visible from the transmitter (and from `receiver_arm_m`)."}),
          field("signal_tolerance", &A::signal_tolerance,
-               {.meaning = "Approximate error of the signals, relative to their level without interference.",
+               {.meaning = "Approximate error of the signals, relative to their incoherent level (the sum of "
+                           "the energies of all echoes).",
                 .ranges = {{.lo = 1e-8, .hi = 0.1}}}),
          field("products", &A::products,
                {.meaning = "Products that tubefoot computes from the signals, in addition to signals.nc.",
@@ -265,8 +266,8 @@ class ArrayKind : public SensorKind {
          field("ping_window", &A::ping_window,
                {.meaning = "Weighting window across the pings of an aperture.", .choices = windows}),
          field("picture_m", &A::picture_m,
-               {.meaning = "Area of the picture of an aperture: east and north of the lower corner, then of "
-                           "the upper corner.",
+               {.meaning = "Area of the picture of an aperture: east and north of the south-west corner, "
+                           "then of the north-east corner.",
                 .ranges = {anywhere}}),
          field("picture_up_m", &A::picture_up_m,
                {.meaning = "Height of the horizontal plane of the picture.", .ranges = {anywhere}}),
@@ -283,9 +284,11 @@ class ArrayKind : public SensorKind {
                {.meaning = "Receivers of the second group of an interferogram, counted from 0.",
                 .ranges = {element}}),
          field("looks_range", &A::looks_range,
-               {.meaning = "Number of samples that an interferogram averages.", .ranges = {looks}}),
+               {.meaning = "Number of samples that are averaged for each cell of an interferogram.",
+                .ranges = {looks}}),
          field("looks_pings", &A::looks_pings,
-               {.meaning = "Number of pings that an interferogram averages, at most the number of all pings.",
+               {.meaning = "Number of pings that are averaged for each cell of an interferogram, at most the "
+                           "number of all pings.",
                 .ranges = {looks}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {
@@ -300,8 +303,9 @@ class ArrayKind : public SensorKind {
       if (table.has(key))
         throw InputError(
             table.place_of(key),
-            fmt::format("'{}' describes a receiver of energies, but an array records signals: remove the key",
-                        key));
+            fmt::format(
+                "'{}' applies to sonars that record energies, but an array records signals: remove the key",
+                key));
     for (const char* key : {"receivers", "receiver_spacing_m"})
       if (!own.receivers_m.empty() && table.has(key))
         throw InputError(
@@ -318,8 +322,8 @@ class ArrayKind : public SensorKind {
                                    own.receivers_m.size(), most_receivers));
     if (own.bandwidth_khz >= 2 * own.frequency_khz)
       throw InputError(place_of_pair(table, "frequency_khz", "bandwidth_khz"),
-                       fmt::format("'bandwidth_khz' ({}) around 'frequency_khz' ({}) reaches below 0: reduce "
-                                   "the bandwidth, or increase the frequency",
+                       fmt::format("a band with the width 'bandwidth_khz' ({}) around 'frequency_khz' ({}) "
+                                   "reaches below 0 Hz: reduce the bandwidth, or increase the frequency",
                                    own.bandwidth_khz, own.frequency_khz));
     try {
       tubefoot::check(waveform_of(sensor));
@@ -371,8 +375,8 @@ class ArrayKind : public SensorKind {
     constexpr double most_bytes = 512e6;  // per ping in signals.nc
     if (16 * whole * receivers > most_bytes)
       fail(
-          fmt::format("a ping of {:.0f} receivers and {:.0f} samples has {:.3g} MB, but the limit is 512 MB: "
-                      "record fewer samples, or divide the receivers among several sensors",
+          fmt::format("a ping of {:.0f} receivers and {:.0f} samples takes {:.3g} MB, but the limit is 512 "
+                      "MB: record fewer samples, or divide the receivers among several sensors",
                       receivers, whole, 16e-6 * whole * receivers));
     own.samples = static_cast<int>(whole);
     own.range_max_m = own.range_min_m + whole * step_m;

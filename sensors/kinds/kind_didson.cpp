@@ -231,16 +231,17 @@ void check_keys(const SensorDescription& sensor, const TomlTable& table) {
            fmt::format("'firing_order' must contain each cycle from 0 to {} once", camera.cycles - 1));
   if (table.has("receive_margin_deg") && !tells_beams_apart(sensor.receive, "elevation"))
     fail("receive_margin_deg",
-         "'receive_margin_deg' needs a 'receive_pattern' across the beams; without a pattern, or with one "
-         "over \"elevation\", beams end at their borders");
+         "'receive_margin_deg' needs a 'receive_pattern' across the beams, because beams without a pattern, "
+         "or with a pattern in \"elevation\", receive nothing beyond their edges: add such a pattern, or "
+         "remove the key");
   if (!table.has("transmit_steering")) return;
   if (sensor.transmit.pattern == "none")
     fail("transmit_steering",
          "'transmit_steering' needs a 'transmit_pattern': add a pattern, or remove the key");
   if (camera.transmit_steering == "beams" && sensor.transmit.angle == "elevation")
-    fail(
-        "transmit_steering",
-        "a pattern over \"elevation\" is the same for all beams of the fan: set transmit_steering = \"fan\"");
+    fail("transmit_steering",
+         "a pattern in \"elevation\" is the same for all beams of the fan and therefore needs "
+         "transmit_steering = \"fan\"");
 }
 
 /// True if the range gate is that of a preset, so that it suits any water.
@@ -265,8 +266,8 @@ void fit_aris_window(const SensorDescription& description, DidsonDescription& ca
       (std::abs(start_m - camera.window_start_m) > half_sample_m ||
        std::abs(end_m - requested_end_m) > half_sample_m))
     notes->push_back(fmt::format(
-        "sensor '{}' is an ARIS, whose range gate is in whole microseconds: at {:.2f} m/s it extends from "
-        "{:.4f} to {:.4f} m ({} us, then {} samples of {} us), not from {:.4f} to {:.4f} m",
+        "sensor '{}' is an ARIS, whose range gate consists of whole microseconds: at {:.2f} m/s it extends "
+        "from {:.4f} to {:.4f} m ({} us, then {} samples of {} us), not from {:.4f} to {:.4f} m",
         description.name, sound_speed_m_s, start_m, end_m, window->start_delay_us, camera.samples,
         window->sample_period_us, camera.window_start_m, requested_end_m));
   camera.window_start_m = start_m;
@@ -281,24 +282,25 @@ class DidsonKind : public SensorKind {
     using D = DidsonDescription;
     section.kind<D>(
         "kind", name(),
-        "Acoustic camera with one fan of beams that looks ahead. Without patterns, the beams are ideal and "
+        "Acoustic camera with one forward-looking fan of beams. Without patterns, the beams are ideal and "
         "rectangular.",
         {field("frequency_khz", &D::frequency_khz,
                {.meaning = "Frequency, which determines the absorption.", .ranges = {frequency}}),
          field("beams", &D::beams,
                {.meaning = "Number of adjacent beams. Beam 0 is the port-most beam.",
                 .ranges = {{.lo = 1, .hi = 4096}}}),
-         field("beam_centres", &D::beam_centres,
-               {.meaning = "even: beams of equal width over `horizontal_deg`. lens: the 48 or 96 beams of a "
-                           "DIDSON lens, without `horizontal_deg`; borders lie midway between beam centres.",
-                .choices = {"even", "lens"}}),
+         field(
+             "beam_centres", &D::beam_centres,
+             {.meaning = "even: beams of equal width within `horizontal_deg`. lens: the 48 or 96 beams of a "
+                         "DIDSON lens, without `horizontal_deg`; borders lie midway between beam centres.",
+              .choices = {"even", "lens"}}),
          field("horizontal_deg", &D::horizontal_deg,
                {.meaning = "One-way width of the whole fan.", .ranges = {sector(180, true)}}),
          field("vertical_deg", &D::vertical_deg,
                {.meaning = "One-way height of the fan.", .ranges = {sector(170, false)}}),
          field("transmit_horizontal_deg", &D::transmit_horizontal_deg,
-               {.meaning = "Width of the transmitted sector about the same axis. Only parts of beams within "
-                           "this sector contribute.",
+               {.meaning = "Width of the transmitted sector about the axis of the fan. Only parts of beams "
+                           "within this sector contribute.",
                 .ranges = {sector(180, true)},
                 .default_value = "value of horizontal_deg"}),
          field("transmit_vertical_deg", &D::transmit_vertical_deg,
@@ -323,11 +325,11 @@ class DidsonKind : public SensorKind {
                 .ranges = {{.lo = 0, .hi = 4095}},
                 .default_value = "in increasing order"}),
          field("transmit_steering", &D::transmit_steering,
-               {.meaning =
-                    "beams: one transmit pattern per beam of the cycle, steered to the beam axis; powers "
-                    "add. fan: one pattern at the middle of the fan. Patterns over elevation require fan.",
+               {.meaning = "beams: one transmit pattern per beam of the cycle, steered to the beam axis; the "
+                           "transmitted powers are added. fan: one pattern at the centre of the fan. "
+                           "Patterns in elevation require fan.",
                 .choices = {"fan", "beams"},
-                .default_value = "beams with several cycles, else fan"}),
+                .default_value = "beams if there are several cycles, else fan"}),
          field("samples", &D::samples,
                {.meaning = "Number of range bins of equal length.", .ranges = {range_samples}}),
          field("window_start_m", &D::window_start_m,
@@ -336,7 +338,7 @@ class DidsonKind : public SensorKind {
                {.meaning = "Length of the range gate.", .ranges = {sonar_range}}),
          field("pictures", &D::pictures,
                {.meaning = "all: a picture per ping. sequence: only the contact sheet of up to 20 pings, "
-                           "which tubefoot always writes for several pings.",
+                           "which tubefoot always writes if there are several pings.",
                 .choices = {"all", "sequence"}})});
   }
   void check(const SensorDescription& sensor, const TomlTable& table) const override {

@@ -168,7 +168,7 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
     append_line(made.line, recording, placer, ping, bottom);
     return made;
   };
-  Steps steps("pings for echosounder files", recording.pings());
+  Steps steps("pings converted for echosounder files", recording.pings());
   in_order(steps, 0, recording.pings(), 2 * sizeof(float) * recording.cells(), sounded,
            [&](std::size_t, const ReceivedPing& made) {
              energies.insert(energies.end(), made.energies.begin(), made.energies.end());
@@ -210,8 +210,8 @@ class EchosounderKind : public SensorKind {
          field("beam_deg", &E::beam_deg,
                {.meaning = "Full one-way width of the beam at -3 dB.", .ranges = {sector(90, false)}}),
          field("sector_deg", &E::sector_deg,
-               {.meaning = "Side of the square sector about the axis. The sonar receives nothing from "
-                           "outside this sector.",
+               {.meaning = "Angular width of the square sector about the axis. The sonar receives nothing "
+                           "from outside this sector.",
                 .ranges = {sector(170, false)},
                 .default_value = "3 times beam_deg, at most 170"}),
          field("samples", &E::samples,

@@ -103,13 +103,12 @@ class ImagingKind : public SensorKind {
   void add_keys(TomlSection<SensorDescription>& section) const override {
     using I = ImagingDescription;
     section.kind<I>(
-        "kind", name(),
-        "Imaging (forward-looking) sonar with one fan of ideal rectangular beams that looks ahead.",
+        "kind", name(), "Imaging (forward-looking) sonar with one fan of ideal rectangular beams.",
         {field("frequency_khz", &I::frequency_khz,
                {.meaning = "Frequency, which determines the absorption and the beam patterns.",
                 .ranges = {frequency}}),
          field("beams", &I::beams,
-               {.meaning = "Number of adjacent beams over `horizontal_deg`. Beam 0 is the port-most beam.",
+               {.meaning = "Number of adjacent beams within `horizontal_deg`. Beam 0 is the port-most beam.",
                 .ranges = {{.lo = 1, .hi = 4096}}}),
          field("horizontal_deg", &I::horizontal_deg,
                {.meaning = "One-way width of the whole fan.", .ranges = {sector(180, true)}}),

@@ -60,7 +60,7 @@ class InterferometricKind : public SensorKind {
                             .former_name = "staff_tilt_deg"}));
     fields.push_back(field("phase_noise", &I::phase_noise,
                            {.meaning = "true: the phases of soundings contain the random error of a single "
-                                       "look at the coherence of the range bin."}));
+                                       "look, which depends on the coherence of the range bin."}));
     section.kind<I>("kind", name(),
                     "Sidescan sonar with a receiver pair on each side. One receiver is above the "
                     "transmitter, the other below.",

@@ -62,7 +62,8 @@ Scanning::Scanning(const SensorDescription& description) : Sensor(description) {
   const auto& scan = description.kind.as<ScanningDescription>();
   require(scan.scan_deg > 0 && scan.scan_deg <= 360, description, "scan_deg", scan.scan_deg,
           "above 0 and at most 360");
-  require(steps_of(scan).has_value(), description, "step_deg", scan.step_deg, "a whole part of scan_deg");
+  require(steps_of(scan).has_value(), description, "step_deg", scan.step_deg,
+          "scan_deg divided by a whole number");
   require(scan.beam_horizontal_deg > 0 && scan.beam_horizontal_deg < 180, description, "beam_horizontal_deg",
           scan.beam_horizontal_deg, "above 0 and below 180");
   require(scan.beam_vertical_deg > 0 && scan.beam_vertical_deg < 180, description, "beam_vertical_deg",
@@ -140,7 +141,7 @@ std::string steps_table(const Recording& recording, const std::optional<Receiver
     }
     return lines;
   };
-  Steps steps("scans for the table", recording.pings());
+  Steps steps("scans written to the table", recording.pings());
   in_order(steps, 0, recording.pings(), sizeof(double) * recording.cells(), lines_of,
            [&](std::size_t, const std::string& lines) { text += lines; });
   return text;
@@ -155,14 +156,14 @@ class ScanningKind : public SensorKind {
     constexpr ValueRange scan{.lo = 0, .hi = 360, .lo_excluded = true};
     section.kind<S>(
         "kind", name(),
-        "Mechanically scanning sonar, whose single beam turns from port to starboard. A ping is a scan with "
+        "Mechanical scanning sonar, whose single beam turns from port to starboard. A ping is a scan with "
         "one transmission per step.",
         {field("frequency_khz", &S::frequency_khz,
                {.meaning = "Frequency, which determines the absorption and the beam patterns.",
                 .ranges = {frequency}}),
          field("scan_deg", &S::scan_deg,
-               {.meaning = "Sector of a scan, centred straight ahead. The steps point at whole multiples of "
-                           "`step_deg`.",
+               {.meaning = "Width of the sector that a scan covers, centred straight ahead. The directions "
+                           "of the beam are whole multiples of `step_deg`.",
                 .ranges = {scan}}),
          field("step_deg", &S::step_deg,
                {.meaning = "Angle between transmissions. `scan_deg` is a whole multiple of this angle, with "
@@ -192,7 +193,7 @@ class ScanningKind : public SensorKind {
     const std::optional<int> steps = steps_of(scan);
     if (!steps)
       throw InputError(place_of_pair(table, "scan_deg", "step_deg"),
-                       fmt::format("'scan_deg' ({}) must be a whole multiple of 'step_deg' ({}), at most "
+                       fmt::format("'scan_deg' ({}) must be a whole multiple of 'step_deg' ({}) and at most "
                                    "4096 steps, but it is {:.6g} steps",
                                    scan.scan_deg, scan.step_deg, scan.scan_deg / scan.step_deg));
     const double scan_s = *steps * step_interval_s(scan);

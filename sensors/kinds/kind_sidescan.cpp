@@ -55,7 +55,7 @@ class SidescanKind : public SensorKind {
     fields.push_back(field("axis_depression_deg", &S::axis_depression_deg,
                            {.meaning = "Depression angle of the axis of the transmit and receive patterns.",
                             .ranges = {depression},
-                            .default_value = "middle of the fan"}));
+                            .default_value = "centre of the fan"}));
     fields.push_back(field("sampling_frequency_khz", &S::sampling_frequency_khz,
                            {.meaning = "Sampling frequency f, instead of `samples`. A range bin is c / (2 f) "
                                        "long, and the last bin ends at or before `range_max_m`.",
@@ -181,12 +181,12 @@ Sidescan::Sidescan(const SensorDescription& description, const SidescanDescripti
   require(fan.depression_min_deg >= -90 && fan.depression_min_deg < fan.depression_max_deg, description,
           "depression_min_deg", fan.depression_min_deg, "-90 or more and below depression_max_deg");
   require(fan.depression_max_deg <= 90, description, "depression_max_deg", fan.depression_max_deg,
-          "at most 90, because the fans of port and starboard would overlap");
+          "at most 90, because otherwise the port and starboard fans would overlap");
 
   if (fan.sampling_frequency_khz)
-    throw std::invalid_argument(
-        fmt::format("sensor '{}': 'sampling_frequency_khz' determines range bins only with a sound speed",
-                    description.name));
+    throw std::invalid_argument(fmt::format(
+        "sensor '{}': the range bins cannot be computed from 'sampling_frequency_khz' without a sound speed",
+        description.name));
 
   frequency_khz_ = fan.frequency_khz;
   samples_ = range_window(description, fan);

@@ -65,10 +65,13 @@ PatternTable read_pattern_file(const std::filesystem::path& file) {
     // At smaller steps angles in radians may be equal, and a slope between them would not be a number.
     constexpr double least_step_deg = 1e-9;
     if (!angle_deg.empty() && !(angle - angle_deg.back() >= least_step_deg))
-      throw InputError(place, fmt::format("angle_deg is {} after {}: expected increasing angles", angle,
-                                          angle_deg.back()));
+      throw InputError(
+          place, fmt::format("angle_deg is {}, but the previous angle is {}: expected increasing angles",
+                             angle, angle_deg.back()));
     if (angle_deg.size() == most_rows)
-      throw InputError(place, fmt::format("more than {} rows: expected a beam pattern", most_rows));
+      throw InputError(
+          place,
+          fmt::format("the file has more than {} rows, which is the limit for a beam pattern", most_rows));
     angle_deg.push_back(angle);
     level_db.push_back(level);
   }

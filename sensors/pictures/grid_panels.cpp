@@ -119,7 +119,7 @@ void draw(Canvas& canvas, const GridPanel& panel, int left, int top, DrawingSize
 }  // namespace
 
 Canvas draw_grid_page(const GridPage& page, const std::string& font) {
-  if (page.panels.empty()) throw std::invalid_argument("a page without drawings");
+  if (page.panels.empty()) throw std::invalid_argument("the page has no drawings");
   for (const GridPanel& panel : page.panels)
     if (panel.columns == 0 || panel.rows == 0 || !panel.colour || panel.across.first == panel.across.last ||
         panel.down.first == panel.down.last)

@@ -8,7 +8,8 @@
 namespace tubefoot {
 
 std::string reason_in_words(const std::string& said) {
-  return said.empty() ? "no reason is given: memory may be short" : said + ", or memory is short";
+  return said.empty() ? "no reason is given: there may be too little memory"
+                      : said + ", or there is too little memory";
 }
 
 std::vector<unsigned char> encoded_image(const std::filesystem::path& file, const OIIO::ImageSpec& spec,

@@ -74,8 +74,8 @@ Bytes png_bytes(int width, int height, std::span<const float> components, int bi
   if (width < 1 || height < 1 || (bits != 8 && bits != 16) ||
       components.size() != 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
     throw std::invalid_argument(
-        fmt::format("a PNG of {} x {} pixels of 3 x {} bits is not made of {} components", width, height,
-                    bits, components.size()));
+        fmt::format("a PNG of {} x {} pixels with 3 x {} bits cannot be made from {} components", width,
+                    height, bits, components.size()));
   const Bytes rows =
       rows_of(static_cast<std::size_t>(width), static_cast<std::size_t>(height), components.data(), bits);
   constexpr std::size_t longest_chunk = 0x7fffffff;

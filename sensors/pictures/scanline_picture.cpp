@@ -71,14 +71,15 @@ void ScanlinePicture::check(bool done) {
 
 void ScanlinePicture::add_row(const void* values) {
   if (rows_ >= spec_.height)
-    throw std::logic_error(fmt::format("{}: the picture has {} rows", path_.string(), spec_.height));
+    throw std::logic_error(fmt::format("{}: the picture has only {} rows, but more rows were given",
+                                       path_.string(), spec_.height));
   check(output_->write_scanline(rows_++, 0, spec_.format, values));
 }
 
 void ScanlinePicture::finish() {
   if (rows_ != spec_.height)
     throw std::logic_error(
-        fmt::format("{}: {} of the picture's {} rows were given", path_.string(), rows_, spec_.height));
+        fmt::format("{}: only {} of the picture's {} rows were given", path_.string(), rows_, spec_.height));
   check(output_->close());
   stream_->complete();
 }

@@ -61,7 +61,8 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
       interpolator_for(model.waveform, model.sampling, products.interpolation_error)
           .check_holds(model.waveform, model.sampling);
     } catch (const std::invalid_argument& error) {
-      why.push_back(fmt::format("'{}': no {}: {}", recording.sensor->description().name, name, error.what()));
+      why.push_back(fmt::format("'{}': tubefoot does not compute the {}: {}",
+                                recording.sensor->description().name, name, error.what()));
       (products.*product).reset();
     }
   };
@@ -79,11 +80,10 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
 void require_memory_of(const SignalProducts& products, const Recording& recording, const RunContext& run) {
   const SignalCounts counts = counts_of(recording);
   const double bounds = run.with_bounds ? 2 : 1;
-  require_memory(
-      2 * bounds * bytes_of(counts) + memory_of_signal_files(products, counts),
-      recording.sensor->description().place,
-      fmt::format("the files of the signals of {} pings and {} receivers", counts.pings, counts.receivers),
-      "use fewer pings at a time (--pings), or leave out products");
+  require_memory(2 * bounds * bytes_of(counts) + memory_of_signal_files(products, counts),
+                 recording.sensor->description().place,
+                 fmt::format("the signal files of {} pings and {} receivers", counts.pings, counts.receivers),
+                 "use fewer pings at a time (--pings), or leave out products");
 }
 
 }  // namespace
@@ -121,7 +121,8 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
   const SensorDescription& description = recording.sensor->description();
   if (!recording.signals) {
     warnings.push_back(fmt::format(
-        "'{}': energies do not determine phases, so there are no files of its signals", description.name));
+        "'{}': no signal files are written, because the phases of signals cannot be computed from energies",
+        description.name));
     return {};
   }
   const std::vector<std::string> left_out = leave_out(products, recording);

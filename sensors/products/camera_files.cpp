@@ -147,7 +147,7 @@ class Levels {
       }
       return places;
     };
-    Steps steps("pings for the scale of camera files", recording_.pings());
+    Steps steps("pings read to find the scale of the camera files", recording_.pings());
     in_order(steps, 0, recording_.pings(), (sizeof(double) + sizeof(std::uint32_t)) * recording_.cells(),
              places_of, [&](std::size_t, const std::vector<std::uint32_t>& places) {
                for (const std::uint32_t place : places) ++counts[place];
@@ -210,7 +210,7 @@ void write_frames(CameraFile&& file, const Recording& recording, const RunContex
     });
     return codes;
   };
-  Steps steps("frames of camera files", recording.pings());
+  Steps steps("frames written to camera files", recording.pings());
   in_order(steps, 0, recording.pings(), (sizeof(double) + 1) * recording.cells(), codes_of,
            [&](std::size_t ping, const std::vector<std::uint8_t>& codes) {
              CameraFrame frame = frames.of(ping);

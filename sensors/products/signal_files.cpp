@@ -63,9 +63,10 @@ std::vector<fs::path> write_signal_files(const fs::path& folder, const ElementSi
   std::vector<fs::path> files{products.name + "-signals.nc"};
   write_signals(folder / files.front(), signals, provenance_of(products, run));
   if (silent(signals)) {
-    warnings.push_back(fmt::format(
-        "'{}': its receivers receive nothing, so there are no pictures, beams or soundings of their signals",
-        products.name));
+    warnings.push_back(
+        fmt::format("'{}': the receivers receive nothing, so tubefoot computes no pictures, beams or "
+                    "soundings from their signals",
+                    products.name));
     return files;
   }
   const bool pictures = run.pictures.wants(PictureSettings::Which::sequence);

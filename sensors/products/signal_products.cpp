@@ -37,9 +37,9 @@ void check(const SignalFan& fan, const char* of, const ElementArray& array) {
                       degrees(fan.opening_rad)));
   require(
       !across || fan.depression_rad == 0,
-      fmt::format("the {} is across the track and points straight down, so it must have no depression", of));
+      fmt::format("the {} is across the track and points straight down, so its depression must be 0", of));
   require(std::abs(fan.depression_rad) < pi / 2,
-          fmt::format("the {} points {:g} degrees down, but must be between -90 and 90", of,
+          fmt::format("the depression of the {} is {:g} degrees, but must be between -90 and 90", of,
                       degrees(fan.depression_rad)));
   weights_along(array, starboard_axis, fan.window);
 }
@@ -54,11 +54,11 @@ bool knows_sides(const ElementArray& array) {
 
 void check(const SignalSidescan& sidescan, const ElementArray& array) {
   require(std::abs(sidescan.depression_rad) < pi / 2,
-          fmt::format("the sidescan beams point {:g} degrees down, but must be between -90 and 90",
+          fmt::format("the depression of the sidescan beams is {:g} degrees, but must be between -90 and 90",
                       degrees(sidescan.depression_rad)));
   require(sidescan.sides != SignalSidescan::Sides::both || knows_sides(array),
-          "a sidescan to both sides needs receivers that distinguish port from starboard, but these are on a "
-          "line forward: use one side, or place array elements next to or above each other");
+          "a two-sided sidescan needs receivers that distinguish port from starboard, but these lie on a "
+          "line along the forward axis: use one side, or place array elements beside or above each other");
   weights_along(array, forward_axis, sidescan.window);
 }
 
@@ -89,7 +89,7 @@ void check(const SignalAperture& aperture, const ElementArray& array, std::size_
           fmt::format("the aperture pixels are {:g} x {:g} m, but must be above 0", column_m, row_m));
   require(pings >= 2, "a synthetic aperture needs two or more pings, but there is one ping");
   require(!aperture.half_beam_rad || (*aperture.half_beam_rad > 0 && *aperture.half_beam_rad <= pi / 2),
-          "the half beam of the aperture must be above 0 and at most 90 degrees");
+          "the half beam width of the aperture must be above 0 and at most 90 degrees");
   window_weights(aperture.ping_window, pings);
   weights_along(array, forward_axis, aperture.receiver_window);
 }
@@ -108,11 +108,12 @@ void check(const SignalInterferogram& interferogram, const SignalCounts& counts)
           "the upper and lower receivers of the interferogram are the same, so the phase is 0 everywhere: "
           "choose different receivers");
   const double length = glm::length(interferogram.direction);
-  require(length > 0 && std::isfinite(length), "the direction of the interferogram has no length above 0");
+  require(length > 0 && std::isfinite(length),
+          "the direction of the interferogram must be a finite vector with a length above 0");
   require(interferogram.looks_range >= 1 && interferogram.looks_range <= counts.samples &&
               interferogram.looks_pings >= 1 && interferogram.looks_pings <= counts.pings,
           fmt::format("a cell of the interferogram has {} samples and {} pings, but the signals have {} and "
-                      "{}: the numbers must be 1 or more and not larger",
+                      "{}: a cell must have at least 1 of each and at most as many as the signals",
                       interferogram.looks_range, interferogram.looks_pings, counts.samples, counts.pings));
 }
 
@@ -141,8 +142,8 @@ std::vector<double> weights_along(const ElementArray& array, glm::dvec3 axis, co
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return places[k]; });
   const double first = places[order.front()], extent = places[order.back()] - first;
   require(extent > least_extent_m,
-          "a window other than uniform needs receivers along the axis of its weights: use a uniform window, "
-          "or place receivers along this axis");
+          "a non-uniform window needs receivers at different positions along the axis of its weights: use a "
+          "uniform window, or place receivers along this axis");
   const double step = extent / static_cast<double>(count - 1);
   std::vector<double> weights(count);
   if (window.law == ApertureWindow::Law::chebyshev) {

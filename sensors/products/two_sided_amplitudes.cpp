@@ -31,7 +31,7 @@ TwoSidedAmplitudes::TwoSidedAmplitudes(const Recording& recording, const RunCont
                                        const std::filesystem::path& beside, bool for_a_map)
     : recording_(recording), rows_(beside) {
   const ReceivedPings received(recording, run);
-  Steps steps("pings for the scale of codes", recording.pings());
+  Steps steps("pings read to find the scale of the amplitudes", recording.pings());
   const auto make = [&](std::size_t ping) {
     ScaledPing made;
     for (const double energy : received.of(ping)) {

@@ -124,8 +124,8 @@ std::optional<std::string> why_no_xtf(const Recording& recording, const RunConte
   constexpr double most_before = 1e6;
   if (XtfRecord::samples_before(recording) > most_before)
     return without(
-        fmt::format("its samples begin at range 0, which needs more than {:.0f} empty samples: reduce "
-                    "range_min_m, or increase the length of range bins",
+        fmt::format("the samples of an XTF file begin at range 0, so it would need more than {:.0f} empty "
+                    "samples: reduce range_min_m, or increase the length of range bins",
                     most_before));
   constexpr double end_s = 4294967295;  // its clocks have 32 bits of seconds
   const auto [first_s, last_s] =
@@ -216,8 +216,8 @@ bool at_rest(const Recording& recording, const PingSpan& line) {
 
 std::string no_mosaic_at_rest(const std::string& name, std::size_t pings) {
   return fmt::format(
-      "{}-mosaic.tif is not written: {} a line on the seabed without area. A mosaic needs a sensor that "
-      "moves or turns between pings; the waterfall shows all received echoes",
+      "{}-mosaic.tif is not written: {} only a line on the seabed, which has no area. A mosaic needs a "
+      "sensor that moves or turns between pings; the waterfall shows all received echoes",
       name, pings == 1 ? "one ping covers" : "the sensor is at rest, so its pings cover");
 }
 
@@ -233,9 +233,10 @@ std::vector<fs::path> write_map(const fs::path& folder, const Recording& recordi
                                 const Map& map, std::vector<std::string>& warnings) {
   const fs::path file = map.name + "-mosaic.tif", picture = map.name + "-mosaic.png";
   if (map.left_out > 0)
-    warnings.push_back(fmt::format(
-        "{}: {} of {} pings are omitted, because they have no seabed straight below them, or no heading",
-        file.string(), map.left_out, map.pings));
+    warnings.push_back(
+        fmt::format("{}: {} of {} pings are omitted, because there is no seabed straight below the sensor, "
+                    "or because the sensor has no heading",
+                    file.string(), map.left_out, map.pings));
   if (map.cells.empty()) {
     warnings.push_back(
         fmt::format("{} is not written, because no echo came from the seabed on either side of the sonar",
@@ -289,7 +290,7 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
   std::vector<fs::path> files, maps;
   const std::vector<PingSpan> lines = recording.lines();
   const std::vector<std::string> names = line_names(recording);
-  Steps steps("pings for sidescan files", recording.pings());
+  Steps steps("pings converted for sidescan files", recording.pings());
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const std::string& of_line = names[k];
     std::optional<XtfRecord> xtf;

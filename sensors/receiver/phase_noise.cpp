@@ -57,7 +57,8 @@ double single_look_variance(double g) {
 
 double phase_density(double phase_rad, double coherence) {
   check(coherence);
-  if (coherence == 1) throw std::invalid_argument("phase noise: full coherence has no phase density");
+  if (coherence == 1)
+    throw std::invalid_argument("phase noise: at a coherence of 1, the phase has no probability density");
   const Terms terms(phase_rad, coherence);
   return terms.incoherence / (2 * pi * terms.root * terms.root) * (1 + terms.b * terms.angle / terms.root);
 }

@@ -42,8 +42,9 @@ std::vector<double> spread_over_pulse(std::span<const double> energies, const Ra
                                       double extent_m) {
   const auto count = static_cast<std::size_t>(std::max(0, samples.count));
   if (count == 0 || energies.size() % count != 0)
-    throw std::invalid_argument(
-        fmt::format("pulse: {} energies are not whole beams of {} samples", energies.size(), samples.count));
+    throw std::invalid_argument(fmt::format(
+        "pulse: the number of energies, {}, is not a multiple of the number of samples per beam, {}",
+        energies.size(), samples.count));
   if (!(extent_m >= 0 && std::isfinite(extent_m)))
     throw std::invalid_argument(fmt::format("pulse: the extent is {} m, but must be 0 or more", extent_m));
   const std::vector<double> part = parts(extent_m / samples.step_m, count);

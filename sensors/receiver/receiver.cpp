@@ -87,8 +87,9 @@ std::vector<double> ReceiverChain::receive(std::uint32_t ping, std::span<const d
                                            std::span<const double> gains) const {
   const std::size_t per_beam = gains.size();
   if (per_beam == 0 || energies_j.size() % per_beam != 0)
-    throw std::invalid_argument(
-        fmt::format("receiver: {} energies are not whole beams of {} samples", energies_j.size(), per_beam));
+    throw std::invalid_argument(fmt::format(
+        "receiver: the number of energies, {}, is not a multiple of the number of samples per beam, {}",
+        energies_j.size(), per_beam));
   std::vector<double> received(energies_j.size());
   for (std::size_t first = 0; first < energies_j.size(); first += per_beam)
     receive_beam(ping, static_cast<std::uint32_t>(first / per_beam), energies_j.subspan(first, per_beam),

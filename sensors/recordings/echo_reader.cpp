@@ -165,8 +165,8 @@ EchoContents read_contents(const NetcdfInput& file, const EchoGroupInput& root, 
     contents.sensors.push_back(read_sensor(found.groups[g], found.names[g]));
     for (std::size_t k = 0; k < g; ++k)
       if (contents.sensors[k].name == contents.sensors.back().name)
-        file.fail(
-            fmt::format("two groups have sensor_name '{}': give each its own", contents.sensors[k].name));
+        file.fail(fmt::format("two groups have the sensor_name '{}': give each group its own name",
+                              contents.sensors[k].name));
   }
   if (contents.sensors.empty() && root.has("pressure"))
     file.fail(

@@ -247,7 +247,7 @@ class EchoGroupInput {
       if (string) result = string;
       nc_free_string(1, &string);
     } else {
-      file_.fail(fmt::format("attribute '{}{}' is not a text: write it as one string", prefix_, attribute));
+      file_.fail(fmt::format("attribute '{}{}' is not text: write it as one string", prefix_, attribute));
     }
     return result;
   }

@@ -29,7 +29,8 @@ std::vector<Complex> SignalTransform::spectrum(std::span<const Complex> signal) 
 }
 
 std::vector<Complex> SignalTransform::signal(std::span<const Complex> spectrum) const {
-  if (spectrum.size() != length_) throw std::invalid_argument("the spectrum has another length");
+  if (spectrum.size() != length_)
+    throw std::invalid_argument("the length of the spectrum differs from that of the transform");
   std::vector<Long> bins;
   bins.reserve(length_);
   for (const Complex& bin : spectrum) bins.emplace_back(std::conj(bin));

@@ -64,7 +64,7 @@ void check(const TransmitWaveform& waveform) {
   require_positive(waveform.stop_hz, "last frequency of the waveform", "Hz");
   require_positive(waveform.duration_s, "duration of the waveform", "s");
   require(waveform.taper >= 0 && waveform.taper <= 1,
-          fmt::format("the taper of the waveform is {}, but must be within 0 (rectangle) and 1 (Hann)",
+          fmt::format("the taper of the waveform is {}, but must be between 0 (rectangle) and 1 (Hann)",
                       waveform.taper));
   const FrequencyBand band = band_of(waveform);
   require(band.low_hz > 0,

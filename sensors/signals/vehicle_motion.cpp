@@ -68,7 +68,7 @@ VehicleMotion::VehicleMotion(std::vector<Trajectory::Sample> track, std::vector<
           "ping {} starts at {} s, but must start at a finite time after the previous ping", ping, start_s));
     if (!track_.holds(start_s))
       throw std::invalid_argument(
-          fmt::format("ping {} starts at {} s, but the track has poses from {} s to {} s only", ping, start_s,
+          fmt::format("ping {} starts at {} s, but the track has poses only from {} s to {} s", ping, start_s,
                       track_.begin_s(), track_.end_s()));
     ping_pose_.push_back(track_.at(start_s));
   }

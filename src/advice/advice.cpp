@@ -307,11 +307,11 @@ Advice advise(const SceneDescription& scene, const Tolerance& tolerance, const A
 std::string left_out_by(const RunRequest& run) {
   if (run.engine == Engine::ray) return "surfaces between rays";
   if (run.binning == Binning::spread)
-    return "borders of range bins inside footprints (the scattering model at its centroid gives the energy "
-           "of a footprint, uniform over its slant ranges)";
+    return "borders of range bins inside footprints (the energy of a footprint is computed at its centroid "
+           "and spread uniformly over its slant ranges)";
   if (run.binning == Binning::centroid)
-    return "borders of range bins inside footprints (the energy of a footprint is in the range bin of its "
-           "centroid)";
+    return "borders of range bins inside footprints (the whole energy of a footprint is assigned to the "
+           "range bin of its centroid)";
   return "nothing";
 }
 

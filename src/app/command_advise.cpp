@@ -47,7 +47,8 @@ void print_advice(const Advice& advice) {
   }
   tell(
       "\nThe predicted error is a {:g} % confidence limit from the spread of the trial pings, and at least "
-      "{:g} times their error. Seconds are processor time of one thread without loading.\n",
+      "{:g} times their error. Times are in seconds of CPU time on one thread, without the loading of the "
+      "scene.\n",
       100 * error_limit_confidence, least_margin);
   tell("cheapest       {}, {}\n", advice.best().setting.engine, advice.best().setting.setting);
   tell("neglected      {}\n", left_out_by(advice.best().setting.run));

@@ -292,7 +292,7 @@ int compare_command(const CompareOptions& options) {
   tell("reference  {} ({})\ncandidate  {} ({})\n", reference.file.string(), made_by(reference.provenance),
        candidate.file.string(), made_by(candidate.provenance));
   if (output_model)
-    tell("recipe     {}{}\n", options.output_model->string(),
+    tell("model      {}{}\n", options.output_model->string(),
          output_model->title.empty() ? "" : ": " + shown_line(output_model->title));
   for (const std::string& note : pairs.notes) tell("note       {}\n", shown_line(note));
   for (std::size_t k = 0; k < diagnoses.size(); ++k) {

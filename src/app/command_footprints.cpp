@@ -106,9 +106,9 @@ int footprints_command(const FootprintOptions& options) {
         {"footprints contain single scattering only; 'run' adds the energies of second scattering"},
         options.quiet);
   if (places.exact && description.paths.order > 1)
-    print_warnings(
-        {"exact corners cover paths of order 1 only; the other formats also contain footprints over mirrors"},
-        options.quiet);
+    print_warnings({"exact corners are written only for paths of order 1; the other formats also contain "
+                    "footprints of mirror paths"},
+                   options.quiet);
 
   Files files(places, make, transmissions, index);
   std::size_t count = 0;
@@ -123,8 +123,8 @@ int footprints_command(const FootprintOptions& options) {
   }
   files.close();
   if (files.facets_of_several_rays() > 0)
-    print_warnings({fmt::format("several rays lead to {} facets; their footprints use the first arrival "
-                                "only, so 'energy_j' is less than the energy of the echo",
+    print_warnings({fmt::format("several rays lead to {} facets; the footprints of these facets contain only "
+                                "the first arrival, so 'energy_j' is less than the energy of the echo",
                                 files.facets_of_several_rays())},
                    options.quiet);
   tell("wrote {} ({} {})\n", options.output.string(), count, files.counted());

@@ -118,7 +118,7 @@ std::vector<std::string> present_words(int argc, char** argv) {
       }
   if (words.size() > 1 && words[1] == "pack") {
     words[1] = "suite";
-    if (!quiet) say("warning: the command pack is deprecated: use suite\n");
+    if (!quiet) say("warning: the command 'pack' is deprecated: use 'suite'\n");
   }
   if (words.size() > 1 && words[1] == "help") {
     words.erase(words.begin() + 1);

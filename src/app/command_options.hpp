@@ -38,7 +38,7 @@ template <class Options>
 void add_scene_flags(CLI::App& command, Options& options, const std::string& group = "Options") {
   command
       .add_flag("--confined", options.confined,
-                "reject a scene that names files outside of its folder, also through links")
+                "reject a scene that names files outside of its folder, even via links")
       ->group(group);
   command.add_flag("--quiet", options.quiet, "print results and errors only")->group(group);
 }

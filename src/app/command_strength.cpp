@@ -38,7 +38,7 @@ StrengthRequest request_of(const StrengthOptions& options) {
   }
   if (!(options.tolerance >= 1e-12 && options.tolerance <= 0.1))
     throw UsageError(
-        fmt::format("--tolerance of a --reference must be a relative bound from 1e-12 to 0.1, not '{:g}'",
+        fmt::format("with --reference, --tolerance must be a relative bound from 1e-12 to 0.1, not '{:g}'",
                     options.tolerance));
   if (options.roughness_m > 0) request.surface_name += fmt::format(", roughness {:g} m", options.roughness_m);
   constexpr double most_cells = 5e7;
@@ -75,8 +75,8 @@ int strength_command(const StrengthOptions& options) {
   const StrengthTable table = strength_of(mesh, options.mesh.filename().string(), request, options.quiet);
   output.write(table);
   if (std::ranges::all_of(table.silhouette_m2, [](double area) { return area == 0; }))
-    print_warnings({fmt::format("{}: no facet is visible from any of these directions: all facets have no "
-                                "area, or are seen edge-on",
+    print_warnings({fmt::format("{}: no facet is visible from any of these directions: each facet has no "
+                                "area, or is seen edge-on",
                                 options.mesh.string())},
                    options.quiet);
 

@@ -167,14 +167,14 @@ void take_recorded(const fs::path& folder, const RunRecord& record, ViewData& vi
                                   [&](const SensorEchoes& s) { return s.name == view.sensor; });
   if (record.beams)
     throw UsageError(fmt::format(
-        "'{}' contains beams {} only, which do not form a picture: view a run of all beams, or '{}'",
+        "'{}' contains only beams {}, which do not form a picture: view a run of all beams, or '{}'",
         folder.string(), *record.beams, record.scene.string()));
   std::vector<std::size_t> place;  // a run may contain only some pings
   if (found != contents.sensors.end()) place = places_of(view, *found);
   const bool has_all = place.size() == view.pings.size();
   if (found != contents.sensors.end() && record.pings && !has_all)
     throw UsageError(
-        fmt::format("'{}' contains pings {} of each sensor only: choose some of these pings with --pings",
+        fmt::format("'{}' contains only pings {} of each sensor: choose some of these pings with --pings",
                     folder.string(), *record.pings));
   if (found == contents.sensors.end() || found->beams != view.beams || found->samples != view.samples ||
       !has_all)
@@ -193,12 +193,12 @@ void take_recorded(const fs::path& folder, const RunRecord& record, ViewData& vi
     }
   if (record.engine != "tube")
     view.notes.push_back(
-        fmt::format("The picture comes from the {} engine and the footprints from the tube engine; their "
-                    "energies differ by {:.3g} of the energy of the picture.",
+        fmt::format("The picture comes from the {} engine and the footprints from the tube engine; the "
+                    "difference of their energies is {:.3g} times the energy of the picture.",
                     record.engine, total > 0 ? apart / total : 0));
   else if (apart > 1e-6 * total)
     view.notes.push_back(
-        fmt::format("A share of {:.3g} of the energy of the picture does not come from the direct echoes of "
+        fmt::format("A fraction of {:.3g} of the picture's energy does not come from the direct echoes of "
                     "the footprints.",
                     total > 0 ? apart / total : 0));
 }
@@ -245,7 +245,7 @@ int view_command(const ViewOptions& options) {
   view.drawing = scene_drawing(*survey, {});
   if (has_other_paths(survey->scene))
     view.notes.push_back(
-        "Footprints belong to direct echoes; paths over mirrors and second scattering have no footprints.");
+        "Footprints belong to direct echoes; mirror paths and second scattering have no footprints.");
   if (record) take_recorded(options.scene, *record, view);
   if (options.candidate) take_candidate(options, view);
   const std::string page = view_page(view);

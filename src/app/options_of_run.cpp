@@ -140,7 +140,8 @@ void add_join(CLI::App& app, CommandOptions& requested) {
   add_pictures(*command, join);
   command->add_flag("--keep-shards", join.keep_parts, "keep the files of the shards");
   command
-      ->add_option("--threads", join.threads, "number of threads (default: 'threads' of the scene, else all)")
+      ->add_option("--threads", join.threads,
+                   "number of threads (default: 'threads' of the scene, else all cores)")
       ->check(CLI::Range(1, 4096));
   add_scene_flags(*command, join);
   command->footer(

@@ -78,7 +78,7 @@ void add_coverage(CLI::App& app, CommandOptions& requested) {
   command
       ->add_option("-o,--output", coverage.output,
                    "file to write: .gpkg (GeoPackage with polygons and tables) or .csv (one row per facet). "
-                   "Another name is a folder for both files and a picture")
+                   "Any other name is a folder for both files and a picture")
       ->required()
       ->option_text("FILE");
   command
@@ -96,7 +96,7 @@ void add_coverage(CLI::App& app, CommandOptions& requested) {
 void add_strength(CLI::App& app, CommandOptions& requested) {
   StrengthOptions& strength = requested.strength;
   CLI::App* command = app.add_subcommand(
-      "strength", "Compute the target strength of a mesh over directions and frequencies (docs/signals.md)");
+      "strength", "Compute the target strength of a mesh for directions and frequencies (docs/signals.md)");
   command->add_option("MESH", strength.mesh, "mesh file in a format of scenes: .obj, .ply, .stl, .off, ...")
       ->required();
   command
@@ -144,7 +144,7 @@ void add_strength(CLI::App& app, CommandOptions& requested) {
       ->check(CLI::IsMember({"x", "y", "z"}));
   command
       ->add_option("-o,--output", strength.output,
-                   "file to write: .csv, .nc (netCDF) or .png. Another name is a folder for all three")
+                   "file to write: .csv, .nc (netCDF) or .png. Any other name is a folder for all three")
       ->required()
       ->option_text("FILE");
   command->add_option("--threads", strength.threads, "number of threads (default: all cores)")

@@ -20,8 +20,8 @@ void add_import_scene(CLI::App& app, CommandOptions& requested) {
       ->option_text("FOLDER");
   command
       ->add_option("--model-path", world.model_path,
-                   "folder of models (model://NAME/...). Files may come from it and from the folder of the "
-                   "world only. The option may be repeated")
+                   "folder of models (model://NAME/...). Files may come only from this folder and from the "
+                   "folder of the world. The option may be repeated")
       ->allow_extra_args(false)
       ->option_text("FOLDER");
   command->add_flag("--quiet", world.quiet, "do not list the parts of the world that are left out");
@@ -67,11 +67,12 @@ void add_compare(CLI::App& app, CommandOptions& requested) {
       ->check(CLI::Range(0, 1000000));
   command->add_flag("--any-scene", compare.any_scene, "compare even if the hashes of the scenes differ");
   command
-      ->add_option("--fit", compare.fit,
-                   "fit some or all of a gain, a power of range and an offset first: gain,range,offset")
+      ->add_option(
+          "--fit", compare.fit,
+          "first fit one or more of: a gain, a power of range, an offset, for example gain,range,offset")
       ->option_text("LIST");
   command->add_flag("--geometry", compare.geometry,
-                    "compare first returns, shadows and visible areas, independent of energies");
+                    "compare first returns, shadows and visible areas, independently of energies");
   command
       ->add_option("--threshold", compare.threshold,
                    "with --geometry: smallest energy of an echo of the candidate (default: its noise floor)")
@@ -83,9 +84,8 @@ void add_compare(CLI::App& app, CommandOptions& requested) {
   command
       ->add_option(
           "--ideal", compare.ideal,
-          "with --diagnose: state the error that a perfect engine with this sampling would have: 1x512 "
-          "(columns "
-          "x rays per beam) or points:512 (random), with --scene, or the echo file of such an engine")
+          "with --diagnose: state the error of a perfect engine with this sampling: 1x512 (columns x rays "
+          "per beam) or points:512 (random points), both with --scene; or the echo file of such an engine")
       ->needs("--diagnose")
       ->transform(echoes_of_run())
       ->option_text("SAMPLING");
@@ -96,8 +96,9 @@ void add_compare(CLI::App& app, CommandOptions& requested) {
                  "attribute the error to objects, materials, kinds of range bins, ranges, beams and facets")
       ->needs(scene);
   command
-      ->add_option("--frames", compare.frames,
-                   "average this number of pings of the candidate, which repeat one ping (default: 1)")
+      ->add_option(
+          "--frames", compare.frames,
+          "average groups of this number of candidate pings, which repeat the same ping (default: 1)")
       ->check(CLI::Range(1, 1000000));
   command->add_option("--within", compare.within_l1, "exit with status 3 if a relative L1 error is larger")
       ->check(finite_number(0, false));
@@ -118,10 +119,9 @@ void add_import(CLI::App& app, CommandOptions& requested) {
       "import",
       "Convert pictures of another engine to an echo file for 'compare' (docs/engine-validation.md)");
   command
-      ->add_option(
-          "RESULT", import.results,
-          "pictures, or folders of pictures: .npy, .npz, .csv, .png, .tif, .exr, .nc. Each picture is one "
-          "ping, in the order of names")
+      ->add_option("RESULT", import.results,
+                   "pictures, or folders of pictures: .npy, .npz, .csv, .png, .tif, .exr, .nc. Each picture "
+                   "is one ping, in the order of the file names")
       ->required();
   command
       ->add_option("-o,--output", import.output,
@@ -150,8 +150,7 @@ void add_import(CLI::App& app, CommandOptions& requested) {
   command
       ->add_option("--order", import.order,
                    "range-first: each row is a range; beam-first: each row is a beam; two-sided: each row is "
-                   "a ping of "
-                   "a sidescan, port on the left (default: by the shape)")
+                   "a ping of a sidescan, port on the left (default: from the shape of the picture)")
       ->check(CLI::IsMember({"range-first", "beam-first", "two-sided"}));
   // CLI11 sets an optional flag to false if it is absent, so an absent flag needs a callback to stay unset.
   const auto add_turn = [&](const char* flag, std::optional<bool>& turned, bool value, const char* words) {
@@ -169,11 +168,10 @@ void add_import(CLI::App& app, CommandOptions& requested) {
            "ranges are stored from near to far, whatever the profile assumes")
       ->excludes(range);
   command
-      ->add_option(
-          "--azimuths", import.azimuths,
-          "directions of beams: even (equiangular) or tangent (equidistant) over the sector of the "
-          "reference, FILE.csv (azimuth_deg), or FIRST:LAST in degrees (default: those that the file "
-          "states, else those of the reference)")
+      ->add_option("--azimuths", import.azimuths,
+                   "directions of beams: even (equiangular) or tangent (equidistant) within the sector of "
+                   "the reference, FILE.csv (azimuth_deg), or FIRST:LAST in degrees (default: those that the "
+                   "file states, else those of the reference)")
       ->option_text("VALUE");
   command
       ->add_option(
@@ -191,31 +189,34 @@ void add_import(CLI::App& app, CommandOptions& requested) {
       ->option_text("VALUE");
   command
       ->add_option("--forward", import.forward,
-                   "with --cartesian: direction ahead of the sonar (default: up)")
+                   "with --cartesian: direction in the picture that is ahead of the sonar (default: up)")
       ->check(CLI::IsMember({"up", "down", "left", "right"}))
       ->needs("--cartesian");
   command->add_flag("--resample", import.resample,
-                    "resample pictures with other bins to the bins of the reference, by means");
+                    "average pictures that have other bins into the bins of the reference");
   command
       ->add_option("--variable", import.variable,
                    "array of the picture in an NPZ or netCDF file, or channel of an image")
       ->option_text("NAME");
-  command->add_option("--range-variable", import.range_variable, "array of its ranges in m")
+  command->add_option("--range-variable", import.range_variable, "array with the ranges of the picture in m")
       ->option_text("NAME");
-  command->add_option("--azimuth-variable", import.azimuth_variable, "array of its azimuths in radians")
+  command
+      ->add_option("--azimuth-variable", import.azimuth_variable,
+                   "array with the azimuths of the picture in radians")
       ->option_text("NAME");
   command
       ->add_option("--topic", import.topic,
                    "topic of the pictures in a ROS 2 recording (default: the only one with pictures)")
       ->option_text("NAME");
   command
-      ->add_option("--output-model", import.output_model,
-                   "output model of the engine: test its pictures against the reference in its units")
+      ->add_option(
+          "--output-model", import.output_model,
+          "output model of the engine: compare its pictures with the reference in the engine's units")
       ->option_text("FILE");
   command->add_flag("--strict", import.strict,
-                    "reject settings that contradict the reference, instead of a warning");
+                    "reject settings that contradict the reference, instead of printing a warning");
   command->add_flag("--confined", import.confined,
-                    "reject a scene that names files outside of its folder, also through links");
+                    "reject a scene that names files outside of its folder, even via links");
   command->footer(
       "Example:\n  tubefoot import frames/*.png --like out/reference/echoes.nc --profile stonefish -o "
       "candidate.nc");
@@ -227,8 +228,8 @@ void add_import(CLI::App& app, CommandOptions& requested) {
 
 void add_chart(CLI::App& app, CommandOptions& requested) {
   ChartOptions& chart = requested.chart;
-  CLI::App* command =
-      app.add_subcommand("chart", "Run each engine with many settings and draw its error against its time");
+  CLI::App* command = app.add_subcommand(
+      "chart", "Run each engine with many settings and plot its error against its computing time");
   command->add_option("SCENE", chart.scenes, "scene files; the chart uses the first sensor of each")
       ->required();
   command->add_option("-o,--output", chart.output, "folder to write; a failed command leaves no folder")
@@ -268,8 +269,8 @@ void add_advise(CLI::App& app, CommandOptions& requested) {
       ->option_text("A:B");
   command
       ->add_option("--trial-pings", advise.trial_pings,
-                   "number of pings per sensor for the prediction, and of other pings for the measurement "
-                   "(default: 8)")
+                   "number of pings per sensor for the prediction; the same number of other pings is used "
+                   "for the measurement (default: 8)")
       ->check(CLI::Range(2, 1000000));
   command
       ->add_option(

@@ -42,7 +42,7 @@ void print_reference(double tolerance, const ReferenceStats& reference, bool ref
         reference.bins_over, tolerance);
   else
     tell(
-        "reference: {} range bins have wider bounds than {:g}; the widest is {:.3g} times the requested "
+        "reference: {} range bins have bounds wider than {:g}; the widest is {:.3g} times the requested "
         "bound, at sensor '{}', ping {}, beam {}, range bin {}\n",
         reference.bins_over, tolerance, reference.worst_ratio, reference.worst_sensor, reference.worst_ping,
         reference.worst_beam, reference.worst_sample);
@@ -68,7 +68,7 @@ void print_relief(const LoadedScene& loaded_scene, const SimulationStats& stats)
     tell("relief: {} facets, refined once, with cells of {:g} m\n", loaded_scene.scene.mesh.facets.size(),
          loaded_scene.relief.cell_m);
   tell(
-      "finer relief would change the energy of a facet by {:.2g} (RMS) and at most {:.2g} of its value; "
+      "finer relief would change the energy of a facet by {:.2g} (RMS) and at most {:.2g} times its value; "
       "these first-order estimates for the worst ping are not certified\n",
       stats.finer_relief_rms, stats.finer_relief_largest);
 }
@@ -120,7 +120,7 @@ void foresee_writing(RunInProgress& run, const Survey& survey) {
   const PictureSettings& pictures = run.options.pictures;
   if (pictures.animated && pictures.which == PictureSettings::Which::none)
     throw UsageError(
-        "--animate needs pictures, but --pictures none draws no pictures: leave out one of them");
+        "--animate needs pictures, but no pictures are drawn with --pictures none: leave out one of them");
   const WritingCost cost = expected_writing(survey, run.request, pictures);
   double kept = 0;
   for (const StoreLayout::Sensor& sensor : layout_of(survey, run.request).sensors)

@@ -227,7 +227,7 @@ std::string report_page(const ReportContents& contents) {
       "and their ratio\" src=\"data:image/png;base64,{}\"><p "
       "class=\"faint\">{}</p></section>\n{}<h2>Figures</h2>\n{}<h2>Command of this "
       "comparison</h2>\n<section><pre>{}</pre><pre class=\"faint\">{}</pre><p "
-      "class=\"faint\">docs/engine-validation.md defines every finding and "
+      "class=\"faint\">docs/compared-figures.md defines every finding and "
       "figure.</p></section>\n</body></html>\n",
       style, number(figures["candidate"]["file"]), number(figures["reference"]["file"]), notes, body,
       base64(contents.png), shown_markup(contents.caption), whose, tables, shown_markup(contents.command),

@@ -132,8 +132,8 @@ std::vector<std::string> left_out(const Survey& survey, const std::vector<std::s
     out.push_back("the sound speed profile; rays are straight, with the sound speed at the sonar");
   if (description.sea_surface) out.push_back("the sea surface and its reflections");
   if (description.paths.order > 1 || description.paths.scatterings > 1)
-    out.push_back("paths of more than one interaction");
-  if (description.georeference) out.push_back("the georeference; positions are in local metres");
+    out.push_back("paths with more than one interaction");
+  if (description.georeference) out.push_back("the georeference; positions are in metres in the local frame");
   note_sensors(survey, chosen, out);
   return out;
 }

@@ -17,8 +17,8 @@ fs::path absolute_path(const fs::path& file) {
   const std::string why =
       error == std::errc::no_such_file_or_directory ? "has been deleted" : "is unknown: " + error.message();
   throw UsageError(
-      fmt::format("'{}': the current folder {}, so the name has no starting point; go to another folder "
-                  "(cd), or give names that begin with '/'",
+      fmt::format("'{}': the current folder {}, so the relative name cannot be resolved; go to another "
+                  "folder (cd), or give names that begin with '/'",
                   file.string(), why));
 }
 

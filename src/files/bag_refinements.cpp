@@ -50,8 +50,9 @@ class Table {
       fail("is not a two-dimensional table");
     H5Sget_simple_extent_dims(space, extent_.data(), nullptr);
     if (static_cast<double>(extent_[0]) * static_cast<double>(extent_[1]) > limits::cells)
-      fail(fmt::format("has {} x {} entries, more than {:.3g}: write one coarser resolution with {}",
-                       extent_[0], extent_[1], limits::cells, advised_command(coarser, place_.file)));
+      fail(fmt::format(
+          "has {} x {} entries, more than {:.3g}: convert the file to a single, coarser resolution with {}",
+          extent_[0], extent_[1], limits::cells, advised_command(coarser, place_.file)));
     // HDF5 holds at least one whole chunk in memory, even if the chunk has few bytes in the file.
     std::array<hsize_t, 2> chunk{1, 1};
     if (H5Pget_layout(plan) == H5D_CHUNKED && H5Pget_chunk(plan, 2, chunk.data()) == 2 &&
@@ -209,8 +210,8 @@ BagRefinements read_bag_refinements(const std::filesystem::path& path) {
     const double count = static_cast<double>(e.columns) * e.rows;
     if ((nodes_met += count) > limits::cells)
       fail(
-          fmt::format("declares more than {:.3g} nodes: write one coarser resolution with {}; the number "
-                      "exceeds the limit",
+          fmt::format("declares more than {:.3g} nodes: convert the file to a single, coarser resolution "
+                      "with {}; the number exceeds the limit",
                       limits::cells, advised_command(coarser, path)));
     if (e.index + count > static_cast<double>(read.heights.size()))
       fail(fmt::format("declares {} x {} nodes from number {} of only {} nodes", e.columns, e.rows, e.index,

@@ -170,15 +170,18 @@ class Companions {
     const fs::file_status status = fs::status(path, ignored);
     if (!fs::exists(status) || status.type() == fs::file_type::directory) return false;
     if (status.type() != fs::file_type::regular)
-      throw InputError({path.string(), 0, 0},
-                       fmt::format("is a special file that belongs to '{}' by its name: move it away",
-                                   file_.filename().string()));
+      throw InputError(
+          {path.string(), 0, 0},
+          fmt::format("is a special file, but its name is that of a companion file of '{}': move it away",
+                      file_.filename().string()));
     if (path == file_ || !known_.insert(path).second) return true;
     if (admit_) admit_(path);
     if (fs::file_size(path, ignored) > most_bytes)
-      throw InputError({path.string(), 0, 0},
-                       fmt::format("has more than {} bytes and belongs to '{}' by its name: move it away",
-                                   most_bytes, file_.filename().string()));
+      throw InputError(
+          {path.string(), 0, 0},
+          fmt::format(
+              "has more than {} bytes, but its name is that of a companion file of '{}': move it away",
+              most_bytes, file_.filename().string()));
     found_.push_back(path);
     return true;
   }

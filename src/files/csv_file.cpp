@@ -77,12 +77,13 @@ std::string header_hint(std::string_view text, const std::vector<Field>& fields,
   if (text.starts_with("PK") || text.starts_with("\xD0\xCF"))
     return ": this is a spreadsheet workbook: save it as CSV";
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text.find('\0') != text.npos)
-    return ": this is UTF-16 or not a text: save it as CSV in UTF-8";
+    return ": this is UTF-16 or not text: save it as CSV in UTF-8";
   for (const auto& [separator, name] :
        {std::pair(';', "semicolons"), std::pair('\t', "tabs"), std::pair(' ', "blanks")})
     if (fields.size() == 1 && text.find(separator) != text.npos)
       return fmt::format(
-          ": the columns are separated by {}, expected commas between columns and decimal points", name);
+          ": the columns are separated by {}, expected commas between columns and points in decimal numbers",
+          name);
   double value = 0;
   const std::string_view first = fields.front().text;
   if (std::from_chars(first.data(), first.data() + first.size(), value).ec == std::errc())

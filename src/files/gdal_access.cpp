@@ -166,7 +166,7 @@ CPLHTTPResult* no_network(const char*, CSLConstList, GDALProgressFunc, void*, CP
                           void*) {
   auto* result = static_cast<CPLHTTPResult*>(CPLCalloc(1, sizeof(CPLHTTPResult)));
   result->nStatus = 1;
-  result->pszErrBuf = CPLStrdup("tubefoot reads files without the network");
+  result->pszErrBuf = CPLStrdup("tubefoot does not read files over the network");
   return result;
 }
 

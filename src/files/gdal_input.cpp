@@ -71,8 +71,8 @@ std::optional<std::string> too_large_block(GDALRasterBand& band, const std::stri
   const std::int64_t bytes = std::int64_t{columns} * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
   if (rows <= 0 || bytes <= limits::block_bytes / rows) return std::nullopt;
   return fmt::format(
-      "is stored in blocks of {} x {} cells, which are more than {} MB each: write a copy in smaller blocks "
-      "with {}",
+      "is stored in blocks of {} x {} cells, which are larger than {} MB each: write a copy in smaller "
+      "blocks with {}",
       columns, rows, limits::block_bytes >> 20, command);
 }
 
@@ -82,8 +82,8 @@ std::string overview(const fs::path& file, GDALDataset& dataset) {
   std::array<double, 6> transform{};
   dataset.GetGeoTransform(transform.data());
   return fmt::format(
-      "has variable resolution, and its raster is only a coarse overview: write one resolution with {} (only "
-      "a [[terrain]] reads variable resolution)",
+      "has variable resolution, and its raster is only a coarse overview: resample it to one resolution with "
+      "{} (only a [[terrain]] can read grids of variable resolution)",
       advised_resampling(file, std::abs(transform[1]), std::abs(transform[5])));
 }
 
@@ -218,7 +218,7 @@ GdalInput::GdalInput(const fs::path& file, std::initializer_list<FileFormat> exp
   const FileFormat format = format_of(file);
   if (std::ranges::find(expected, format) == expected.end())
     fail(fmt::format("cannot be read as {}: it is {}; {} converts many formats", list_of(expected),
-                     format == FileFormat::other ? "empty, cut off or of another format"
+                     format == FileFormat::other ? "empty, cut off or in another format"
                                                  : fmt::format("a {}", name_of(format)),
                      std::ranges::find(expected, FileFormat::geotiff) == expected.end()
                          ? advised_ogr2ogr("", file)
@@ -259,8 +259,8 @@ std::string GdalInput::no_geotransform(std::string_view otherwise) const {
                                             otherwise.empty() ? "" : fmt::format("{}, or ", otherwise));
   if (dataset_->GetMetadata("GEOLOCATION") != nullptr)
     return fmt::format(
-        "has no geotransform, but two-dimensional coordinates, which tubefoot does not read: write a copy on "
-        "a regular grid with {}",
+        "has two-dimensional coordinates instead of a geotransform, and tubefoot does not read such "
+        "coordinates: write a copy on a regular grid with {}",
         advised_command(fmt::format("gdalwarp -geoloc -t_srs EPSG:... {}", warp_heights), file));
   if (!netcdf_) return what + advised_command(fmt::format("gdal_translate {}", edges), file);
   return fmt::format(
@@ -286,8 +286,8 @@ std::optional<std::string> GdalInput::unknown_row_order() const {
                            place_.file);
   };
   return fmt::format(
-      "has no coordinates that show which row is the northernmost: write a copy with {} if the first row is, "
-      "or with {} if the last row is",
+      "has no coordinates that show which row is the northernmost: write a copy with {} if it is the first "
+      "row, or with {} if it is the last row",
       copy(true), copy(false));
 }
 
@@ -314,7 +314,7 @@ std::string GdalInput::crs() const {
   const auto fail_as_degrees = [this](std::string_view text) {
     fail(fmt::format(
         "its coordinates are in degrees ({}), but it has no coordinate reference system: {}; if the "
-        "coordinates are metres, as in small local grids that GDAL writes, declare this with {}",
+        "coordinates are in metres, as in small local grids that GDAL writes, declare this with {}",
         text, name_the_degrees(), advised("gdal_translate -a_srs 'LOCAL_CS[\"local\",UNIT[\"metre\",1]]'")));
   };
   // Metadata in the form of GDAL's netCDF driver: "lon#units=degrees_east".

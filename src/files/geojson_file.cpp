@@ -96,9 +96,10 @@ class MemberNames {
     if (numbers_.size() > limits::map_attributes)
       fail(fmt::format("has more than {} attributes", limits::map_attributes));
     if (pairs_.size() > limits::map_attribute_pairs)
-      fail(fmt::format(
-          "lists its attributes in too many orders: more than {} different pairs of names follow each other",
-          limits::map_attribute_pairs));
+      fail(
+          fmt::format("lists its attributes in too many different orders: more than {} different pairs of "
+                      "names follow each other",
+                      limits::map_attribute_pairs));
   }
 
   [[noreturn]] void fail(const std::string& what) const {

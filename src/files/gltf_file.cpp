@@ -66,7 +66,7 @@ class GltfReader {
 
   std::string words() const {
     if (format_of(gltf_) == FileFormat::gltf)
-      return read_whole(gltf_, place_, most_words, "a glTF (JSON; its numbers in buffers)");
+      return read_whole(gltf_, place_, most_words, "a glTF (JSON with its numbers in buffers)");
     // The file has 12 bytes of header, then chunks with length, kind and content. The first chunk is JSON.
     constexpr std::size_t header = 20;
     InputFile input(gltf_);
@@ -119,7 +119,7 @@ class GltfReader {
     if (!value.is_object()) return none;
     const auto found = value.find(key);
     if (found == value.end()) return none;
-    if (!found->is_array()) fail(fmt::format("has '{}' that is not a list", key));
+    if (!found->is_array()) fail(fmt::format("has '{}', which is not a list", key));
     return *found;
   }
 
@@ -158,8 +158,8 @@ class GltfReader {
       }
       if (read > most)
         fail(fmt::format(
-            "meshes[{}]: the primitives and morph targets up to here read more than {} values, too many for "
-            "the {} bytes of the file: export each mesh with its own vertices, without morph targets",
+            "meshes[{}]: the primitives and morph targets up to here refer to more than {} values, too many "
+            "for the {} bytes of the file: export each mesh with its own vertices, without morph targets",
             placed_by.size() - 1, most, bytes));
     }
     refuse_nodes(root, placed_by, most);
@@ -279,8 +279,8 @@ class GltfReader {
     if (name.is_absolute() || climbs || uri.find(':') != uri.npos ||
         name.string().find('\0') != std::string::npos)
       fail(
-          fmt::format("refers to the buffer '{}', which is not in the folder of the glTF or below: copy the "
-                      "buffer there, and use a relative name",
+          fmt::format("refers to the buffer '{}', which is neither in the folder of the glTF file nor below "
+                      "it: copy the buffer there, and use a relative name",
                       uri));
     const fs::path file = absolute_path(gltf_).parent_path() / name;
     std::error_code ignored;
@@ -289,8 +289,8 @@ class GltfReader {
           "refers to the buffer '{}', which is missing: copy the buffer file together with the glTF", uri));
     if (const auto outside = place_outside(gltf_.parent_path(), file))
       fail(
-          fmt::format("refers to the buffer '{}', which is a link out of the folder to '{}': copy the buffer "
-                      "into the folder",
+          fmt::format("refers to the buffer '{}', which is a link to '{}', outside of the folder: copy the "
+                      "buffer into the folder",
                       uri, outside->string()));
     return file;
   }

@@ -69,7 +69,7 @@ herr_t look_at_attribute(hid_t object, const char* name, const H5A_info_t*, void
   const double bytes = count * (varies ? finding.file_bytes : static_cast<double>(H5Tget_size(type)));
   if ((varies && count > 16 && bytes > most_text_bytes) || (!varies && bytes > most_text_bytes))
     finding.what =
-        fmt::format("has an attribute '{}' of {:.0f} values, more than a description needs", name, count);
+        fmt::format("has an attribute '{}' with {:.0f} values, more than a description needs", name, count);
   return finding.what.empty() ? 0 : 1;
 }
 
@@ -95,7 +95,7 @@ herr_t look_at_object(hid_t file, const char* name, const H5O_info_t* object, vo
     const Handle space(H5Dget_space(opened), H5Sclose), type(H5Dget_type(opened), H5Tclose);
     if (type >= 0 && H5Tget_class(type) == H5T_STRING &&
         count_of(space) * static_cast<double>(H5Tget_size(type)) > most_text_bytes)
-      finding.what = fmt::format("has '{}', a text of more than {:.0f} MB", name, most_text_bytes / 1048576);
+      finding.what = fmt::format("has '{}', a text larger than {:.0f} MB", name, most_text_bytes / 1048576);
     else if (type >= 0 && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0) {
       // Fixed-length texts may be compressed, so that the bytes of the file do not show the keyword.
       std::string text(static_cast<std::size_t>(count_of(space)) * H5Tget_size(type), '\0');

@@ -81,7 +81,7 @@ void InputFile::for_each_piece(const std::function<void(std::string_view)>& use)
     use(std::string_view(piece).substr(0, count));
   }
   if (!stream_->eof())
-    throw InputError(place_, fmt::format("reading '{}' failed before its end", path_.string()));
+    throw InputError(place_, fmt::format("reading '{}' failed before the end of the file", path_.string()));
 }
 
 std::optional<FileState> state_of(const fs::path& file) {

@@ -110,12 +110,15 @@ NetcdfGrid netcdf_grid(const fs::path& file, GDALDataset& raster) {
     grid.problem =
         count == 2
             ? fmt::format(
-                  "stores '{0}' by ({1}, {2}), so that its rows run along {2}: transpose it with {3}", name,
-                  y.name, x.name,
+                  "stores '{0}' with the dimensions ({1}, {2}), so its rows run along {2}: transpose it with "
+                  "{3}",
+                  name, y.name, x.name,
                   advised_command(fmt::format("gdalmdimtranslate -array 'name={},transpose=[1,0]'", name),
                                   file, ".nc"))
-            : fmt::format("stores '{0}' by ({1}, {2}), so that its rows run along {2}, expected ({2}, {1})",
-                          name, y.name, x.name);
+            : fmt::format(
+                  "stores '{0}' with the dimensions ({1}, {2}), so its rows run along {2}, expected ({2}, "
+                  "{1})",
+                  name, y.name, x.name);
     return grid;
   }
   if (!y.given || !x.given) return grid;
@@ -131,7 +134,7 @@ NetcdfGrid netcdf_grid(const fs::path& file, GDALDataset& raster) {
       grid.geotransform = {west - dx / 2, dx, 0, north + dy / 2, 0, -dy};
     else
       grid.problem = fmt::format(
-          "its coordinates '{}' {}: expected evenly spaced coordinates that increase from column to column: "
+          "its coordinates '{}' {}: expected evenly spaced coordinates that increase from column to column; "
           "resample the raster",
           x.even && !y.even ? y.name : x.name, x.even && y.even ? "decrease" : "are not evenly spaced");
   } else {

@@ -111,7 +111,7 @@ Statement prepared(sqlite3* database, const char* question) {
 void refuse_as_unfinished(const fs::path& file, const SqliteWords& words, const std::string& what) {
   throw InputError(
       {file.string(), 0, 0},
-      fmt::format("is being written, or a program ended while it was written: {}; {}", what, words.finish));
+      fmt::format("is being written, or a program stopped while writing it: {}; {}", what, words.finish));
 }
 
 void refuse_unfinished_sqlite(const fs::path& file, const SqliteWords& words) {
@@ -120,8 +120,9 @@ void refuse_unfinished_sqlite(const fs::path& file, const SqliteWords& words) {
     std::error_code error;
     if (fs::exists(fs::symlink_status(beside, error)) &&
         (!fs::is_regular_file(beside, error) || !fs::is_empty(beside, error)))
-      refuse_as_unfinished(file, words,
-                           fmt::format("'{}' has changes that are not in it", beside.filename().string()));
+      refuse_as_unfinished(
+          file, words,
+          fmt::format("'{}' contains changes that are not yet in the file", beside.filename().string()));
   }
 }
 
@@ -178,7 +179,7 @@ void SqliteFile::check_length(std::span<const std::uint8_t> header) const {
   const std::uint64_t page = number(page_size, 2) == 1 ? 65536 : number(page_size, 2);
   // Programs before 2010 do not update the number of pages.
   if (number(changes, 4) == number(pages_valid_for, 4) && number(pages, 4) * page > bytes_)
-    fail(fmt::format("it is cut off: it has {} bytes of {}", bytes_, number(pages, 4) * page));
+    fail(fmt::format("it is cut off: it has only {} of {} bytes", bytes_, number(pages, 4) * page));
 }
 
 void SqliteFile::check_schema(const SqliteWords& words) const {

@@ -159,9 +159,9 @@ class VrtReader {
     const fs::path plain = plain_name(source);
     // If ".." follows a link, the lexical name and the name on disk refer to two files.
     if (plain_name(source.lexically_normal()) != plain)
-      fail(name,
-           fmt::format("names the source '{}', which leads through a link and back: give its direct path",
-                       text));
+      fail(name, fmt::format("names the source '{}', whose path follows a link and then leads back with "
+                             "'..': give its direct path",
+                             text));
     sources_.push_back(plain);
   }
 

@@ -22,10 +22,10 @@ glm::dvec3 FootprintPlace::operator()(glm::dvec3 local_m) const {
 }
 
 std::string FootprintPlace::said() const {
-  if (!is_map_) return "Coordinates are metres east, north and up of the origin of the scene.";
+  if (!is_map_) return "Coordinates are in metres east, north and up of the origin of the scene.";
   if (is_tangent_)
-    return "Coordinates are metres east and north on the plane that touches the Earth at the origin of the "
-           "scene. Heights are metres above this plane plus the height of the origin.";
+    return "Coordinates are in metres east and north on the plane that touches the Earth at the origin of "
+           "the scene. Heights are in metres: the height above this plane plus the height of the origin.";
   return "Coordinates are in the CRS of the scene; heights are in metres.";
 }
 

@@ -24,7 +24,7 @@ struct FootprintTable {
   std::vector<std::uint32_t> beam;  ///< beam of the sensor that the receive tube belongs to
   std::vector<std::uint32_t> tube;  ///< number in the transmission
   std::vector<std::uint32_t>
-      receive_tube;  ///< tube of the receiver; the same as `tube` unless the receiver is separate
+      receive_tube;  ///< tube of the receiver; differs from `tube` for separate receivers and mirror paths
   std::vector<std::uint32_t> facet,
       base_facet;  ///< facet of the transmission's surface mesh, and facet of the scene without relief
   std::vector<std::uint32_t> component, material;  ///< numbers in the scene

@@ -78,12 +78,14 @@ ValueScale::ValueScale(const std::string& words) {
     const char *first = words.data() + 3, *last = words.data() + words.size();
     const auto [end, error] = std::from_chars(first, last, reference_);
     if (error != std::errc{} || end != last || !std::isfinite(reference_) || !(reference_ > 0))
-      throw UsageError(fmt::format(
-          "--scale '{}': expected db:REFERENCE, where REFERENCE is the energy of 0 dB and above 0", words));
+      throw UsageError(
+          fmt::format("--scale '{}': expected db:REFERENCE, where REFERENCE is the energy that corresponds "
+                      "to 0 dB and must be above 0",
+                      words));
   } else {
     throw UsageError(
         fmt::format("--scale{} must name the kind of the picture's numbers: energy, amplitude, db, "
-                    "db:REFERENCE (the energy of 0 dB) or 8bit",
+                    "db:REFERENCE (the energy that corresponds to 0 dB) or 8bit",
                     words.empty() ? "" : " '" + words + "'"));
   }
 }
@@ -142,9 +144,9 @@ std::vector<PolarPicture> arranged(const ForeignFrame& frame, const std::string&
     const std::size_t samples = frame.columns / 2;
     if (frame.columns % 2 != 0 || samples == 0)
       throw InputError(
-          place,
-          fmt::format("has {} columns, which do not divide into two sides with the same number of samples",
-                      frame.columns));
+          place, fmt::format(
+                     "has {} columns, which cannot be divided into two sides with the same number of samples",
+                     frame.columns));
     for (std::size_t row = 0; row < frame.rows; ++row) {
       const auto first = energies.begin() + static_cast<std::ptrdiff_t>(row * frame.columns);
       PolarPicture picture{2, samples, {first, first + static_cast<std::ptrdiff_t>(frame.columns)}, {}};

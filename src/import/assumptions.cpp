@@ -104,9 +104,9 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
   const bool refuted = better(best.correlation, assumed.correlation);
   const Tried& taken = refuted ? best : assumed;
   if (refuted)
-    verdict.refuted.push_back(fmt::format("{}: corr {:.2f} instead of {:.2f} as assumed; use {}",
-                                          best.of->name, best.correlation, assumed.correlation,
-                                          best.of->remedy));
+    verdict.refuted.push_back(
+        fmt::format("{}: corr {:.2f}, compared with {:.2f} for the assumed interpretation; use {}",
+                    best.of->name, best.correlation, assumed.correlation, best.of->remedy));
   else
     verdict.found.push_back(fmt::format("{}{}: corr {:.2f}", assumed.of->name,
                                         assumed.correlation > hardly_alike ? " holds" : "",
@@ -116,7 +116,7 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
     if (&other != &best && &other != &assumed && others.size() < most_others)
       others.push_back(fmt::format("{} {:.2f}", other.of->name, other.correlation));
   if (!others.empty())
-    verdict.found.push_back(fmt::format("corr of other readings: {}", fmt::join(others, ", ")));
+    verdict.found.push_back(fmt::format("corr of other interpretations: {}", fmt::join(others, ", ")));
   std::vector<double> otherwise;
   bool scale_ambiguous = false;
   if (!taken.of->other_scale.empty()) otherwise = taken.of->energies_of_other_scale();
@@ -126,16 +126,16 @@ Verdict tested(const EchoShape& shape, const BinAxes& axes, const std::vector<do
     if (scale_ambiguous)
       verdict.ambiguous.push_back(
           fmt::format("with --scale {} the pictures agree better with the reference: corr {:.2f} instead of "
-                      "{:.2f}. Means per bin have the same effect: if the numbers are means, keep the scale "
-                      "and compare with --output-model",
+                      "{:.2f}. The same happens if the numbers are means per bin. In that case, keep the "
+                      "scale and compare with --output-model",
                       taken.of->other_scale, alike, taken.correlation));
     else
       verdict.found.push_back(fmt::format("corr with --scale {}: {:.2f}", taken.of->other_scale, alike));
   }
   if (best.correlation < hardly_alike) {
     verdict.refuted.push_back(
-        fmt::format("no reading of the pictures resembles the reference (corr {:.2f} at best): is it the "
-                    "same scene, sensor, pose and ping?",
+        fmt::format("no interpretation of the pictures resembles the reference (corr {:.2f} at best): is it "
+                    "the same scene, sensor, pose and ping?",
                     best.correlation));
     return verdict;
   }

@@ -47,7 +47,7 @@ class CandidateFile {
     for (std::size_t k = 0; k < samples; ++k)
       bounds.insert(bounds.end(), {axes.samples.edges[k], axes.samples.edges[k + 1]});
     put("slant_range_bounds", {"sample", "bound"}, "m",
-        "slant ranges of the sample's near edge, which is included, and of its far edge", bounds);
+        "slant ranges of the sample's near edge (inclusive) and far edge (exclusive)", bounds);
     put("beam_azimuth", {"beam"}, "degree",
         "azimuth of the beam's axis in the sensor's frame, clockwise from forward, starboard positive",
         axes.beams.centres);

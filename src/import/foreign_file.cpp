@@ -99,8 +99,8 @@ std::vector<fs::path> files_in_order(const std::vector<fs::path>& results) {
         if (!entry.is_regular_file(error) || entry.path().filename().string().starts_with('.')) continue;
         if (const auto outside = place_outside(result, entry.path()))
           throw InputError({entry.path().string()},
-                           fmt::format("is a link out of its folder to '{}': copy the file into the folder, "
-                                       "or name the file directly",
+                           fmt::format("is a link to '{}', outside of its folder: copy the file into the "
+                                       "folder, or name the file directly",
                                        outside->string()));
         placed.push_back({entry.path(), entry.path().string()});
       }

@@ -66,7 +66,7 @@ class Importer {
     if (!same) axes_differ(declared);
     if (outside > 0)
       result_.warnings.push_back(fmt::format(
-          "{} bins lie mostly outside of their pictures: they are 0 or the mean of the part inside",
+          "{} bins lie mostly outside of their pictures: their values are 0 or the mean of the part inside",
           outside));
     test(declared);
   }
@@ -95,8 +95,8 @@ class Importer {
                          : assumed_.order == "beam-first"  ? "a row is a beam"
                                                            : "a row is a ping, with port on the left";
     result_.told.push_back(is_cartesian()
-                               ? fmt::format("a fan in pixels, forward is {}{}, resampled onto {} beams x {} "
-                                             "samples as means over the area of each bin",
+                               ? fmt::format("a fan in pixels with forward {}{}, resampled onto {} beams x "
+                                             "{} samples as means over the area of each bin",
                                              assumed_.forward, assumed_.flip_beams ? ", mirrored" : "",
                                              axes_.beams.count(), axes_.samples.count())
                                : fmt::format("{}{}{}", turned, assumed_.flip_beams ? ", beams reversed" : "",
@@ -205,7 +205,7 @@ class Importer {
     for (std::string& words : verdict.ambiguous) result_.warnings.push_back(std::move(words));
     if (refuted_ && options_.strict)
       throw InputError(frames_.front().place,
-                       fmt::format("the reference contradicts the assumed reading (--strict): {}",
+                       fmt::format("the reference contradicts the assumed interpretation (--strict): {}",
                                    fmt::join(result_.warnings, "; ")));
   }
 
@@ -255,7 +255,7 @@ class Importer {
         reading.flip_beams ? "--flip-beams" : "--no-flip-beams");
     add(reading.flip_range != assumed_.flip_range, "ranges reversed",
         reading.flip_range ? "--flip-range" : "--no-flip-range");
-    if (name.empty()) return {"the assumed reading", ""};
+    if (name.empty()) return {"the assumed interpretation", ""};
     return {fmt::format("{}", fmt::join(name, " and ")), fmt::format("{}", fmt::join(remedy, " "))};
   }
 

@@ -50,7 +50,7 @@ void require_hash(const fs::path& file, const SourcePlace& listed, const std::st
     hash.update(piece);
   });
   if (hash.hex_digest() != sha256)
-    throw InputError({file.string()}, "has changed: its bytes do not have the hash in its name");
+    throw InputError({file.string()}, "has changed: its bytes do not match the hash in its name");
 }
 
 }  // namespace
@@ -109,7 +109,7 @@ std::optional<std::vector<fs::path>> listed_originals(const fs::path& folder) {
       pictures_follow = false;
       continue;
     }
-    if (!begins_with_hash(line)) throw InputError(place, "expected a SHA-256, two blanks and a name");
+    if (!begins_with_hash(line)) throw InputError(place, "expected a SHA-256, two spaces and a name");
     if (!pictures_follow) continue;
     const std::string sha256 = line.substr(0, hash_digits);
     const fs::path name = line.substr(hash_digits + 2);
@@ -120,7 +120,7 @@ std::optional<std::vector<fs::path>> listed_originals(const fs::path& folder) {
     const fs::path file = folder / kept_name(sha256, name);
     if (const auto outside = place_outside(folder, file))
       throw InputError(place,
-                       fmt::format("is a link out of the folder to '{}': copy the file into the folder",
+                       fmt::format("is a link to '{}', outside of the folder: copy the file into the folder",
                                    outside->string()));
     require_hash(file, place, sha256);
     pictures.push_back(file);

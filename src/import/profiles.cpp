@@ -32,13 +32,13 @@ constexpr Profile profiles[] = {
      "to 1"},
     {"stonefish", "range-first", false, true, "energy", "tangent", "",
      "rows are ranges, the farthest first; columns are equidistant; values are means per bin times a gain, "
-     "blurred, clamped to 1"},
+     "blurred and clamped to 1"},
     {"dave", "range-first", true, false, "amplitude", "", "",
      "rows are ranges, the nearest first; columns go from starboard to port; values are amplitudes times a "
      "gain, clamped"},
     {"oceansim", "range-first", true, false, "energy", "", "edges",
-     "rows are ranges at near edges, the nearest first; columns go from starboard to port; values are "
-     "normalised per row or over all rows"},
+     "rows are ranges (near edges of the bins), the nearest first; columns go from starboard to port; values "
+     "are normalised per row or over all rows"},
 };
 
 }  // namespace

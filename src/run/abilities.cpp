@@ -21,14 +21,14 @@ namespace {
 using enum Feature;
 
 constexpr std::array<std::string_view, features> names{"refraction",
-                                                       "mirrors, further paths",
-                                                       "receiver apart",
-                                                       "two receivers",
+                                                       "mirror paths",
+                                                       "separate receiver",
+                                                       "receiver pair",
                                                        "signals",
                                                        "tiles",
                                                        "relief",
                                                        "relief of each transmission",
-                                                       "scattering law",
+                                                       "scattering model",
                                                        "micro-texture",
                                                        "unbounded texture",
                                                        "inclined mirrors",
@@ -53,18 +53,18 @@ constexpr auto table = std::to_array<Refusal>({
     {inclined_mirrors,
      refraction,
      {},
-     "refracted rays over an inclined mirror have no closed form: make the facets horizontal, leave out "
+     "refracted rays via an inclined mirror have no closed form: make the facets horizontal, leave out "
      "'specular_loss_db', or set profile = \"constant\""},
     {refraction,
      mirrors,
      {two_receivers, reference},
-     "a certified phase over mirrors needs straight rays: leave out --reference, or set profile = "
+     "certified phases of paths via mirrors need straight rays: leave out --reference, or set profile = "
      "\"constant\""},
     {scatterings,
      reference,
      {},
-     "second scattering treats patches as points, for which there is no certified bound: leave out "
-     "--reference, or set scatterings = 1"},
+     "in the second scattering, tubefoot treats patches as points, for which there is no certified bound: "
+     "leave out --reference, or set scatterings = 1"},
     {unbounded_texture, reference, {}, "there is no certified bound for this combination"},
     {reference,
      double_arithmetic,
@@ -77,7 +77,10 @@ constexpr auto table = std::to_array<Refusal>({
      signals,
      {},
      "signals along refracted rays are not supported: leave out the array, or set profile = \"constant\""},
-    {scatterings, signals, {}, "second scattering has no phase: leave out the array, or set scatterings = 1"},
+    {scatterings,
+     signals,
+     {},
+     "echoes of a second scattering have no phase: leave out the array, or set scatterings = 1"},
     {signals,
      tiles,
      {},
@@ -92,22 +95,23 @@ constexpr auto table = std::to_array<Refusal>({
     {signals,
      coarsening,
      {},
-     "phases resolve much less than a range bin or a beam, to which --coarsen adapts the facets: leave out "
-     "--coarsen"},
+     "phases depend on lengths much smaller than a range bin or the width of a beam, to which --coarsen "
+     "adapts the facets: leave out --coarsen"},
     {labels,
      own_engine,
      {},
-     "labels need the share of each object, but a custom engine returns only the total energy: use a "
+     "labels need the energy from each object, but a custom engine returns only the total energy: use a "
      "built-in engine"},
     {refraction,
      coarsening,
      {},
-     "refraction adapts the facets itself: leave out --coarsen, or set profile = \"constant\""},
+     "tubefoot already adapts the facets to the refraction: leave out --coarsen, or set profile = "
+     "\"constant\""},
     {two_receivers,
      coarsening,
      {},
-     "phases resolve much less than a range bin or a beam, to which --coarsen adapts the facets: leave out "
-     "--coarsen"},
+     "phases depend on lengths much smaller than a range bin or the width of a beam, to which --coarsen "
+     "adapts the facets: leave out --coarsen"},
     {tiles,
      coarsening,
      {},
@@ -120,7 +124,8 @@ constexpr auto table = std::to_array<Refusal>({
     {scatterings,
      coarsening,
      {},
-     "second scattering treats facets as points: leave out --coarsen, or set scatterings = 1"},
+     "in the second scattering, tubefoot treats facets as points: leave out --coarsen, or set scatterings = "
+     "1"},
     {reference, coarsening, {}, "this output refers to the facets of the scene: leave out --coarsen"},
     {fast_binning,
      coarsening,
@@ -149,8 +154,8 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
   const SceneDescription& d = scene.description;
   std::vector<Found> found;
   if (scene.water->refracts())
-    found.push_back(
-        {refraction, d.water.place, fmt::format("profile = \"{}\" of the water refracts", d.water.profile)});
+    found.push_back({refraction, d.water.place,
+                     fmt::format("the water refracts sound (profile = \"{}\")", d.water.profile)});
   for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
     if (only && *only != s) continue;
     const Sensor& sensor = *survey.sensors[s].sensor;
@@ -159,7 +164,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
                        fmt::format("sensor '{}' {}", sensor.description().name, what)});
     };
     if (path_settings(scene, sensor.frequency_khz()))
-      add(mirrors, "has paths over mirrors or second scattering");
+      add(mirrors, "has paths via mirrors or with second scattering");
     if (sensor.has_separate_receiver()) add(separate_receiver, "has a separate receiver");
     if (sensor.has_receiver_pair()) add(two_receivers, "has two receivers");
     if (sensor.signals() != nullptr) add(signals, "records signals");
@@ -171,7 +176,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
   if (d.paths.scatterings > 1)
     found.push_back({scatterings, d.paths.place, "[paths] has several scatterings"});
   if (survey.loaded_scene->is_tiled())
-    found.push_back({tiles, d.terrains.front().place, "terrain is loaded by tiles"});
+    found.push_back({tiles, d.terrains.front().place, "the terrain is loaded in tiles"});
   if (survey.loaded_scene->relief.cell_m > 0)
     found.push_back({relief, d.refinement.place, "[relief] refines facets"});
   if (survey.loaded_scene->surface_mesh)
@@ -194,7 +199,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
 std::optional<Refused> refused(std::vector<Found> found, std::span<const Feature> requested) {
   const std::size_t of_scene = found.size();
   for (const Feature feature : requested)
-    found.push_back({feature, {}, std::string(name_of(feature)) + " is asked for"});
+    found.push_back({feature, {}, std::string(name_of(feature)) + " is requested"});
   const auto find = [&](Feature feature) { return std::ranges::find(found, feature, &Found::feature); };
   for (const Refusal& refusal : table) {
     const auto first = find(refusal.first), second = find(refusal.second);

@@ -55,8 +55,8 @@ FacetNumbering::FacetNumbering(const LoadedScene& loaded_scene)
 void FacetNumbering::require_numbers(std::uint64_t facets) const {
   if (facets >= std::numeric_limits<FacetId>::max())
     throw InputError(scene_.description.terrains.front().place,
-                     fmt::format("the scene has {} facets or more, but a facet number has 32 bits: restrict "
-                                 "the terrain by a window",
+                     fmt::format("the scene has {} facets or more, but facet numbers have only 32 bits: "
+                                 "restrict the terrain to a window",
                                  facets));
 }
 

@@ -185,8 +185,9 @@ class Reason {
                                             : std::nullopt;
         origin && beside_m > 0 && std::hypot((*origin)[1] - at_m_.x, (*origin)[0] - at_m_.y) < 1)
       return fmt::format(
-          "its east {:.6g} and north {:.6g} look like longitude and latitude, but they are metres from the "
-          "origin of the local frame; the terrain covers {}: convert the positions to the local frame",
+          "its east {:.6g} and north {:.6g} look like longitude and latitude, but tubefoot reads them as "
+          "metres from the origin of the local frame; the terrain covers {}: convert the positions to the "
+          "local frame",
           at_m_.x, at_m_.y, to_text(terrain_));
     const std::string hint = mixed_frames(at_m_, terrain_);
     if (hint.empty()) return std::nullopt;

@@ -15,7 +15,7 @@ std::vector<std::string> open_ways(const Survey& survey, std::size_t s) {
   const Sensor& sensor = *survey.sensors[s].sensor;
   const Scene& scene = survey.scene;
   std::vector<std::string> motions;
-  if (path_settings(scene, sensor.frequency_khz())) motions.emplace_back("paths over mirrors");
+  if (path_settings(scene, sensor.frequency_khz())) motions.emplace_back("mirror paths");
   if (sensor.has_patterns()) motions.emplace_back("beam patterns");
   if (!sensor.signals()->stop_and_hop && !scene.trajectories[scene.sensor_trajectory[s]].is_fixed())
     motions.emplace_back("motion within a ping");

@@ -164,7 +164,7 @@ RunPart::RunPart(const RunOptions& options, const Json& scene_request)
           throw UsageError(fmt::format("another process is computing {} ('{}'): wait until it is finished",
                                        in_words(part_), path.string()));
         } catch (const UnusableStore& error) {
-          throw UsageError(fmt::format("{}: move or delete it, because its place is needed for {}",
+          throw UsageError(fmt::format("{}: move or delete it, because this path is needed for {}",
                                        error.what(), in_words(part_)));
         }
       }()) {
@@ -259,9 +259,10 @@ RunParts::RunParts(const fs::path& output) : output_(output) {
                     "{} --shard 1/8)",
                     output.string(), any.string(), output.string()));
   if (found.size() > 1)
-    throw UsageError(fmt::format(
-        "there are shards of a run in {} and of a run in {} for '{}': delete the shards of one of the runs",
-        found.begin()->first, found.rbegin()->first, output.string()));
+    throw UsageError(
+        fmt::format("there are shards of a run with {} shards and of a run with {} shards for '{}': delete "
+                    "the shards of one of the runs",
+                    found.begin()->first, found.rbegin()->first, output.string()));
   count_ = found.begin()->first;
   std::vector<int>& there = found.begin()->second;
   std::sort(there.begin(), there.end());

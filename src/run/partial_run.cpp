@@ -74,7 +74,7 @@ PartialRun::PartialRun(const fs::path& output, bool resume)
   std::optional<Json> identity;
   const auto in_the_way = [](const std::string& what) {
     return UsageError(
-        fmt::format("{}: move or delete it, because its place is needed for the pings of the run", what));
+        fmt::format("{}: move or delete it, because this path is needed for the pings of the run", what));
   };
   try {
     taken_ = take_ping_file(file_, false);

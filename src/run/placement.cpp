@@ -103,8 +103,8 @@ SeabedPlacement told(const std::string& name, const Extent& object, const Extent
     const double beside_m = terrain.distance_in_plan_m((object.lo_m + object.hi_m) / 2.0);
     placement.words =
         beside_m > 0
-            ? fmt::format("outside of the terrain, {:.4g} m from it to the middle of the object", beside_m)
-            : std::string("above a hole of the terrain, or outside of it");
+            ? fmt::format("outside of the terrain, {:.4g} m from it to the centre of the object", beside_m)
+            : std::string("above a hole in the terrain, or outside of it");
     const std::string frames = mixed_frames((object.lo_m + object.hi_m) / 2.0, terrain);
     if (beside_m > 0)
       warn(fmt::format("lies outside of the terrain, which covers {}: {}", to_text(terrain),

@@ -184,7 +184,7 @@ void write_refined_seabed(const std::filesystem::path& file, const RefinedMesh& 
 }
 
 InputError RefinedSurfaceFile::refused(const std::string& why) const {
-  return InputError(place_, fmt::format("'{}' {}: make it with 'tubefoot refine {} -o {}'", file_.string(),
+  return InputError(place_, fmt::format("'{}' {}: create it with 'tubefoot refine {} -o {}'", file_.string(),
                                         why, scene_file_.string(), file_.string()));
 }
 
@@ -218,7 +218,7 @@ RefinedSurfaceFile::RefinedSurfaceFile(std::filesystem::path file, const SourceP
   const std::string hash = seabed_hash(scene, cell_m);
   if (head.find("\ncomment refined bed ") == std::string::npos) throw refused("is not a refined seabed");
   if (head.find("\n" + hash_line(hash) + "\n") == std::string::npos)
-    throw refused("is the refined seabed of another scene, or of other keys in [relief]");
+    throw refused("is the refined seabed of another scene, or was refined with other keys in [relief]");
   if (head != header(hash, vertices_, facets_))
     throw refused("is a refined seabed of another version of tubefoot");
   first_byte_ = head.size();

@@ -60,14 +60,15 @@ bool has_receiver_pair(const Survey& survey) {
 
 std::string turning_points(const Survey& survey) {
   const int most = survey.scene.description.water.refraction_turns;
-  return fmt::format("{} turning point{} at most", most, most == 1 ? "" : "s");
+  return fmt::format("at most {} turning point{}", most, most == 1 ? "" : "s");
 }
 
 /// Returns a text about the rays that are followed if several rays reach a place. Empty if every ray is
 /// followed, in any combination of transmit leg and receive leg.
 std::string rays_left_out(const Survey& survey, bool reference) {
   if (reference || has_paths_of_first_rays(survey))
-    return "for separate receivers, over mirrors and in references, tubefoot computes the first arrival only";
+    return "for separate receivers, for paths via mirrors and in references, tubefoot computes only the "
+           "first arrival";
   if (has_receiver_pair(survey))
     return "the phases of a receiver pair include each ray in both directions, but not paths whose legs use "
            "different rays";
@@ -450,8 +451,10 @@ nlohmann::ordered_json refraction_json(const Survey& survey, bool reference, con
       {"profile", survey.scene.description.water.profile},
       {"layers", survey.scene.water->profile().layers()},
       {"branches",
-       fmt::format("{}, with {}", left_out.empty() ? "every ray, out and home along any two" : left_out,
-                   turning_points(survey))},
+       fmt::format(
+           "{}, with {}",
+           left_out.empty() ? "every ray, in any combination of transmit leg and receive leg" : left_out,
+           turning_points(survey))},
       {"apparent_facets", counts.facets},
       {"largest_gap_m", counts.largest_travel_path_error_m},
       {"facets_in_shadow", counts.in_shadow},
@@ -489,24 +492,24 @@ std::vector<std::string> refraction_warnings(const Survey& survey, bool referenc
                                    turning_points(survey), counts.of_several, left_out, at(counts.several)));
   if (counts.folded > 0 && has_paths_of_first_rays(survey))
     warnings.push_back(
-        fmt::format("{}: {} apparent facets are inverted, because rays cross before them (a caustic); "
+        fmt::format("{}: {} apparent facets are inverted, because rays cross in front of them (a caustic); "
                     "energies there are unreliable",
                     where, counts.folded));
   if (counts.unbounded > 0)
-    warnings.push_back(
-        fmt::format("{}: {} bins have no bound (energy_bound is infinite): they can contain echoes of facets "
-                    "to which not exactly one ray is proven to lead, or echoes that such facets hide",
-                    where, counts.unbounded));
+    warnings.push_back(fmt::format(
+        "{}: {} bins have no bound (energy_bound is infinite): they can contain echoes of facets for which "
+        "tubefoot cannot prove that exactly one ray leads to them, or echoes that such facets hide",
+        where, counts.unbounded));
   const std::optional<double> requested_m = survey.scene.description.water.travel_path_error_m;
   if (requested_m && counts.largest_travel_path_error_m > *requested_m)
-    warnings.push_back(
-        fmt::format("{}: 'refraction_gap_m' is {:.3g} m, but the travel-path error reaches {:.3g} m: edges "
-                    "next to a caustic or a shadow, or as short as the grid allows, are not divided further",
-                    where, *requested_m, counts.largest_travel_path_error_m));
+    warnings.push_back(fmt::format(
+        "{}: 'refraction_gap_m' is {:.3g} m, but the travel-path error reaches {:.3g} m: tubefoot does not "
+        "divide edges that are near a caustic or a shadow zone, or as short as the grid allows",
+        where, *requested_m, counts.largest_travel_path_error_m));
   if (counts.at_limit > 0)
     warnings.push_back(
         fmt::format("{}: the bounds of {} transmissions are valid but wider than requested, because narrower "
-                    "bounds need too many apparent facets: increase --tolerance",
+                    "bounds would need too many apparent facets: increase --tolerance",
                     where, counts.at_limit));
   return warnings;
 }

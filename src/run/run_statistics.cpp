@@ -32,22 +32,22 @@ nlohmann::ordered_json coarsening_json(const SceneCoarsening& coarse) {
           {"facets", coarse.facets},
           {"largest_move",
            {{"of",
-             "displacement of a point of the surface; bounds the distance between both surfaces in either "
+             "displacement of a point of the surface; bounds the distance between the two surfaces in either "
              "direction"},
-            {"is", "a bound, to rounding"},
+            {"is", "a bound, except for rounding errors"},
             {"m", coarse.largest_move_m},
             {"of_resolution", coarse.largest_share},
             {"samples_of_range", coarse.largest_share}}},
           {"turn",
            {{"of", "change of the normal at a point of the surface; rms over the changed area"},
-            {"is", "bounds, to rounding"},
+            {"is", "bounds, except for rounding errors"},
             {"largest_deg", glm::degrees(coarse.largest_turn_rad)},
             {"rms_deg", glm::degrees(coarse.rms_turn_rad)}}},
           {"change_of_energy",
            {{"of", "relative change of the energy of a point by Lambert's law at an incidence of 45 degrees"},
             {"is",
-             "bounds from the changes of normals, point by point; changes of neighbours cancel, so energies "
-             "of bins change by less: measured, not certified"},
+             "pointwise bounds from the changes of the normals; changes of neighbouring points cancel, so "
+             "the energies of bins change less; measured, not certified"},
             {"largest", change_at_45_deg(coarse.largest_turn_rad)},
             {"rms", change_at_45_deg(coarse.rms_turn_rad)}}},
           {"seconds", coarse.seconds}};

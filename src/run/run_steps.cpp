@@ -32,7 +32,7 @@ double bound_requested(const std::optional<std::string>& text) {
   // NaN fails both comparisons.
   if (error != std::errc() || end != text->data() + text->size() || !(bound >= 1e-12 && bound <= 0.1))
     throw UsageError(
-        fmt::format("--tolerance of a --reference is a relative bound, 1e-12 to 0.1, not '{}'", *text));
+        fmt::format("with --reference, --tolerance is a relative bound from 1e-12 to 0.1, not '{}'", *text));
   return bound;
 }
 
@@ -42,7 +42,7 @@ double coarseness_requested(const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), coarseness);
   if (error != std::errc() || end != text.data() + text.size() || !(coarseness >= 0 && coarseness <= 1))
     throw UsageError(
-        fmt::format("--coarsen '{}': expected the permitted displacement of facets as a share of the "
+        fmt::format("--coarsen '{}': expected the permitted displacement of facets as a fraction of the "
                     "resolution of the sonars, from 0 (no merging) to 1",
                     shown(text)));
   return coarseness;
@@ -58,7 +58,7 @@ void refuse_what_the_tolerance_picks(const RunOptions& options) {
                                                : nullptr;
   if (option != nullptr)
     throw UsageError(
-        fmt::format("--tolerance selects engine and settings: leave out {}, or --tolerance", option));
+        fmt::format("--tolerance selects the engine and its settings: leave out {}, or --tolerance", option));
 }
 
 /// Throws UsageError for settings of the engine that is not used.

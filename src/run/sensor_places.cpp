@@ -66,7 +66,7 @@ double SensorPlaces::check(const PingPlace& where, std::set<std::uint16_t>& insi
       if (c.below > 0) altitude_m = std::fmin(altitude_m, c.highest_below * scene.grid.unit_m());
     } else if (c.above % 2 == 1 && inside.insert(c.component).second) {
       scene.report.warnings.push_back(fmt::format(
-          "{}: {} is inside object '{}' at ping {} (t = {:.3f} s): it sees the inside of the object",
+          "{}: {} is inside object '{}' at ping {} (t = {:.3f} s), so it sees the object from the inside",
           to_string(where.place), where.what, scene.report.components[c.component].name, where.ping,
           where.time_s));
     }

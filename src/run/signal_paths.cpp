@@ -19,12 +19,12 @@ void for_signal_paths(const Transmission& transmission, std::size_t s,
   if (settings->scatterings > 1)
     throw InputError(scene.description.paths.place,
                      fmt::format("signals of sensor '{}' need single scattering, but 'scatterings' is {}: "
-                                 "second scattering has no phase; set scatterings = 1",
+                                 "echoes of a second scattering have no phase; set scatterings = 1",
                                  sensor.description().name, settings->scatterings));
   if (scene.water->refracts())
     throw InputError(sensor.description().place,
-                     fmt::format("signals of sensor '{}' over mirrors need straight rays: set profile = "
-                                 "\"constant\", or leave out the mirrors",
+                     fmt::format("signals of sensor '{}' along paths via mirrors need straight rays: set "
+                                 "profile = \"constant\", or leave out the mirrors",
                                  sensor.description().name));
   try {
     const TransmissionImages images(transmission, s, *settings, PathEnds(transmission, s));

@@ -90,28 +90,28 @@ PingOrder ping_order_of(const StoreLayout& layout) {
   return PingOrder(pings);
 }
 
-void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft& left, const OfPing& keep,
-                   const Onlookers& onlookers) {
+void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsPending& is_pending,
+                   const PingCallback& process, const ProgressOptions& progress_options) {
   std::size_t all = 0;
   for (std::size_t g = 0; g < layout.groups.size(); ++g)
-    for (std::size_t ping = 0; ping < layout.groups[g].pings; ++ping) all += left(g, ping);
-  if (onlookers.watch != nullptr) onlookers.watch->total = all;
-  Progress progress("pings", all, onlookers.quiet, onlookers.afterwards_s);
+    for (std::size_t ping = 0; ping < layout.groups[g].pings; ++ping) all += is_pending(g, ping);
+  if (progress_options.watch != nullptr) progress_options.watch->total = all;
+  Progress progress("pings", all, progress_options.quiet, progress_options.afterwards_s);
   const auto take = [&](std::size_t g, std::size_t ping) {
-    if (!left(g, ping) || stop_wanted()) return;
+    if (!is_pending(g, ping) || stop_wanted()) return;
     // A waiting thread must not start a second ping, because each ping holds the surface of its transmission
     // or the signals of all its elements.
     try {
       if (survey.loaded_scene->surface_mesh || survey.loaded_scene->is_tiled() ||
           places_of_signals(survey) > 0)
-        tbb::this_task_arena::isolate([&] { keep(g, ping); });
+        tbb::this_task_arena::isolate([&] { process(g, ping); });
       else
-        keep(g, ping);
+        process(g, ping);
     } catch (const Interrupted&) {
       return;
     }
     progress.step();
-    if (onlookers.watch != nullptr) ++onlookers.watch->pings;
+    if (progress_options.watch != nullptr) ++progress_options.watch->pings;
   };
   const PingOrder order = ping_order_of(layout);
   const auto take_at = [&](std::size_t place) {
@@ -134,7 +134,8 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft
       tbb::simple_partitioner());
 }
 
-void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers) {
+void simulate(const Survey& survey, const RunRequest& request, PingStore& store,
+              const ProgressOptions& progress_options) {
   const PingSimulation simulation(survey, request);
   PingBufferPool spare;
   for_each_ping(
@@ -143,7 +144,7 @@ void simulate(const Survey& survey, const RunRequest& request, PingStore& store,
       [&](std::size_t group, std::size_t ping) {
         simulation.run_into(store, {group, ping}, spare);
       },
-      onlookers);
+      progress_options);
 }
 
 SimulationStats totals(const Survey& survey, const PingStore& store, const Selection& selection) {
@@ -217,9 +218,9 @@ std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr
 }
 
 std::vector<Recording> simulate(const Survey& survey, const RunRequest& request, SimulationStats& stats,
-                                const Onlookers& onlookers) {
+                                const ProgressOptions& progress_options) {
   const auto store = std::make_shared<PingStore>(layout_of(survey, request));
-  simulate(survey, request, *store, onlookers);
+  simulate(survey, request, *store, progress_options);
   stop_if_wanted();
   stats = totals(survey, *store, request.selection);
   return recordings_of(survey, store, request.selection);

@@ -22,7 +22,8 @@ namespace tubefoot {
 
 class RegionalSimulation;
 
-/// Bounds of a reference run compared with its tolerance.
+/// Certified error bounds of a reference run, compared with its tolerance. The worst bin is the one of the
+/// largest ratio; its place counts from 0.
 struct ReferenceStats {
   std::size_t bins_over = 0;  ///< number of range bins whose bound exceeds the tolerance
   double worst_ratio = 0;     ///< largest ratio of a bound to its tolerance
@@ -36,10 +37,11 @@ struct ReferenceStats {
 struct SimulationStats {
   std::size_t pings = 0, tubes = 0, candidates = 0, footprints = 0, pieces = 0, hits = 0;
   std::size_t images = 0, arrivals = 0;     ///< for paths (docs/environment.md)
-  std::array<double, 9> energy_of_order{};  ///< by number of interactions
+  std::array<double, 9> energy_of_order{};  ///< received energy density [J/m^2] by number of interactions
   double visibility_seconds = 0, echo_seconds = 0;
-  std::size_t refined_facets = 0;  ///< facets made for transmissions, with relief online
-  /// Change that relief finer than the facets would cause (FinerRelief), for the worst ping.
+  std::size_t refined_facets = 0;  ///< facets made during the run (relief with mode "online")
+  /// Relative change of energies that relief finer than the facets would cause, for the worst ping
+  /// (FinerRelief).
   double finer_relief_largest = 0, finer_relief_rms = 0;
   ApparentMapCounts refraction;
   std::size_t shadowed_pings = 0;  ///< number of pings of which facets in shadow were omitted
@@ -60,8 +62,8 @@ class PingSimulation {
   PingSimulation(const PingSimulation&) = delete;
   PingSimulation& operator=(const PingSimulation&) = delete;
 
-  /// Computes one ping of a group into `values`, for finish() of a store. The number of the ping counts the
-  /// selected pings only.
+  /// Computes one ping of a group into `values`, for finish() of a store. `unit.ping` is an index into the
+  /// selected pings of the group.
   PingCounts run(const PingUnit& unit, PingValues& values) const;
   /// Computes a ping into a store, and marks it as done.
   void run_into(PingStore& store, const PingUnit& unit, PingBufferPool& spare) const {
@@ -79,8 +81,8 @@ class PingSimulation {
   std::unique_ptr<RegionalSimulation> by_regions_;  ///< for terrain that is read by tiles; otherwise null
 };
 
-/// Observers of a simulation.
-struct Onlookers {
+/// Options of the report of a simulation's progress.
+struct ProgressOptions {
   bool quiet = true;          ///< if true, nothing is printed to stderr
   RunWatch* watch = nullptr;  ///< may be null
   double afterwards_s = 0;    ///< approximate duration of the work after the last ping
@@ -88,17 +90,19 @@ struct Onlookers {
 
 PingOrder ping_order_of(const StoreLayout& layout);
 
-/// Calls `keep` for each ping of `layout` for which `left` returns true. The calls come from all threads and
-/// in any order, with neighbouring pings together. Returns early after a request to stop
+using PingCallback = std::function<void(std::size_t group, std::size_t ping)>;
+using IsPending = std::function<bool(std::size_t group, std::size_t ping)>;
+
+/// Calls `process` for each ping of `layout` for which `is_pending` returns true. The calls come from all
+/// threads and in any order, with neighbouring pings together. Returns early after a request to stop
 /// (geometry/steps/stop.hpp).
-using OfPing = std::function<void(std::size_t group, std::size_t ping)>;
-using IsLeft = std::function<bool(std::size_t group, std::size_t ping)>;
-void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsLeft& left, const OfPing& keep,
-                   const Onlookers& onlookers);
+void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsPending& is_pending,
+                   const PingCallback& process, const ProgressOptions& progress_options);
 
 /// Simulates all pings of all sensors that `store` does not contain yet, with PingSimulation. After a
 /// request to stop (geometry/steps/stop.hpp), returns early with the finished pings in the store.
-void simulate(const Survey& survey, const RunRequest& request, PingStore& store, const Onlookers& onlookers);
+void simulate(const Survey& survey, const RunRequest& request, PingStore& store,
+              const ProgressOptions& progress_options);
 
 /// Returns the sums over a store's pings, added in the order of the pings.
 SimulationStats totals(const Survey& survey, const PingStore& store, const Selection& selection = {});
@@ -110,6 +114,6 @@ std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr
 
 /// Simulates the whole survey in memory. Throws Interrupted after a request to stop.
 std::vector<Recording> simulate(const Survey& survey, const RunRequest& request, SimulationStats& stats,
-                                const Onlookers& onlookers = {});
+                                const ProgressOptions& progress_options = {});
 
 }  // namespace tubefoot

@@ -103,7 +103,7 @@ void warn_of_rounding(const Sensor& sensor, std::vector<std::string>& warnings) 
   if (sensor.wall_rounding() > worth_telling)
     warnings.push_back(fmt::format(
         "{}: sensor '{}' has very narrow beams: the rounding of directions to 2^-30 can change their width "
-        "and energy by a share of {:.2g}",
+        "and energy by a fraction of {:.2g}",
         to_string(sensor.description().place), sensor.description().name, sensor.wall_rounding()));
 }
 
@@ -156,7 +156,7 @@ void check_places(LoadedScene& loaded_scene, SensorSet& sensor_set) {
       return PingPlace{sensor.description().place, ping, pings.times_s[ping], at_m, called};
     };
     pings.altitudes_m.reserve(pings.poses.size());
-    Steps seen("comparing pings with the seabed", pings.poses.size());
+    Steps seen("comparing sensor positions with the seabed", pings.poses.size());
     for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
       seen.done();
       pings.altitudes_m.push_back(places.check(at(ping, pings.poses[ping].position_m, what), inside));
@@ -239,16 +239,18 @@ void check_signals(const Scene& scene, const SensorPings& pings, const SignalMod
   if (!model.stop_and_hop && path_settings(scene, pings.sensor->frequency_khz()))
     throw InputError(
         description.place,
-        fmt::format("sensor '{}' moves during reception (stop_and_hop = false), but paths over mirrors need "
-                    "positions at rest: set stop_and_hop = true, or leave out the mirrors",
-                    description.name));
+        fmt::format(
+            "sensor '{}' moves during reception (stop_and_hop = false), but tubefoot computes paths via "
+            "mirrors only for a sensor at rest: set stop_and_hop = true, or leave out the mirrors",
+            description.name));
   if (!model.stop_and_hop &&
       std::ranges::any_of(scene.smooth, [](const auto& surface) { return surface.has_value(); }))
     throw InputError(
         description.place,
-        fmt::format("sensor '{}' moves during reception (stop_and_hop = false), but smooth materials need "
-                    "positions at rest: set stop_and_hop = true, or leave out 'smooth'",
-                    description.name));
+        fmt::format(
+            "sensor '{}' moves during reception (stop_and_hop = false), but tubefoot computes echoes of "
+            "smooth materials only for a sensor at rest: set stop_and_hop = true, or leave out 'smooth'",
+            description.name));
   const double end_s = pings.times_s.back() + model.sampling.end_s();
   if (!model.stop_and_hop && !trajectory.is_fixed() && !trajectory.holds(end_s))
     throw InputError(

@@ -51,13 +51,13 @@ std::vector<std::string> idle_relief_warnings(const Scene& scene) {
   for (std::size_t i = 0; i < areas.size(); ++i)
     if (areas[i].idle > least_share * areas[i].all)
       warnings.push_back(fmt::format(
-          "'{}': on {:.3g} % of its area with relief, relief moves points only within their facets, so that "
-          "the area is refined but stays flat: {}",
+          "'{}': on {:.3g} % of its area with relief, relief moves points only within their facets, so the "
+          "area is refined but stays flat: {}",
           scene.report.components[i].name, 100 * areas[i].idle / areas[i].all,
           vertical ? "'displace' in [relief] is \"vertical\", and these facets are vertical: set displace = "
                      "\"normal\" to displace along the normal, or give the facets a material without relief"
-                   : "the normals of facets that share vertices cancel: give the surface one side or a "
-                     "thickness"));
+                   : "the normals of facets that share vertices cancel: model the surface with only one "
+                     "side, or give it a thickness"));
   return warnings;
 }
 

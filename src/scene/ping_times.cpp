@@ -45,14 +45,14 @@ PingTimes::PingTimes(const SensorDescription& sensor, const Trajectory& trajecto
   }
   if (starts_.empty())
     refuse(
-        fmt::format("no ping of sensor '{}' is on a line of trajectory '{}': change 'first_ping_s', which "
-                    "counts from the beginning of each line",
+        fmt::format("no ping of sensor '{}' is on a line of trajectory '{}': change 'first_ping_s', which is "
+                    "relative to the start of each line",
                     sensor.name, trajectory_name));
   if (sensor.pings && *sensor.pings > held)
-    refuse(
-        fmt::format("sensor '{}' asks for {} pings, but the lines of trajectory '{}' hold {:.0f}: reduce "
-                    "'pings' (without this key, all are simulated), or change 'ping_interval_s' or the lines",
-                    sensor.name, *sensor.pings, trajectory_name, held));
+    refuse(fmt::format(
+        "sensor '{}' is set to {} pings, but the lines of trajectory '{}' hold only {:.0f}: reduce 'pings' "
+        "(without this key, all are simulated), or change 'ping_interval_s' or the lines",
+        sensor.name, *sensor.pings, trajectory_name, held));
   count_ = static_cast<std::size_t>(sensor.pings ? static_cast<double>(*sensor.pings) : held);
 }
 

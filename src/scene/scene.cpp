@@ -219,8 +219,8 @@ void warn_about(Scene& scene) {
   constexpr double kCoarse_m = 1e-3;
   if (scene.grid.unit_m() > kCoarse_m && !scene.description.run.grid_exponent) {
     warnings.push_back(
-        fmt::format("the scene is so large that its grid has a unit of {:.3g} m; vertices moved by up to "
-                    "{:.3g} m",
+        fmt::format("the scene is so large that its grid has a unit of {:.3g} m; tubefoot moved vertices by "
+                    "up to {:.3g} m",
                     scene.grid.unit_m(),
                     scene.tiled.empty() ? mesh.largest_snap_m : std::sqrt(0.75) * scene.grid.unit_m()));
   }

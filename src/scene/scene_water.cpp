@@ -48,8 +48,8 @@ void check_depth(const CsvRow& row, bool first, double depth_before_m) {
   check(row, 0, "depth_m", -100, 12000);
   constexpr double least_step_m = 1e-6;  // for smaller steps, the gradient is not a finite number
   if (!first && !(row.values[0] - depth_before_m >= least_step_m))
-    throw InputError(row.places[0], fmt::format("depth_m is {} after {}, expected increasing depths",
-                                                row.values[0], depth_before_m));
+    throw InputError(row.places[0],
+                     fmt::format("depth_m must increase: {} follows {}", row.values[0], depth_before_m));
 }
 
 }  // namespace

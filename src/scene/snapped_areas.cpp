@@ -43,8 +43,8 @@ bool SnappedArea::is_changed() const { return given_m2 > 0 && change_of(*this) >
 
 std::string warning_of(const SnappedArea& area, const WorldGrid& grid, int finest_exponent) {
   return fmt::format(
-      "'{}': the grid with its unit of {:.3g} m changes the area from {:.4g} to {:.4g} m2 ({:.2g} %), and "
-      "the energies accordingly: {}",
+      "'{}': rounding to the grid with its unit of {:.3g} m changes the area from {:.4g} to {:.4g} m2 "
+      "({:.2g} %), and the energies accordingly: {}",
       area.name, grid.unit_m(), area.given_m2, area.snapped_m2, 100 * change_of(area),
       finest_exponent > grid.exponent()
           ? fmt::format("set 'grid_exponent' in [run] for a finer grid (at most {} for a scene of this size)",

@@ -22,13 +22,14 @@ void TrackSurroundings::place_by_lon_lat(std::span<glm::dvec3> points, const Sou
   tubefoot::place_by_lon_lat(
       points, frame, place,
       "latitude and longitude need a [georeference], which the scene does not have: add "
-      "one, or give local metres");
+      "one, or give coordinates in metres in the local frame");
 }
 
 void TrackSurroundings::place_by_crs(std::span<glm::dvec3> points, const SourcePlace& place) const {
   if (!frame.is_georeferenced() || frame.is_tangent())
-    throw InputError(
-        place, "easting and northing refer to a map: set 'crs' in [georeference], or give local metres here");
+    throw InputError(place,
+                     "easting and northing refer to a map: set 'crs' in [georeference], or give coordinates "
+                     "in metres in the local frame");
   const LocalFrame::Map map = frame.map();
   for (glm::dvec3& p : points)
     p = {map.metres_per_unit * (p.x - map.easting), map.metres_per_unit * (p.y - map.northing), p.z};

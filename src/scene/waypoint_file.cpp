@@ -167,7 +167,7 @@ class Waypoints {
       if (!timed && divided) {
         if (of_line.size() < 2)
           throw InputError(table_.place(begin, line),
-                           "the line has one waypoint, expected two or more in a file without times");
+                           "the line has only one waypoint, expected two or more in a file without times");
         survey.add(std::move(of_line));
         continue;
       }
@@ -199,9 +199,8 @@ class Waypoints {
               : "expected the column time_s, or 'speed_m_s' in the scene's trajectory");
     for (std::size_t i = 1; table_.has(time_s) && i < rows_.size(); ++i)
       if (!(rows_[i][time_s] > rows_[i - 1][time_s]))
-        throw InputError(table_.place(i, time_s),
-                         fmt::format("time_s is {} after {}, expected increasing times", rows_[i][time_s],
-                                     rows_[i - 1][time_s]));
+        throw InputError(table_.place(i, time_s), fmt::format("time_s must increase: {} follows {}",
+                                                              rows_[i][time_s], rows_[i - 1][time_s]));
   }
 
   /// Computes the local positions of all rows.
@@ -255,7 +254,7 @@ class Waypoints {
     if (!(time > before.back().time_s))
       throw InputError(
           table_.place(i, across_),
-          "the waypoint is at the position of the previous one, expected a distance between them");
+          "the waypoint is at the same position as the previous one, expected different positions");
     return time;
   }
 

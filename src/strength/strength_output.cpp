@@ -126,9 +126,9 @@ void write_netcdf(const StrengthTable& table, const fs::path& file) {
     group.attribute(NC_GLOBAL, "reference_tolerance", NC_DOUBLE, {request.tolerance.value_or(0)});
     group.put({"length_bound", NC_DOUBLE, all, "m", "certified half-width of the backscattering length"},
               table.bound_m);
-    group.put(
-        {"length_grid_bound", NC_DOUBLE, all, "m", "part of length_bound that the grid of the view causes"},
-        table.grid_bound_m);
+    group.put({"length_grid_bound", NC_DOUBLE, all, "m",
+               "part of length_bound that is due to rounding to the grid of the view"},
+              table.grid_bound_m);
     group.put({"target_strength_bound", NC_DOUBLE, all, "dB", "certified half-width of the target strength"},
               bounds_db);
   }

@@ -137,19 +137,19 @@ std::string in_words(const BoundsHeld& held, const StrengthTable& table) {
   std::string words =
       held.over == 0
           ? fmt::format(
-                "reference: certified; the bound of each length is at most {:g} of the length, or of {:g} of "
-                "the strongest length at its frequency\n",
+                "reference: certified; each bound is at most {:g} times the length; lengths below {:g} times "
+                "the strongest length at the same frequency count as this minimum\n",
                 tolerance, strength_floor)
           : fmt::format(
-                "reference: {} of {} lengths have wider bounds than {:g}; the widest is {:.3g} times the "
+                "reference: {} of {} lengths have bounds wider than {:g}; the widest is {:.3g} times the "
                 "requested bound, at elevation {:g}, azimuth {:g}, {:g} Hz\n",
                 held.over, table.bound_m.size(), tolerance, held.worst_ratio,
                 request.elevations_deg[held.worst_elevation], request.azimuths_deg[held.worst_azimuth],
                 request.frequencies_hz[held.worst_frequency]);
-  return words +
-         fmt::format(
-             "bounds         up to {:.3g} m, of which up to {:.3g} % are due to the grid of the view\n",
-             held.most_m, 100 * held.most_grid);
+  return words + fmt::format(
+                     "bounds         up to {:.3g} m, of which up to {:.3g} % are due to rounding to the grid "
+                     "of the view\n",
+                     held.most_m, 100 * held.most_grid);
 }
 
 std::optional<std::string> too_small_for(const ComponentMesh& mesh, double lowest_frequency_hz,
@@ -180,10 +180,10 @@ std::vector<std::string> warnings_of(const ComponentMesh& mesh, double highest_f
   }
   std::vector<std::string> warnings;
   if (open > 0)
-    warnings.push_back(
-        fmt::format("the mesh is open: {} of its {} edges belong to only one facet. Both sides of a facet "
-                    "reflect, also those that the opening shows: close the mesh if the body is closed",
-                    open, all));
+    warnings.push_back(fmt::format(
+        "the mesh is open: {} of its {} edges belong to only one facet. Both sides of a facet reflect, "
+        "including inner sides that can be seen through the opening: close the mesh if the body is closed",
+        open, all));
   if (crowded > 0)
     warnings.push_back(
         fmt::format("{} of the {} edges of the mesh belong to more than two facets; only one of several "
@@ -192,13 +192,13 @@ std::vector<std::string> warnings_of(const ComponentMesh& mesh, double highest_f
   constexpr double good = 1.0 / 50;  // corresponds to a two-way phase of a quarter of a radian
   const double wavelength = sound_speed / highest_frequency_hz;
   if (worst.off_m > good * wavelength)
-    warnings.push_back(
-        fmt::format("flat facets deviate from a curved surface by up to {:.3g} mm, {:.2g} of the wavelength "
-                    "at {:g} Hz ({:.3g} mm). The result is the strength of the facets. For a deviation of "
-                    "1/50 of a wavelength, multiply edge lengths by {:.2g} ({:.3g} mm instead of {:.3g} mm)",
-                    1e3 * worst.off_m, worst.off_m / wavelength, highest_frequency_hz, 1e3 * wavelength,
-                    std::sqrt(good * wavelength / worst.off_m),
-                    1e3 * worst.edge_m * std::sqrt(good * wavelength / worst.off_m), 1e3 * worst.edge_m));
+    warnings.push_back(fmt::format(
+        "flat facets deviate from a curved surface by up to {:.3g} mm, which is {:.2g} of the wavelength at "
+        "{:g} Hz ({:.3g} mm). The result is the target strength of the mesh of flat facets. For a deviation "
+        "of 1/50 of a wavelength, multiply edge lengths by {:.2g} ({:.3g} mm instead of {:.3g} mm)",
+        1e3 * worst.off_m, worst.off_m / wavelength, highest_frequency_hz, 1e3 * wavelength,
+        std::sqrt(good * wavelength / worst.off_m),
+        1e3 * worst.edge_m * std::sqrt(good * wavelength / worst.off_m), 1e3 * worst.edge_m));
   const double phase = 4 * std::numbers::pi / wavelength * radius_of(mesh) * FarView::vertex_error;
   constexpr double worth_telling_rad = 0.01;
   if (phase > worth_telling_rad)

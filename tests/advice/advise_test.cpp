@@ -351,7 +351,7 @@ TEST_F(AdviseProgram, BadTolerancesAreRefused) {
   expect_refused({"run", scene, "-o", output, "--tolerance", "1e-9"}, "run --reference");
   for (const char* bad : {"0.1dB", "nan"})
     expect_refused({"run", scene, "-o", output, "--reference", "--tolerance", bad},
-                   "relative bound, 1e-12 to 0.1");
+                   "relative bound from 1e-12 to 0.1");
   expect_refused({"advise", scene}, "--tolerance is required");
   expect_refused({"advise", scene, "--tolerance", "1%", "--pings", "1"},
                  "--pings '1': expected a number of pings of at least 2");

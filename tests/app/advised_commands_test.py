@@ -186,7 +186,7 @@ def cases(folder):
         case = Case(folder, f"bare {north_first}")
         netcdf(case.folder / "bed.nc", coordinates=False, north_first=north_first)
         said = case.run(case.scene("bed.nc"))[1]
-        case.right(case.advised(said, "no geotransform", EDGES, pick))
+        case.right(case.advised(said, "geotransform", EDGES, pick))
 
     # A user's own setting of GDAL does not turn a seabed over.
     case = Case(folder, "environment")
@@ -202,11 +202,11 @@ def cases(folder):
 
     case = Case(folder, "no geotransform")
     geotiff(case.folder / "bed.tif", transform=None)
-    case.right(case.advised(case.run(case.scene("bed.tif"))[1], "no geotransform", EDGES))
+    case.right(case.advised(case.run(case.scene("bed.tif"))[1], "geotransform", EDGES))
 
     case = Case(folder, "with spaces")
     geotiff(case.folder / "my bed's.tif", transform=None)
-    case.right(case.advised(case.run(case.scene("my bed's.tif"))[1], "no geotransform", EDGES))
+    case.right(case.advised(case.run(case.scene("my bed's.tif"))[1], "geotransform", EDGES))
 
     for turned_axis in (False, True):
         case = Case(folder, f"turned over {turned_axis}")
@@ -246,7 +246,7 @@ def cases(folder):
     heights[0, 0] = -9999
     geotiff(case.folder / "bed.tif", heights)
     said = case.run(case.scene("bed.tif"))[1]
-    case.right(case.advised(said, "has cells of -9999", {}), least=COLUMNS * ROWS - 1)
+    case.right(case.advised(said, "has cells with the value -9999", {}), least=COLUMNS * ROWS - 1)
 
     # Longitude and latitude that name no system; and metres that GDAL wrote as such.
     degrees = (60 + 0.00002 * np.arange(ROWS), 9 + 0.00004 * np.arange(COLUMNS))
@@ -303,7 +303,7 @@ def cases(folder):
     second = '[[terrain]]\nname = "other"\nkind = "raster"\nmaterial = "sand"\nfile = "other.tif"\n'
     said = case.run(case.scene("bed.tif", terrain=second))[1]
     geotiff(case.folder / "placed.tif", transform=far)
-    case.right(case.advised(said, "a raster before it has none", {"EPSG:...": "EPSG:32632", "IN": "placed.tif", "OUT": "named.tif"}),
+    case.right(case.advised(said, "a preceding raster has none", {"EPSG:...": "EPSG:32632", "IN": "placed.tif", "OUT": "named.tif"}),
                georeference=frame)
 
     case = Case(folder, "another CRS than that of files of corrections")
@@ -494,7 +494,7 @@ def cases(folder):
         data.GetRasterBand(1).WriteArray(np.full((400, 400), 8, "u1"), 4000, 400)
         del data
         status, said = accepted(case, "map.tif", extra)
-        new = gdal.Open(str(case.advised(said, "are more than", {})))
+        new = gdal.Open(str(case.advised(said, "exceed the limit of", {})))
         assert (new.RasterXSize, new.RasterYSize) == (2500, 1300) and np.isclose(new.GetGeoTransform(), (500000, 0.4, 0, 6651000, 0, -0.4)).all()
         assert new.ReadAsArray()[150, 1050] == 8 and new.ReadAsArray()[1150, 1050] == 0
 
@@ -502,7 +502,7 @@ def cases(folder):
     geotiff(case.folder / "map.tif", transform=None, crs="EPSG:32632")
     status, said = accepted(case, "map.tif", reflectivity)
     edges = {"WEST": far[0], "NORTH": far[3], "EAST": far[0] + COLUMNS * STEP, "SOUTH": far[3] - ROWS * STEP}
-    new = case.advised(said, "no geotransform", edges)
+    new = case.advised(said, "geotransform", edges)
     assert accepted(case, new.name, reflectivity)[0] == 0 and gdal.Open(str(new)).GetGeoTransform() == far
 
     case = Case(folder, "thin cells of relief")
@@ -517,7 +517,7 @@ def cases(folder):
     data.SetGeoTransform((WEST - 1, STEP, 0, NORTH + 1, 0, -STEP))
     data.GetRasterBand(1).WriteArray(classes.astype("u1"))
     del data
-    new = case.advised(materials(case, "map.tif", raster)[1], "are more than", EDGES)
+    new = case.advised(materials(case, "map.tif", raster)[1], "exceed the limit of", EDGES)
     right_mud(case, *materials(case, new.name, raster))
 
     # Commands of pages, which name files of their own.

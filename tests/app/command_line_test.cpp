@@ -93,7 +93,7 @@ TEST_F(CommandLine, EarlierNamesOfOptionsKeepTheirMeaningWithAWarning) {
   EXPECT_THAT(pings.err, HasSubstr("warning: --ping is deprecated: use --pings"));
   const Outcome suite = run_program({"pack", "--help"});
   EXPECT_EQ(suite.exit_code, 0) << suite.err;
-  EXPECT_THAT(suite.err, HasSubstr("warning: the command pack is deprecated: use suite"));
+  EXPECT_THAT(suite.err, HasSubstr("warning: the command 'pack' is deprecated: use 'suite'"));
   EXPECT_THAT(suite.out, HasSubstr("tubefoot suite"));
 }
 

@@ -55,9 +55,10 @@ TEST_F(DeletedFolder, IsNamedByEveryCommandThatWritesBesideIt) {
     const Outcome outcome = run_in_deleted_folder(command);
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_THAT(outcome.err, HasSubstr("'here"));
-    EXPECT_THAT(outcome.err,
-                HasSubstr("the current folder has been deleted, so the name has no starting point; go to "
-                          "another folder (cd), or give names that begin with '/'"));
+    EXPECT_THAT(
+        outcome.err,
+        HasSubstr("the current folder has been deleted, so the relative name cannot be resolved; go to "
+                  "another folder (cd), or give names that begin with '/'"));
     EXPECT_THAT(outcome.err, Not(HasSubstr("filesystem error")));
   }
 }

@@ -51,9 +51,10 @@ TEST_F(Hostile, PipesBesideAFile) {
   for (const char* name : {"grid.PRJ", "grid.asc.aux.xml", "grid.asc.msk"}) {
     SCOPED_TRACE(name);
     mkfifo((folder / name).c_str(), 0600);
-    expect_refused(with_raster(),
-                   {"scene.toml:6:8: ", name,
-                    ": is a special file that belongs to 'grid.asc' by its name: move it away"});
+    expect_refused(
+        with_raster(),
+        {"scene.toml:6:8: ", name,
+         ": is a special file, but its name is that of a companion file of 'grid.asc': move it away"});
     fs::remove(folder / name);
   }
   // not a format that the program reads, so that it is not opened

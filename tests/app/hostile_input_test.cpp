@@ -76,13 +76,13 @@ std::string with_raster(const std::string& more) {
 TEST_F(Hostile, RastersThatAnnounceMoreThanTheyHold) {
   folder.write("grid.tif", sparse_tiff(100'000, 100'000, 1000));
   expect_refused(with_raster(""),
-                 {"scene.toml:4:1: ", "100000 x 100000 cells are more than 2e+09", "decimate"});
+                 {"scene.toml:4:1: ", "100000 x 100000 cells exceed the limit of 2e+09", "decimate"});
   expect_refused(with_raster("load = \"whole\""),
-                 {"scene.toml:4:1: ", "100000 x 100000 cells are more than 5e+07", "decimate"});
+                 {"scene.toml:4:1: ", "100000 x 100000 cells exceed the limit of 5e+07", "decimate"});
   // The scene requests only a corner of the raster.
   folder.write("grid.tif", sparse_tiff(100'000, 100'000, 100'000));
   expect_refused(with_raster("window = [0, 0, 10, 10]"),
-                 {"blocks of 100000 x 100000 cells, which are more than 512 MB each", "gdal_translate"});
+                 {"blocks of 100000 x 100000 cells, which are larger than 512 MB each", "gdal_translate"});
   folder.write("grid.tif", sparse_tiff(2'000'000'000, 2, 1));
   expect_refused(with_raster("window = [0, 0, 10, 2]"), {"blocks of 2000000000 x 1 cells"});
   folder.write("grid.tif", sparse_tiff(40'000, 1000, 100));
@@ -93,11 +93,11 @@ TEST_F(Hostile, RastersThatAnnounceMoreThanTheyHold) {
       "\n[[materials.reflectivity]]\nkind = \"map\"\ntile_m = [10, 10]\nfile = \"grid.tif\"";
   folder.write("grid.tif", sparse_tiff(100'000, 100'000, 100'000));
   expect_refused(replaced(small_scene, "name = \"sand\"", "name = \"sand\"" + tile),
-                 {"100000 x 100000 pixels are more than 5e+07", "shrink the image"});
+                 {"100000 x 100000 pixels exceed the limit of 5e+07", "shrink the image"});
   expect_refused(replaced(small_scene, "length_m = 30",
                           "length_m = 30\n[terrain.material_map]\nkind = \"raster\"\nfile = "
                           "\"grid.tif\"\nclasses = { 0 = \"sand\" }"),
-                 {"100000 x 100000 cells are more than 5e+07"});
+                 {"100000 x 100000 cells exceed the limit of 5e+07"});
 }
 
 TEST_F(Hostile, TablesOfOneEndlessLine) {

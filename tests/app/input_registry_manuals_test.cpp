@@ -74,7 +74,7 @@ TEST_F(InputRegistryManuals, WhatIsBehindALinkIsWhatIsHashed) {
     EXPECT_TRUE(hashed.contains(fs::canonical(folder / name).string()));
   }
   folder.write("mosaic.vrt", vrt_of(simple_band("link/../grid.asc")));
-  expect_refused(with_raster("mosaic.vrt"), {"leads through a link and back"});
+  expect_refused(with_raster("mosaic.vrt"), {"whose path follows a link and then leads back"});
 }
 
 TEST_F(InputRegistryManuals, FilesOfTheSystemHaveAnEnd) {
@@ -162,7 +162,7 @@ TEST_F(InputRegistryManuals, Hdf5DescriptionsHaveASize) {
     });
   };
   write_text("large.bag", (hsize_t{1} << 32) + 10);
-  expect_both_refuse("large.bag", "a text of more than 64 MB");
+  expect_both_refuse("large.bag", "a text larger than 64 MB");
 }
 
 TEST_F(InputRegistryManuals, AClassicHeaderWhoseSizesOverflowIsRefused) {

@@ -161,7 +161,7 @@ TEST(FootprintChoice, LeavesOutWhatFootprintsAreNot) {
   const std::string mirrors = "[sea_surface]\nheight_m = 10\nloss_db = 1\n[paths]\norder = 2\n";
   const Outcome mirrored = outcome_of(box_scene("", mirrors), "camera.txt");
   EXPECT_EQ(mirrored.exit_code, 0) << mirrored.err;
-  EXPECT_THAT(mirrored.err, HasSubstr("exact corners cover paths of order 1 only"));
+  EXPECT_THAT(mirrored.err, HasSubstr("exact corners are written only for paths of order 1"));
   const Outcome twice = outcome_of(box_scene("", mirrors + "scatterings = 2\npatch_m = 2\n"), "camera.csv");
   EXPECT_EQ(twice.exit_code, 0) << twice.err;
   EXPECT_THAT(twice.err, HasSubstr("footprints contain single scattering only"));

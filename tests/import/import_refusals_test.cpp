@@ -318,7 +318,7 @@ TEST_F(Again, OriginalsThatAreNotWhatTheyWereAreRefused) {
     folder.write("candidate.originals/" + file, bytes);
   };
   write(name, picture(40));
-  refused("has changed: its bytes do not have the hash");
+  refused("has changed: its bytes do not match the hash");
   fs::remove(originals / name);
   refused(name);
   write(name, picture(30));

@@ -315,7 +315,7 @@ TEST_F(Import, WhatLooksLikeNothingDoesNotHold) {
   picture.each([&](double) { return double(++k * 7919 % 101); });
   const Outcome outcome = import_file("picture.npy", picture.npy(), {"--scale", "energy"});
   EXPECT_THAT(outcome.err, HasSubstr("is it the same scene"));
-  EXPECT_THAT(outcome.out, AllOf(HasSubstr("the assumed reading: corr "), Not(HasSubstr("holds"))));
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("the assumed interpretation: corr "), Not(HasSubstr("holds"))));
 }
 
 TEST_F(Import, RangesByTheirEdgesAreFound) {

@@ -23,7 +23,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 std::string page_of_the_table() {
-  std::string page = "| this | with this | is refused, because |\n|---|---|---|\n";
+  std::string page = "| feature | combined with | reason for the rejection |\n|---|---|---|\n";
   for (const Refusal& refusal : refusals()) {
     std::string with(name_of(refusal.second));
     for (const auto& feature : refusal.more)

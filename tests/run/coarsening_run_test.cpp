@@ -195,7 +195,7 @@ TEST_F(CoarseningRun, RefusesWhatIsNoTolerance) {
     EXPECT_FALSE(exists(output()));
   }
   EXPECT_THAT(tried(scene, {"--coarsen", "2"}).err,
-              HasSubstr("--coarsen '2': expected the permitted displacement of facets as a share of the "
+              HasSubstr("--coarsen '2': expected the permitted displacement of facets as a fraction of the "
                         "resolution of the sonars, from 0 (no merging) to 1"));
 }
 
@@ -217,8 +217,8 @@ TEST_F(CoarseningRun, IsRefusedWhereFacetsMatter) {
       {scene, {"--reference", "--tolerance", "1e-3"}, "this output refers to the facets of the scene"},
       {scene, {"--binning", "centroid"}, "less accurate with merged facets"},
       {scene, {"--tolerance", "10%"}, "settings are tested on the facets of the scene"},
-      {bending + scene, {}, "refraction adapts the facets itself"},
-      {scattering + scene, {}, "second scattering treats facets as points"},
+      {bending + scene, {}, "tubefoot already adapts the facets to the refraction"},
+      {scattering + scene, {}, "in the second scattering, tubefoot treats facets as points"},
       {materials + ripples + "[relief]\nmode = \"offline\"\ncell_m = 0.2\n" + rolling_seabed + place + camera,
        {},
        "cannot merge facets that relief has refined"},
@@ -230,7 +230,7 @@ TEST_F(CoarseningRun, IsRefusedWhereFacetsMatter) {
            "[[sensors]]\nname = \"sonar\"\nkind = \"interferometric\"\nrange_max_m = 10\nsamples = 8\n"
            "along_track_deg = 3\nfrequency_khz = 100\nbaseline_m = 0.05\n",
        {},
-       "phases resolve much less"},
+       "phases depend on lengths much smaller"},
   };
   for (const auto& [text, words, reason] : cases) {
     SCOPED_TRACE(reason);

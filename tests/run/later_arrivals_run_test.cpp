@@ -109,7 +109,8 @@ TEST(LaterArrivalsRun, AreCounted) {
   const nlohmann::json stats = nlohmann::json::parse(bytes_of(folder / "out/stats.json")).at("refraction");
   EXPECT_GT(stats.at("facets_of_several_rays").get<int>(), 0);
   EXPECT_GT(stats.at("facets_folded").get<int>(), 0);
-  EXPECT_EQ(stats.at("branches"), "every ray, out and home along any two, with 1 turning point at most");
+  EXPECT_EQ(stats.at("branches"),
+            "every ray, in any combination of transmit leg and receive leg, with at most 1 turning point");
   const Outcome audit = run_program({"audit", file.string()});
   EXPECT_EQ(audit.exit_code, 0) << audit.err;
   EXPECT_THAT(audit.out, HasSubstr("failures       0\n"));
@@ -125,11 +126,11 @@ TEST(LaterArrivalsRun, AreNotMissedWhereNoPathGoesOverTheSurface) {
   EXPECT_EQ(outcome.err.find("several rays"), std::string::npos) << outcome.err;
   EXPECT_EQ(outcome.err.find("inverted"), std::string::npos) << outcome.err;
   EXPECT_EQ(nlohmann::json::parse(bytes_of(folder / "out/stats.json")).at("refraction").at("branches"),
-            "every ray, out and home along any two, with 1 turning point at most");
+            "every ray, in any combination of transmit leg and receive leg, with at most 1 turning point");
   const Outcome footprints =
       run_program({"footprints", file.string(), "--sensor", "beam", "-o", (folder / "f.csv").string()});
   ASSERT_EQ(footprints.exit_code, 0) << footprints.err;
-  EXPECT_THAT(footprints.err, HasSubstr("footprints use the first arrival only"));
+  EXPECT_THAT(footprints.err, HasSubstr("facets contain only the first arrival"));
 }
 
 // A separate receiver uses only the first eigenray, and the run reports this.
@@ -138,8 +139,8 @@ TEST(LaterArrivalsRun, SeparateReceiversSayWhatTheyLack) {
   const auto file = folder.write("scene.toml", scene() + "receiver_arm_m = [0, 1, 0]\n");
   const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("several rays, with 1 turning point at most"));
-  EXPECT_THAT(outcome.err, HasSubstr("computes the first arrival only"));
+  EXPECT_THAT(outcome.err, HasSubstr("several rays, with at most 1 turning point"));
+  EXPECT_THAT(outcome.err, HasSubstr("computes only the first arrival"));
 }
 
 // Random rays meet the same eigenray branches.

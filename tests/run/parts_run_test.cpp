@@ -157,7 +157,7 @@ TEST_F(Parts, ThatAreNotAllThereAreRefused) {
   expect_refused("contains shard 1 of 3");
   fs::remove(file(2, 3));
   fs::copy_file(file(1, 3), file(1, 4));
-  expect_refused("shards of a run in 3 and of a run in 4");
+  expect_refused("shards of a run with 3 shards and of a run with 4 shards");
 }
 
 TEST_F(Parts, OfAnotherRunAreRefused) {

@@ -367,7 +367,7 @@ TEST(PathsRun, SaysWhatItCannotDo) {
   EXPECT_THAT(
       error_of(inclined.insert(inclined.find("[[terrain]]"), box)),
       HasSubstr(
-          "'bed' is a mirror on facets that are not horizontal, and refracted rays over an inclined mirror"));
+          "'bed' is a mirror on facets that are not horizontal, and refracted rays via an inclined mirror"));
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ TEST(ReferenceRun, SaysWhereAndByHowMuchItIsNot) {
       run_small("samples = 3\ntransmit_pattern = \"table\"\ntransmit_pattern_file = \"beam.csv\"\n",
                 {"--reference", "--tolerance", "1e-12"});
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("bins have wider bounds than 1e-12; the widest is "));
+  EXPECT_THAT(outcome.out, HasSubstr("bins have bounds wider than 1e-12; the widest is "));
   EXPECT_THAT(outcome.out, HasSubstr("at sensor 'camera', ping 0, beam "));
   EXPECT_GT(stats["bins_over_tolerance"], 0);
   EXPECT_GT(stats["worst_bound_over_asked"], 1.0);

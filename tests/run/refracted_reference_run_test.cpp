@@ -292,7 +292,7 @@ TEST(RefractedReferenceRun, SaysThatOneRayAloneIsFollowed) {
   const Checkpoint run(scene_of(texture, gradient(-0.5)), {"--reference", "--tolerance", "3e-2"});
   ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
   EXPECT_THAT(run.stats.at("refraction").at("branches").get<std::string>(),
-              HasSubstr("in references, tubefoot computes the first arrival only"));
+              HasSubstr("in references, tubefoot computes only the first arrival"));
 }
 
 }  // namespace

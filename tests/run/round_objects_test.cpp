@@ -101,7 +101,7 @@ TEST(RoundObjects, CheckTellsHowRoundTheyAre) {
               HasSubstr("are within 4 mm of it (from the scene)"));
   EXPECT_THAT(told("shape = \"cone\"\n", 1), HasSubstr("are within 20 mm of it (a fiftieth of the radius)"));
   EXPECT_THAT(told("shape = \"sphere\"\n", 10000),
-              HasSubstr("are within 300 um of it (the finest default, coarser than"));
+              HasSubstr("are within 300 um of it (the finest default, which is coarser than"));
 }
 
 }  // namespace

@@ -282,7 +282,7 @@ TEST_F(SelectionRun, IsShownFromItsFirstPingOn) {
   EXPECT_EQ(view({"--pings", "4"}).exit_code, 0);
   const Outcome absent = view({"--pings", "2:3"});
   EXPECT_EQ(absent.exit_code, 2);
-  EXPECT_THAT(absent.err, HasSubstr("contains pings 3:4 of each sensor only"));
+  EXPECT_THAT(absent.err, HasSubstr("contains only pings 3:4 of each sensor"));
   EXPECT_THAT(view({"--sensor", "near"}).err, HasSubstr("does not contain"));
 }
 

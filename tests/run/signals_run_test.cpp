@@ -327,9 +327,9 @@ TEST_F(SignalsRun, ProductsThatCannotBeMadeAreLeftOut) {
   const Outcome check = run_program({"check", file.string()}),
                 run = run_program({"run", file.string(), "-o", out.string(), "--pings", "0:2"});
   EXPECT_EQ(check.exit_code, 0) << check.err;
-  EXPECT_THAT(check.err + check.out, HasSubstr("'sonar': no beams abeam: "));
+  EXPECT_THAT(check.err + check.out, HasSubstr("'sonar': tubefoot does not compute the beams abeam: "));
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("'sonar': no beams abeam: "));
+  EXPECT_THAT(run.err, HasSubstr("'sonar': tubefoot does not compute the beams abeam: "));
   EXPECT_TRUE(std::filesystem::exists(out / "sonar-signals.nc"));
   EXPECT_TRUE(std::filesystem::exists(out / "sonar-fan.png"));
   EXPECT_FALSE(std::filesystem::exists(out / "sonar-sidescan.png"));
@@ -344,8 +344,9 @@ TEST_F(SignalsRun, ProductsAreOfArraysAsTheyAreMounted) {
       "scene.toml", scene("yaw_deg = 90\nreceivers = 4\nproducts = [\"sidescan\", \"fan\"]\n", at_rest));
   const Outcome outcome = run_program({"check", file.string()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err + outcome.out, HasSubstr("no fan"));
-  EXPECT_THAT(outcome.err + outcome.out, testing::Not(HasSubstr("no beams abeam")));
+  EXPECT_THAT(outcome.err + outcome.out, HasSubstr("tubefoot does not compute the fan"));
+  EXPECT_THAT(outcome.err + outcome.out,
+              testing::Not(HasSubstr("tubefoot does not compute the beams abeam")));
 }
 
 struct SignalRefusals : testing::Test {

@@ -58,7 +58,7 @@ TEST(PingTimes, AreTheFirstOfASurveyWhereFewerAreRequested) {
   EXPECT_EQ(times(sonar(10, 0.2)).count(), 10u);
   EXPECT_THAT([] { times(sonar(11, 0.2)); },
               ThrowsMessage<InputError>(
-                  AllOf(HasSubstr("scene.toml:40:1"), HasSubstr("11 pings"), HasSubstr("hold 10"))));
+                  AllOf(HasSubstr("scene.toml:40:1"), HasSubstr("11 pings"), HasSubstr("hold only 10"))));
 }
 
 TEST(PingTimes, RefuseASurveyWithoutPingsAndOneWithTooMany) {

@@ -112,7 +112,7 @@ std::vector<std::string> warnings_with(ObjectDescription tiny) {
 TEST(SnappedAreas, AreWarnedOfWhereAnObjectOfAnyKindChangesByAThousandth) {
   const TestFolder folder;
   const auto changes =
-      Contains(AllOf(HasSubstr("'tiny': the grid with its unit of 9.54e-07 m changes the area"),
+      Contains(AllOf(HasSubstr("'tiny': rounding to the grid with its unit of 9.54e-07 m changes the area"),
                      HasSubstr("'grid_exponent' in [run]"), HasSubstr("(at most 23 ")));
   EXPECT_THAT(warnings_with(object("tiny", BoxPrimitive{{1e-5, 1e-5, 1e-5}})), changes);
   EXPECT_THAT(warnings_with(object("tiny", SpherePrimitive{1e-6})), changes);
@@ -135,7 +135,8 @@ TEST(SnappedAreas, AreWarnedOfForTerrain) {
   SceneDescription d = pond();
   d.terrains[0] = terrain(FlatTerrain{1e-5, 1e-5, {0, 0, -10}, 0});
   d.terrains[0].name = "speck";
-  EXPECT_THAT(load_scene(d).report.warnings, Contains(HasSubstr("'speck': the grid with its unit of")));
+  EXPECT_THAT(load_scene(d).report.warnings,
+              Contains(HasSubstr("'speck': rounding to the grid with its unit of")));
 }
 
 TEST(SnappedAreas, AreKeptByTheFinerGridThatTheWarningNames) {

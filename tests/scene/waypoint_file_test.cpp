@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCsv{"Nan", std::string(kHeader) + "0,nan,2,3,4,5,6\n", ":2:3: ", "finite"},
                     BadCsv{"ShortRow", std::string(kHeader) + "0,1,2,3,4,5\n", ":2: ", "6 fields"},
                     BadCsv{"TimeStandsStill", std::string(kHeader) + "0,1,2,3,4,5,6\n0,1,2,3,4,5,6\n",
-                           ":3:1: ", "increasing times"}),
+                           ":3:1: ", "time_s must increase"}),
     [](const auto& bad) { return bad.param.name; });
 
 // An ignored column loses motion, so that a column with a similar name is an error.
@@ -191,7 +191,7 @@ TEST(Waypoints, AWayTooShortToTakeTimeIsRefused) {
       [&] {
         read_waypoints({file, 0.5}, {});
       },
-      ThrowsMessage<InputError>(AllOf(HasSubstr("short.csv:6:1: "), HasSubstr("a distance between"))));
+      ThrowsMessage<InputError>(AllOf(HasSubstr("short.csv:6:1: "), HasSubstr("different positions"))));
 }
 
 TEST(Waypoints, WithoutTimesAreReachedAtTheSpeedThatIsGiven) {
@@ -213,7 +213,7 @@ TEST(Waypoints, WithoutTimesAreReachedAtTheSpeedThatIsGiven) {
       [&] {
         read_waypoints({still, 2.0}, {});
       },
-      ThrowsMessage<InputError>(AllOf(HasSubstr("still.csv:3:1: "), HasSubstr("a distance between"))));
+      ThrowsMessage<InputError>(AllOf(HasSubstr("still.csv:3:1: "), HasSubstr("different positions"))));
 }
 
 TEST(Waypoints, AreDividedWhereTheirLineChanges) {

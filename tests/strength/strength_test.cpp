@@ -191,7 +191,7 @@ TEST(StrengthBounds, AreHeldAgainstTheTolerance) {
   EXPECT_NEAR(held.worst_ratio, 1, 1e-12);  // of 2
   EXPECT_EQ(held.most_m, 0.5);
   EXPECT_EQ(held.most_grid, 1);
-  EXPECT_THAT(in_words(held, table), HasSubstr("the bound of each length is at most 0.01 of the length"));
+  EXPECT_THAT(in_words(held, table), HasSubstr("each bound is at most 0.01 times the length"));
   // 1e-4 counts as 0.1, of which 0.01 is 0.001.
   table.bound_m[2] = 0.003;
   table.bound_m[1] = 0.011;
@@ -199,7 +199,7 @@ TEST(StrengthBounds, AreHeldAgainstTheTolerance) {
   EXPECT_EQ(held.over, 2U);
   EXPECT_NEAR(held.worst_ratio, 3, 1e-12);
   EXPECT_THAT(in_words(held, table),
-              HasSubstr("2 of 4 lengths have wider bounds than 0.01; the widest is 3 "
+              HasSubstr("2 of 4 lengths have bounds wider than 0.01; the widest is 3 "
                         "times the requested bound, at elevation 5, azimuth 90, 1000 Hz"));
   table.bound_m[3] = std::numeric_limits<double>::infinity();
   EXPECT_THAT(in_words(bounds_held(table), table), HasSubstr("the widest is inf times"));
@@ -256,12 +256,10 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
   const std::string plate = "--frequencies 100kHz --elevations 90 --azimuths 0 --reference ";
   const auto kept = run(plate + "-o " + (folder / "kept.csv").string());
   EXPECT_EQ(kept.exit_code, 0) << kept.err;
-  EXPECT_THAT(
-      kept.out,
-      AllOf(HasSubstr("reference: certified; the bound of each length is at most 0.001 of the length"),
-            HasSubstr("bounds")));
+  EXPECT_THAT(kept.out, AllOf(HasSubstr("reference: certified; each bound is at most 0.001 times the length"),
+                              HasSubstr("bounds")));
   EXPECT_THAT(run(plate + "--tolerance 1e-12 -o " + (folder / "wide.csv").string()).out,
-              HasSubstr("1 of 1 lengths have wider bounds than 1e-12"));
+              HasSubstr("1 of 1 lengths have bounds wider than 1e-12"));
   for (const char* wrong : {"1", "1e-13", "nan", "0.1dB"})
     EXPECT_EQ(run(plate + "--tolerance " + wrong + " -o " + (folder / "x.csv").string()).exit_code, 2)
         << wrong;

@@ -212,8 +212,8 @@ Attribution attribute(const SceneAtHand& scene, const SensorEchoes& reference, c
   const Sensor& sensor = *scene.survey().sensors[place.sensor].sensor;
   if (path_settings(scene.survey().scene, sensor.frequency_khz()))
     attributor.notes().push_back(
-        "paths over mirrors and second scattering have no footprints; their echoes are attributed to the "
-        "surface that the straight path sees in the same bin");
+        "mirror paths and second scattering have no footprints; their echoes are attributed to the surface "
+        "that the straight path reaches in the same bin");
   if (sensor.has_separate_receiver())
     attributor.notes().push_back(
         "the receiver is separate; the kinds of bins refer to its view of the scene");

@@ -249,18 +249,17 @@ class Doctor {
     const auto stretched = [](double k) { return k / (1 - k); };
     if (const double scale = stretched(warp.azimuth_scale); scale != 0)
       add("azimuth-scale", scale, error_of(WarpTerm::azimuth_scale), "of the angle",
-          fmt::format("azimuths are too large by {:+.2f} +- {:.2f} %: the opening angle differs", 100 * scale,
+          fmt::format("azimuths differ by {:+.2f} +- {:.2f} %: the opening angle differs", 100 * scale,
                       100 * error_of(WarpTerm::azimuth_scale)));
     if (const double scale = stretched(warp.range_scale); scale != 0)
       add("range-scale", scale, error_of(WarpTerm::range_scale), "of the range",
-          fmt::format(
-              "ranges are too large by {:+.3f} +- {:.3f} %: the sound speed or the range gate differs",
-              100 * scale, 100 * error_of(WarpTerm::range_scale)));
+          fmt::format("ranges differ by {:+.3f} +- {:.3f} %: the sound speed or the range gate differs",
+                      100 * scale, 100 * error_of(WarpTerm::range_scale)));
     if (warp.tangent != 0) {
       const double most = fan_.largest_of_tangent(warp.views);
       add("tangent-spacing", warp.tangent * most, error_of(WarpTerm::tangent) * most, "beams at most",
-          fmt::format("beams are equidistant in the tangent of their angle (share {:.2f} +- {:.2f}), over {} "
-                      "view{}: their displacement reaches {:.3f} beams",
+          fmt::format("beams are equidistant in the tangent of their angle (share {:.2f} +- {:.2f}) in {} "
+                      "view{}: they are displaced by up to {:.3f} beams",
                       warp.tangent, error_of(WarpTerm::tangent), warp.views, warp.views > 1 ? "s" : "",
                       std::abs(warp.tangent) * most));
     }
@@ -281,8 +280,9 @@ class Doctor {
     const EnergyFit& fit = result_.alignment.fit;
     if (sure(fit.exponent.value, fit.exponent.error, least_exponent))
       add("range-law", fit.exponent.value, fit.exponent.error, "power of range",
-          fmt::format("energies have another range dependence: r^{:+.2f} +- {:.2f} relative to the reference",
-                      fit.exponent.value, fit.exponent.error));
+          fmt::format(
+              "energies have a different range dependence: r^{:+.2f} +- {:.2f} relative to the reference",
+              fit.exponent.value, fit.exponent.error));
     if (sure(fit.gain_db.value, fit.gain_db.error, least_level_db))
       add("level", fit.gain_db.value, fit.gain_db.error, "dB",
           fmt::format("energies differ by {:+.2f} +- {:.2f} dB at {:.3g} m", fit.gain_db.value,
@@ -309,7 +309,7 @@ class Doctor {
     const auto area = [&](const char* fault, std::size_t bins, std::size_t of, const char* words) {
       if (bins < least_wrongly_lit) return;
       add(fault, static_cast<double>(bins), std::sqrt(static_cast<double>(bins)), "bins",
-          fmt::format("{}: {} bins have echoes, {:.0f} % of the bins of such shadows", words, bins,
+          fmt::format("{}: {} bins have echoes, {:.0f} % of the bins in such shadows", words, bins,
                       100 * static_cast<double>(bins) / static_cast<double>(of)));
     };
     area("missing-shadow", lit_.behind_seen, lit_.shadows_of_seen,
@@ -336,7 +336,7 @@ class Doctor {
                           const char* where) {
       if (offsets.edges >= 20 && sure(offsets.mean.value, offsets.mean.error, least_edge))
         add(fault, offsets.mean.value, offsets.mean.error, unit,
-            fmt::format("shadows are larger by {:+.2f} +- {:.2f} {} (spread of single edges {:.2f})",
+            fmt::format("shadows differ in size by {:+.2f} +- {:.2f} {} (spread of single edges {:.2f})",
                         offsets.mean.value, offsets.mean.error, where, offsets.spread));
     };
     if (lit_.behind_seen < least_wrongly_lit && lit_.behind_unseen < least_wrongly_lit) {
@@ -385,8 +385,8 @@ class Doctor {
     const double more = std::sqrt(std::max(0.0, result_.scatter * result_.scatter - of_ideal * of_ideal));
     if (result_.floor.deviation_j == 0 && more > 0.05 && more > 0.75 * of_ideal)
       add("speckle", more, 0.1 * of_ideal, "of the energy",
-          fmt::format("single bins scatter by {:.0f} %, but those of a perfect engine with the same sampling "
-                      "by {:.0f} %",
+          fmt::format("the energies of single bins scatter by {:.0f} %, but those of a perfect engine with "
+                      "the same sampling by {:.0f} %",
                       100 * result_.scatter, 100 * of_ideal));
   }
 

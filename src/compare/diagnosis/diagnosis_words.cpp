@@ -19,8 +19,9 @@ Json json_of(const EdgeOffsets& offsets) {
 
 std::string edge_line(const char* name, const EdgeOffsets& offsets, const char* unit) {
   if (offsets.edges == 0) return fmt::format("  {:<24} no edges to measure\n", name);
-  return fmt::format("  {:<24} larger by {:+.3f} +- {:.3f} {}, spread of single edges {:.3f} ({} edges)\n",
-                     name, offsets.mean.value, offsets.mean.error, unit, offsets.spread, offsets.edges);
+  return fmt::format(
+      "  {:<24} size differs by {:+.3f} +- {:.3f} {}, spread of single edges {:.3f} ({} edges)\n", name,
+      offsets.mean.value, offsets.mean.error, unit, offsets.spread, offsets.edges);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ void check_step(const OutputModelStep& step, const TomlTable& table) {
   if (const auto* level = std::get_if<DecibelStep>(&step.kind); level && !(level->low_db < level->high_db))
     throw InputError(table.place_of("high_db"), "'high_db' must be above 'low_db'");
   if (const auto* blur = std::get_if<BlurStep>(&step.kind); blur && blur->size % 2 == 0)
-    throw InputError(table.place_of("size"), "'size' must be odd, so that the kernel has a middle");
+    throw InputError(table.place_of("size"), "'size' must be odd, so that the kernel has a centre");
 }
 
 const TomlSection<OutputModelStep>& step_section() {
@@ -73,7 +73,7 @@ const TomlSection<OutputModel>& output_model_section() {
 OutputModel read_output_model(const std::filesystem::path& file) {
   const SourcePlace place{file.string()};
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw InputError(place, "no such output model");
+  if (!std::filesystem::exists(file, error)) throw InputError(place, "there is no such file");
   const std::string text = read_whole(file, place, limits::scene_file_bytes, "an output model (TOML text)");
   TomlSource source{file, {}, {}};
   const toml::table root = parse_toml(text, source);

@@ -142,7 +142,7 @@ class Encloser {
           [&](const Interval& a, const Interval& b) { return change(a, b) + beside(a, b); });
       if (!scattering) return facet;
       facet.model = scattering->model;
-      level = level + scattering->rest;
+      level = level + scattering->log_remainder;
     }
     const double range = 3 * std::log1p(facet.shift_m / (facet.nearest_m - facet.shift_m)) +
                          beta_.hi * absorption_ * facet.shift_m;

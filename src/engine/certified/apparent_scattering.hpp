@@ -9,13 +9,13 @@
 #include "geometry/numbers/interval.hpp"
 
 // Fits scattering models to apparent facets. A ray meets the true facet at an angle of incidence phi, and the
-// apparent facet at another angle psi. The fitted model is the true model at phi = shift + stretch psi. The
+// apparent facet at another angle psi. The fitted model is the true model at phi = offset + slope psi. The
 // remaining difference is enclosed. See docs/notes/certified-energies.md, section "Through refracting water".
 namespace tubefoot {
 
-/// Rays to a part of a facet. `sine` is the sine of the apparent grazing angle. The ratio is that of the
-/// true sine to the apparent sine. The suffixes a and b denote derivatives along the two directions of the
-/// facet's plane.
+/// Rays to a part of a facet. `sine` is the sine of the apparent grazing angle, which is the cosine of the
+/// apparent angle of incidence. The ratio is that of the true sine to the apparent sine. The suffixes a and b
+/// denote derivatives along the two directions of the facet's plane.
 struct GrazingPatch {
   Interval sine, sine_a, sine_b;
   Interval ratio_a, ratio_b;  ///< of the logarithm of the ratio
@@ -27,7 +27,7 @@ struct ApparentScattering {
   /// Logarithm of the ratio of two cross-sections: the true one at the true angle, and that of `model` at
   /// the apparent angle. Twice the logarithm of the ratio of the two sines is subtracted. For Lambert's law
   /// the remainder is 0.
-  Interval rest;
+  Interval log_remainder;
 };
 
 /// Fits the model of an apparent facet. It is the true model at an angle of incidence that is an affine
@@ -36,13 +36,13 @@ struct ApparentScattering {
 /// the facet.
 ///
 /// `middle` and the logarithm `log_ratio` of the ratio of the sines belong to the middle of the facet.
-/// `over` covers the whole facet in parts. `spread(a, b)` returns the change between the middle and any
-/// point of the facet, for slopes in these intervals. The result is empty if a grazing angle may be 0 or is
-/// not bounded.
+/// `patches` cover the whole facet. `largest_change(a, b)` returns the change of a function between the
+/// middle and any point of the facet, for derivatives in these intervals. The result is empty if a grazing
+/// angle may be 0 or is not bounded.
 std::optional<ApparentScattering> apparent_scattering(
     const ScatteringModel& model, const GrazingPatch& middle, const Interval& log_ratio,
-    std::span<const GrazingPatch> over,
-    const std::function<Interval(const Interval& a, const Interval& b)>& spread);
+    std::span<const GrazingPatch> patches,
+    const std::function<Interval(const Interval& a, const Interval& b)>& largest_change);
 
 /// Returns an upper bound of a model's cross-section over all grazing angles whose sine is in an interval.
 double largest_cross_section(const ScatteringModel& model, const Interval& sine);

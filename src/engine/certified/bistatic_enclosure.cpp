@@ -439,7 +439,7 @@ class BistaticEncloser {
         const auto scattering = apparent_scattering(*surface.model, at, ratio, over, change);
         if (!scattering) return;
         pair.model[e] = scattering->model;
-        level = level + 0.5 * scattering->rest;
+        level = level + 0.5 * scattering->log_remainder;
       }
       take_directions(flat, flattened[e], seen[e], facet, e, pair);
       const MirrorLoss& loss = e == 0 ? model_.path.tx.loss : model_.path.back().loss;

@@ -165,7 +165,7 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const BistaticHistory& history
                            double tolerance) {
   if (!history.bistatic.empty())
     throw std::invalid_argument(
-        "there is no certified bound for facets at different apparent positions for two apexes");
+        "there is no certified bound for facets whose apparent positions differ between two apexes");
   const auto textures = certified_textures(model);
   EchoModel own = model;
   BeamPatterns patterns;

@@ -219,7 +219,7 @@ CertifiedEcho enclosed(const FacetMesh& mesh, const ReceiverPairHistory& history
                        double tolerance, bool energies) {
   if (!history.bistatic_upper.empty() || !history.bistatic_lower.empty())
     throw std::invalid_argument(
-        "there is no certified bound for facets at different apparent positions for two apexes");
+        "there is no certified bound for facets whose apparent positions differ between two apexes");
   const auto textures = certified_textures(*models[0]);
   return refined_until_tolerance(tolerance, [&](double working, bool& coarse) {
     const std::vector<double> target = receiver_pair_targets(ordinary.upper_j, ordinary.lower_j, working);

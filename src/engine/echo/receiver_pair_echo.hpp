@@ -8,7 +8,7 @@
 #include "geometry/visibility/visibility.hpp"
 
 // Computes the energies of both receivers of a receiver pair and the mean product of their signals. Source:
-// docs/sensors.md, "Their covariance".
+// docs/notes/signals.md, "Receiver pairs".
 namespace tubefoot {
 
 /// Visibility of the transmission of a fan from the two receivers of its receiver pair. A path leads from

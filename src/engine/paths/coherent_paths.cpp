@@ -12,7 +12,7 @@
 #include "geometry/steps/stop.hpp"
 
 // Reflects the ends of the channels in the mirrors of the images, and adds the signals of all scattered
-// paths and arrivals with their phases. Source: docs/notes/signals.md, "Over mirrors".
+// paths and arrivals with their phases. Source: docs/notes/signals.md, "Mirrors".
 
 namespace tubefoot {
 namespace {
@@ -53,11 +53,12 @@ class ImageFrame {
 void check_coherent(const PathImages& images, std::span<const SignalChannel> channels) {
   if (images.is_cut())
     throw std::invalid_argument(
-        "signals over mirrors need straight rays: use water with a constant sound speed, or leave out "
+        "signals with mirror paths need straight rays: use water with a constant sound speed, or leave out "
         "mirrors or signals");
   if (std::ranges::any_of(channels, [](const SignalChannel& channel) { return channel.has_path(); }))
     throw std::invalid_argument(
-        "signals over mirrors need ends at rest: leave out the motions of the channels, or the mirrors");
+        "signals with mirror paths need transmitters and receivers at rest: leave out the motions of the "
+        "channels, or the mirrors");
   if (channels.empty()) throw std::invalid_argument("signals need at least one channel");
 }
 
@@ -141,10 +142,11 @@ void add_arrival(const CoherentArrival& arrival, const CoherentReceiver& receive
   check(receiver.pulse, receiver.times);
   if (arrival.waves.size() != receiver.channels.size() || signals.channels != arrival.waves.size() ||
       signals.samples != receiver.times.count)
-    throw std::invalid_argument(fmt::format(
-        "{} arrivals do not match {} channels of {} samples, or signals of {} channels of {} samples",
-        arrival.waves.size(), receiver.channels.size(), receiver.times.count, signals.channels,
-        signals.samples));
+    throw std::invalid_argument(
+        fmt::format("{} arrivals do not match {} channels with {} samples, or the signals have another size: "
+                    "{} channels with {} samples",
+                    arrival.waves.size(), receiver.channels.size(), receiver.times.count, signals.channels,
+                    signals.samples));
   const PulseTable table(receiver.pulse, receiver.times);
   const double k = 2 * std::numbers::pi * receiver.carrier_hz / receiver.sound_speed_m_s;
   for (std::size_t c = 0; c < arrival.waves.size(); ++c) {

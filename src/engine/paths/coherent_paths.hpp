@@ -12,7 +12,7 @@
 #include "engine/signal/coherent_signals.hpp"
 
 // Computes signals of paths over mirrors, with their phases. An unscattered path contributes `amplitude`
-// e^{ik path} g(t - path / c) to a channel. Source: docs/notes/signals.md, "Over mirrors".
+// e^{ik path} g(t - path / c) to a channel. Source: docs/notes/signals.md, "Mirrors".
 namespace tubefoot {
 
 /// Image of a place in a chain of mirrors, computed in doubles from the exact planes.

@@ -85,8 +85,8 @@ std::vector<ImagePair> pairs_of_images(std::span<const Image> sent, std::span<co
     }
     if (pairs.size() > most)
       throw std::length_error(
-          fmt::format("more than {} pairs of images see the same facets: use fewer and larger mirror facets, "
-                      "fewer orders, or an earlier cut-off",
+          fmt::format("there are more than {} pairs of images that see the same facets: use fewer and larger "
+                      "mirror facets, a lower order, or an earlier cut-off",
                       most));
   }
   return pairs;

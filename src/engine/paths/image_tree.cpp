@@ -21,7 +21,7 @@
 
 // Builds the tree of images generation by generation. The windows of a child are the visible pieces of a
 // mirror, reflected. For the sea surface they are the part of the unobstructed region above the horizon.
-// Source: docs/notes/multiple-paths.md, "Images".
+// Source: docs/notes/multiple-paths.md, "Images and apertures".
 
 namespace tubefoot {
 
@@ -249,8 +249,8 @@ struct ImageFinder::State {
       return;
     if (++wanted.found > most_images_)
       throw std::length_error(fmt::format(
-          "one apex has more than {} images, of up to {} mirrors, because each mirror facet has its own "
-          "image: use fewer and larger mirror facets, fewer orders, or an earlier cut-off",
+          "one apex has more than {} images, with up to {} mirrors each, because each mirror facet makes its "
+          "own image: use fewer and larger mirror facets, a lower order, or an earlier cut-off",
           most_images_, child.mirrors));
     child.own_tube = windows.labels();
     place(child, plane, is_surface);

@@ -17,7 +17,7 @@
 
 // Finds the images of an apex in plane mirrors by the image-source method: images, images of images, and so
 // on. The method is exact beam tracing. The part of a mirror that an image sees is the window of the next
-// image. Source: docs/notes/multiple-paths.md, "Images".
+// image. Source: docs/notes/multiple-paths.md, "Images and apertures".
 namespace tubefoot {
 
 /// Horizontal mirror over a scene.

@@ -7,7 +7,7 @@
 #include "engine/paths/visible_surface.hpp"
 
 // Extends stratified water below the seabed for rays between places on the seabed, and counts their apparent
-// maps. Source: docs/notes/multiple-paths.md, "Patches in refracting water".
+// maps. Source: docs/notes/multiple-paths.md, "Patches in stratified water".
 namespace tubefoot {
 
 /// Water column for rays from places on the seabed. Below `depth_m`, the depth of the lowest place, the

@@ -26,7 +26,7 @@
 
 // Computes single scatterings between pairs of images (by footprints or by rays) and the arrivals of
 // unscattered paths. With a reference, each energy has a bound. Source: docs/notes/multiple-paths.md,
-// "Echoes".
+// "One scattering and none".
 
 namespace tubefoot {
 namespace {

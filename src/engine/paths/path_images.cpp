@@ -11,7 +11,7 @@
 
 // Computes the images of a transmission with up to order - 1 mirrors and the footprints that pairs of them
 // share. In refracting water RefractedImages finds the images, otherwise ImageFinder. Source:
-// docs/notes/multiple-paths.md, "Images".
+// docs/notes/multiple-paths.md, "Images and apertures".
 
 namespace tubefoot {
 

@@ -11,7 +11,7 @@
 #include "engine/visibility/bistatic_history.hpp"
 
 // Computes the images of a transmission and their common visibility, for footprints, coverage and audits.
-// Source: docs/notes/multiple-paths.md, "Images".
+// Source: docs/notes/multiple-paths.md, "Images and apertures".
 namespace tubefoot {
 
 /// Images of the transmitter and of the receiver that take part in single scatterings of a transmission, and

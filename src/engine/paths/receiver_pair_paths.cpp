@@ -21,7 +21,7 @@
 
 // Computes energies and mean products of a receiver pair per order. A product combines the two receivers'
 // images over the same mirrors, with the phase of the path difference. Source: docs/notes/multiple-paths.md,
-// "Interferometric receivers".
+// "Receiver pairs".
 
 namespace tubefoot {
 namespace {

@@ -8,7 +8,7 @@
 #include "engine/paths/path_echo.hpp"
 
 // Computes the echoes of paths over mirrors at the two receivers of a receiver pair, and the mean product of
-// the signals. Source: docs/notes/multiple-paths.md, "Interferometric receivers".
+// the signals. Source: docs/notes/multiple-paths.md, "Receiver pairs".
 namespace tubefoot {
 
 /// Echoes at both receivers of a receiver pair, per order as in PathEcho.

@@ -11,7 +11,7 @@
 
 // Projects visible polygons to the planes of their facets, and intersects those of the two ends of a receiver
 // pair. The source of the geometry in refracting water is docs/notes/multiple-paths.md, "Patches in
-// refracting water".
+// stratified water".
 
 namespace tubefoot {
 namespace {

@@ -25,7 +25,7 @@
 
 // Unfolds chains of horizontal mirrors in stratified water, and maps one apparent seabed per chain. An image
 // sees this seabed through its windows, the parts of the next mirror that the previous image sees. Source:
-// docs/notes/multiple-paths.md, "In refracting water".
+// docs/notes/multiple-paths.md, "Level mirrors in stratified water".
 
 namespace tubefoot {
 namespace {
@@ -231,7 +231,8 @@ bool RefractedImages::is_next(const Heights& heights, bool up_first, std::int32_
 RefractedImages::MirrorPath& RefractedImages::add_mirror_path(std::size_t end, const Heights& heights) {
   if (mirror_paths_.size() > most_images_)
     throw std::length_error(fmt::format(
-        "more than {} chains of horizontal mirrors: use fewer orders, or an earlier cut-off", most_images_));
+        "there are more than {} chains of horizontal mirrors: use a lower order, or an earlier cut-off",
+        most_images_));
   mirror_path_of_[{end, heights}] = mirror_paths_.size();
   return mirror_paths_.emplace_back(end, heights, water_, ends_[end], surface_apex_);
 }
@@ -386,9 +387,10 @@ std::vector<Image> RefractedImages::children_of(const Image& image, std::span<co
                             [&](const GridPoint& place) { return rays_to(child, place).empty(); }))
       continue;
     if (++found_ > most_images_)
-      throw std::length_error(fmt::format(
-          "one apex has more than {} images, of up to {} mirrors: use fewer orders, or an earlier cut-off",
-          most_images_, child.mirrors));
+      throw std::length_error(
+          fmt::format("one apex has more than {} images, with up to {} mirrors each: use a lower order, or "
+                      "an earlier cut-off",
+                      most_images_, child.mirrors));
     children.push_back(std::move(child));
   }
   return children;

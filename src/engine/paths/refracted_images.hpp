@@ -15,7 +15,7 @@
 
 // Finds the images of apexes in horizontal mirrors in stratified water by unfolding. Beyond each mirror the
 // water has the mirrored sound-speed profile, and the ray continues through the mirror. Each chain of
-// mirrors has one apparent seabed. Source: docs/notes/multiple-paths.md, "In refracting water".
+// mirrors has one apparent seabed. Source: docs/notes/multiple-paths.md, "Level mirrors in stratified water".
 namespace tubefoot {
 
 struct BistaticSurface;  // engine/certified/bistatic_enclosure.hpp

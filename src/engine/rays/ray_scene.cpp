@@ -87,7 +87,7 @@ void RayScene::State::add_facets(RTCDevice device) {
   if (vertices == nullptr || indices == nullptr) {
     rtcReleaseGeometry(geometry);
     check(device, "copying the facets");
-    throw std::runtime_error("Embree has no memory for the facets");
+    throw std::runtime_error("Embree ran out of memory for the facets");
   }
   for (const GridPoint& p : mesh.vertices)
     for (const std::int32_t coordinate : {p.x, p.y, p.z}) *vertices++ = float(coordinate * unit_m);

@@ -24,7 +24,7 @@ SurfaceProperties EchoModel::seabed(FacetId facet) const {
 void check(const EchoModel& model) {
   if (!(model.absorption_db_per_m >= 0 && std::isfinite(model.absorption_db_per_m)))
     throw std::invalid_argument(
-        fmt::format("absorption must be finite and not negative, not {} dB/m", model.absorption_db_per_m));
+        fmt::format("absorption must be finite and 0 or more, not {} dB/m", model.absorption_db_per_m));
   if (!model.scattering.empty() && model.scattering.size() != model.material_mu.size())
     throw std::invalid_argument(
         fmt::format("the number of scattering models, {}, differs from the number of materials, {}",

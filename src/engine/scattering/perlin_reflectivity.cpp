@@ -25,10 +25,9 @@ PerlinReflectivity::Settings checked(const PerlinReflectivity::Settings& s) {
   if (!(s.persistence >= 0 && s.persistence <= 1))
     refuse(fmt::format("the persistence of a texture must be from 0 to 1, not {}", s.persistence));
   if (!(s.depth >= 0 && s.depth * PerlinLattice::largest <= 1))
-    refuse(
-        fmt::format("the depth of a texture must be from 0 to {:.4f}, not {}, because negative scattering is "
-                    "not possible",
-                    1 / PerlinLattice::largest, s.depth));
+    refuse(fmt::format(
+        "the depth of a texture must be from 0 to {:.4f}, not {}, because scattering cannot be negative",
+        1 / PerlinLattice::largest, s.depth));
   return s;
 }
 

@@ -34,13 +34,12 @@ ScatteringModel ScatteringModel::lambert(double mu) { return gsab({.oblique = mu
 ScatteringModel ScatteringModel::gsab(const Gsab& p) {
   for (const double level : {p.specular, p.oblique, p.transition})
     if (!(level >= 0 && std::isfinite(level)))
-      refuse(fmt::format("the levels of a scattering model must be finite and not negative, not {}", level));
+      refuse(fmt::format("the levels of a scattering model must be finite and 0 or more, not {}", level));
   for (const double width : {p.specular_width_rad, p.transition_width_rad})
     if (!(width > 0 && std::isfinite(width)))
       refuse(fmt::format("a lobe of a scattering model must have a width above 0, not {}", width));
   if (!(p.oblique_exponent >= 0 && std::isfinite(p.oblique_exponent)))
-    refuse(
-        fmt::format("the exponent of a scattering model must not be negative, not {}", p.oblique_exponent));
+    refuse(fmt::format("the exponent of a scattering model must be 0 or more, not {}", p.oblique_exponent));
   Piece piece;
   const auto lobe = [&](double level, double width) {
     if (level > 0) piece.terms.push_back({level, 0, 1 / (2 * width * width), 0});

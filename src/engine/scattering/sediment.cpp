@@ -45,7 +45,8 @@ const SedimentBackscatter& sediment_backscatter(std::string_view name, double fr
   for (const SedimentBackscatter& table : tables)
     if (table.name == name && table.frequency_khz == frequency_khz) return table;
   throw std::invalid_argument(
-      fmt::format("no backscatter of '{}' at {} kHz: tables exist at 20 and 300 kHz", name, frequency_khz));
+      fmt::format("there is no backscatter table for '{}' at {} kHz: tables exist for 20 and 300 kHz", name,
+                  frequency_khz));
 }
 
 FluidSediment sediment_of_grain_size(double m) {

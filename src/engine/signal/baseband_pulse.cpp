@@ -12,8 +12,7 @@
 #include "engine/relief/fourier.hpp"
 
 // Computes effective bandwidths of pulses from their spectra and from the jumps of their derivatives, and
-// fills the table of delayed pulses. Source: docs/notes/signals.md, "Arbitrary pulses" and "What elements
-// receive".
+// fills the table of delayed pulses. Source: docs/notes/signals.md, "Pulses" and "Element signals".
 
 namespace tubefoot {
 

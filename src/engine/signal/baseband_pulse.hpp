@@ -11,7 +11,7 @@
 #include <vector>
 
 // Defines the complex baseband envelope of a pulse, its effective bandwidths, and a table that adds delayed
-// copies of it to sampled signals. Source: docs/notes/signals.md, "Arbitrary pulses".
+// copies of it to sampled signals. Source: docs/notes/signals.md, "Pulses".
 
 namespace tubefoot {
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 // Accumulates moments of scatterers in Chebyshev polynomials over the rectangles of a chunk, and converts
-// the moments to amplitudes at the nodes. Source: docs/notes/signals.md, "What elements receive".
+// the moments to amplitudes at the nodes. Source: docs/notes/signals.md, "Element signals".
 
 namespace tubefoot {
 

@@ -319,8 +319,8 @@ CovarianceMatrix signal_covariances(const VisiblePolygons& patches, const Cohere
   check(receiver, model);
   if (has_paths(receiver))
     throw std::invalid_argument(
-        "signal covariances need ends at rest: leave out the motions of the channels, or use "
-        "element_signals() or drawn_signals(), which support motion");
+        "signal covariances need transmitters and receivers at rest: leave out the motions of the channels, "
+        "or use element_signals() or drawn_signals(), which support motion");
   std::vector<std::vector<std::pair<double, std::size_t>>> of_channel(receiver.channels.size());
   for (std::size_t n = 0; n < samples.size(); ++n) {
     if (samples[n].channel >= receiver.channels.size() || samples[n].sample >= receiver.times.count)

@@ -13,8 +13,7 @@
 #include "geometry/steps/stop.hpp"
 
 // Integrates products of two channels over the parts of polygons that lie in given range samples of both.
-// The parts are cut along the range ellipses of both channels. Source: docs/notes/signals.md, "Range bins as
-// gates".
+// The parts are cut along the range ellipses of both channels. Source: docs/notes/signals.md, "Range bins".
 
 namespace tubefoot {
 namespace {
@@ -169,8 +168,8 @@ SampleCovariances gated_covariances(const VisiblePolygons& patches, const Signal
   check(model);
   if (a.has_path() || b.has_path())
     throw std::invalid_argument(
-        "gated covariances need ends at rest: leave out the motions of the channels, or use signals of "
-        "element_signals(), which supports motion");
+        "gated covariances need transmitters and receivers at rest: leave out the motions of the channels, "
+        "or use signals from element_signals(), which supports motion");
   if (model.path.over_mirrors())
     throw std::invalid_argument(
         "gated covariances need straight paths without mirrors: use signal_covariances(), which includes the "
@@ -183,7 +182,7 @@ SampleCovariances gated_covariances(const VisiblePolygons& patches, const Signal
                     samples.first_m, samples.step_m, samples.count));
   if (!(wavenumber_rad_m >= 0 && std::isfinite(wavenumber_rad_m)))
     throw std::invalid_argument(
-        fmt::format("the wavenumber must be finite and not negative, not {} rad/m", wavenumber_rad_m));
+        fmt::format("the wavenumber must be finite and 0 or more, not {} rad/m", wavenumber_rad_m));
   if (!(tolerance > 0))
     throw std::invalid_argument(fmt::format("the tolerance must be above 0, not {}", tolerance));
   SampleCovariances all;

@@ -21,7 +21,7 @@ LowRankFactor low_rank_factor(CovarianceMatrix matrix, double tolerance) {
   const std::size_t n = matrix.size;
   if (n == 0 || matrix.value.size() != n * n)
     throw std::invalid_argument(
-        fmt::format("a covariance matrix needs {} values and more than 0 rows, not {} values", n * n,
+        fmt::format("a covariance matrix needs {} values and at least one row, but has {} values", n * n,
                     matrix.value.size()));
   LowRankFactor factor;
   factor.size = n;
@@ -37,8 +37,8 @@ LowRankFactor low_rank_factor(CovarianceMatrix matrix, double tolerance) {
     const double worst = *std::min_element(left.begin(), left.end());
     if (worst < -rounding * largest)
       throw std::invalid_argument(
-          fmt::format("the covariance matrix is not positive semidefinite: a variance has a remainder of {} "
-                      "compared with {}",
+          fmt::format("the covariance matrix is not positive semidefinite: the remainder of a variance is "
+                      "{}, while the largest variance is {}",
                       worst, largest));
     double rest = 0;
     for (const double variance : left) rest += std::max(variance, 0.0);

@@ -11,7 +11,7 @@
 #include "geometry/integrals/polygon_transform.hpp"
 
 // Computes the Kirchhoff integral of a smooth polygon for plane waves, with a bound of the error, and by its
-// edges. Source: docs/notes/smooth-surfaces.md, "Amplitudes of smooth surfaces".
+// edges. Source: docs/notes/smooth-surfaces.md, "The integral".
 
 namespace tubefoot {
 namespace {

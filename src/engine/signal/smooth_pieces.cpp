@@ -10,7 +10,7 @@
 #include "geometry/integrals/measure.hpp"
 
 // Cuts polygons into chunks and rectangles by bounds of the rates of phase, of the pulse's band, and of beam
-// patterns. Source: docs/notes/signals.md, "Arbitrary pulses".
+// patterns. Source: docs/notes/signals.md, "Pulses".
 
 namespace tubefoot {
 namespace {

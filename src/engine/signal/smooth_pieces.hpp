@@ -13,7 +13,7 @@
 
 // Cuts visible polygons into pieces over which the signals of all channels, except for a common phase
 // factor, are smooth. A rectangle limits the phase change of k (L_a - L_b) along each axis. Source:
-// docs/notes/signals.md, "Arbitrary pulses".
+// docs/notes/signals.md, "Pulses".
 namespace tubefoot {
 
 /// Bounds of the rates at which the channels' responses change over the seabed.

@@ -77,8 +77,8 @@ void check_reach(const SurfaceField& field, glm::dvec3 place_m) {
   for (int axis = 0; axis < 3; ++axis)
     if (!(std::abs(place_m[axis]) < farthest))
       throw std::invalid_argument(
-          fmt::format("a scatterer field with a spacing of {} m reaches {} m from the origin of the frame, "
-                      "not to {} m: use a larger spacing or a nearer origin",
+          fmt::format("a scatterer field with a spacing of {} m reaches only {} m from the origin of the "
+                      "frame, but a coordinate is {} m: use a larger spacing or a nearer origin",
                       field.spacing_m, farthest, place_m[axis]));
 }
 

@@ -14,7 +14,7 @@
 #include "engine/scattering/counter_random.hpp"
 
 // Defines scene-fixed speckle: a white Gaussian scatterer field on surfaces, as a function of seed and
-// lattice cell only. Source: docs/notes/signals.md, "Speckle that belongs to the ground".
+// lattice cell only. Source: docs/notes/signals.md, "Scatterers".
 
 namespace tubefoot {
 

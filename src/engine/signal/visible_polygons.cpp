@@ -74,10 +74,11 @@ VisiblePolygons visible_polygons(const CommonVisibility& visibility, const EchoM
   const Path& path = model.path;
   if (!path.tx.facet_map.empty() || !path.facet_factor.empty())
     throw std::invalid_argument(
-        "signals need a surface at its true position, but refraction leads to other paths");
+        "signals need a surface at its true position, but refraction displaces this surface to its apparent "
+        "position");
   if (path.over_mirrors() || path.rx || path.tx.to_true != glm::dmat3(1))
     throw std::invalid_argument(
-        "patches of straight paths do not apply to paths over mirrors: see for_coherent_paths()");
+        "patches of straight paths do not apply to mirror paths: see for_coherent_paths()");
   return patches_of(visibility, path.tx.apex_m);
 }
 

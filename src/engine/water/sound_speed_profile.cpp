@@ -16,7 +16,8 @@ constexpr std::size_t kMostPoints = 1'000'000;
 
 void check_extent(double top_m, double bottom_m, double fineness) {
   if (!(top_m < bottom_m) || !(fineness > 0) || !std::isfinite(bottom_m - top_m))
-    throw std::invalid_argument("sampling a profile needs a bottom below its top, and steps above 0");
+    throw std::invalid_argument(
+        "to sample a profile, its bottom must be below its top and its step must be above 0");
 }
 
 ProfilePoint point_at(const std::function<double(double)>& speed, double depth_m) {

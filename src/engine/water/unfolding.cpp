@@ -36,7 +36,7 @@ UnfoldedWater unfold(const WaterColumn& water, const EigenrayOptions& rays, doub
     Stretch& before = stretches.back();
     if (!(depth_m > before.top_m && depth_m < before.bottom_m))
       throw std::invalid_argument(
-          "the horizontal mirrors of a path must lie above and below each other in turn");
+          "the horizontal mirrors of a path must alternately lie above and below each other");
     (up ? before.top_m : before.bottom_m) = depth_m;
     const double at = before.at(depth_m);
     mirror_at.push_back(at);

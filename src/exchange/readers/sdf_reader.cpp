@@ -89,7 +89,7 @@ class SdfReader {
     if (format == "quat_xyzw") {
       const std::vector<double> v = xml_.numbers(pose, text, 7, "<pose>");
       if (!(std::hypot(std::hypot(v[3], v[4]), std::hypot(v[5], v[6])) > 1e-6))
-        xml_.fail(pose, "<pose> has a quaternion of zeros");
+        xml_.fail(pose, "the quaternion of <pose> is zero");
       return {{v[0], v[1], v[2]}, turn_of_quaternion({v[3], v[4], v[5], v[6]})};
     }
     if (format != "euler_rpy") xml_.fail(pose, "rotation_format must be euler_rpy or quat_xyzw");
@@ -215,7 +215,7 @@ class SdfReader {
     if (!normal) return placed;
     const std::vector<double> n = xml_.numbers(normal, normal.child_value(), 3, "<normal>");
     const glm::dvec3 up(n[0], n[1], n[2]);
-    if (!(glm::length(up) > 1e-6)) xml_.fail(normal, "<normal> has no direction");
+    if (!(glm::length(up) > 1e-6)) xml_.fail(normal, "the vector of <normal> is zero");
     const glm::dvec3 z = glm::normalize(up);
     if (z == glm::dvec3(0, 0, 1)) return placed;
     // The smallest rotation that brings z there, up to a rotation about z.
@@ -255,8 +255,9 @@ class SdfReader {
     constexpr double usual = 512, most = 65536;
     double samples = bandwidth > 0 ? std::round(length_m * 2 * bandwidth / speed) : usual;
     samples = std::clamp(samples, 1.0, most);
-    parts_.notice(node, fmt::format("sensor '{}' has no number of range samples: {} samples are assumed{}",
-                                    name_of(node), samples, bandwidth > 0 ? " from its bandwidth" : ""));
+    parts_.notice(
+        node, fmt::format("sensor '{}' does not state its number of range samples: {} samples are assumed{}",
+                          name_of(node), samples, bandwidth > 0 ? " from its bandwidth" : ""));
     return fmt::format("{}", samples);
   }
 

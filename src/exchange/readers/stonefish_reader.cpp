@@ -116,8 +116,9 @@ class StonefishReader {
       if (link.empty() || link == base)
         sensor(inner, placed, inner.child("origin"));
       else
-        parts_.notice(inner, fmt::format("sensor '{}' is left out: it is mounted on '{}', which joints move",
-                                         name_of(inner), shown_line(link)));
+        parts_.notice(inner,
+                      fmt::format("sensor '{}' is left out: it is mounted on '{}', which is moved by joints",
+                                  name_of(inner), shown_line(link)));
     }
   }
 
@@ -187,10 +188,9 @@ class StonefishReader {
       add("depression_max_deg", number(steep));
       add("samples", number(std::floor(spec("bins") / 2)));
       if (steep < tilt + height / 2)
-        parts_.notice(
-            node,
-            fmt::format("sonar '{}': its two sides overlap below the sonar; here both end at the vertical",
-                        sonar.name));
+        parts_.notice(node, fmt::format("sonar '{}': its two sides overlap below the sonar; in the imported "
+                                        "scene, both end at the vertical",
+                                        sonar.name));
       looks_down = true;
     } else {
       return parts_.notice(node,

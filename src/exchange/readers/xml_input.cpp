@@ -28,7 +28,8 @@ XmlInput::XmlInput(const std::filesystem::path& file) : file_(file) {
   const pugi::xml_parse_result parsed = document_.load_buffer(
       text_.data(), text_.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
   if (!parsed)
-    throw InputError(place_at(parsed.offset), fmt::format("is not XML: {}", harmless(parsed.description())));
+    throw InputError(place_at(parsed.offset),
+                     fmt::format("is not valid XML: {}", harmless(parsed.description())));
   for (const pugi::xml_node node : document_.children())
     if (node.type() == pugi::node_doctype)
       fail(node, "has a document type, which tubefoot does not accept: remove <!DOCTYPE ...>");

@@ -57,10 +57,10 @@ class Gltf {
     write_file(folder / "scene.gltf", std::string_view(text_of(root_) + "\n"));
     return {{"scene.gltf", "scene.bin"},
             {fmt::format("glTF stores floats: each piece has its own origin in whole metres, and vertices "
-                         "differ by up to {:.3g} m in each coordinate",
+                         "are rounded by up to {:.3g} m in each coordinate",
                          largest_rounding_m_),
-             "sonars are nodes with their parameters in 'extras', and with a camera of the same view where "
-             "possible"}};
+             "sonars are nodes with their parameters in 'extras' and, where possible, with a camera that has "
+             "the same field of view"}};
   }
 
  private:

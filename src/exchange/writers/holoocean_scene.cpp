@@ -66,15 +66,16 @@ Json sensor_of(const ExchangedSonar& sonar) {
 
 std::vector<std::string> notes_on(const ExchangedScene& scene) {
   std::vector<std::string> notes{
-      "the Unreal editor makes HoloOcean's worlds: import scene.gltf there in metres, and turn it until "
-      "north is y and up is z. Then package the world, and replace YOUR_WORLD in scenario.json by its name",
-      "in HoloOcean's worlds x is east, y is north and z is up. HoloOcean's pages call these axes "
-      "right-handed, but name the axis of pitch 'right (y)', while y points left. Exported rotations are "
+      "HoloOcean's worlds are made in the Unreal editor: import scene.gltf there in metres, and rotate it "
+      "until y points north and z points up. Then package the world, and replace YOUR_WORLD in scenario.json "
+      "with its name",
+      "in HoloOcean's worlds x is east, y is north and z is up. HoloOcean's documentation calls these axes "
+      "right-handed, but names the pitch axis 'right (y)', although y points left. Exported rotations are "
       "right-handed about x, y and z: test them with one tilted sonar first",
-      "HoloOcean computes echoes of the cells of an octree (octree_min in scenario.json). Its materials.csv "
-      "holds densities and sound speeds, so the export has no scattering strengths",
-      "HoloOcean's pages do not say which side has positive azimuths: test it with one object on one side "
-      "first"};
+      "HoloOcean computes the echoes of octree cells (octree_min in scenario.json). Its materials.csv "
+      "contains densities and sound speeds, so no scattering strengths are exported",
+      "HoloOcean's documentation does not say which side has positive azimuths: test this with one object on "
+      "one side first"};
   for (const ExchangedSonar& sonar : scene.sonars) {
     if (sonar.shape == Shape::two_sides)
       notes.push_back(
@@ -82,7 +83,8 @@ std::vector<std::string> notes_on(const ExchangedScene& scene) {
                       "gap between them; the frame of the sonar is its body, with x forward",
                       sonar.name));
     else if (sonar.shape == Shape::turning)
-      notes.push_back(fmt::format("sonar '{}' becomes a fixed fan, which no motor turns", sonar.name));
+      notes.push_back(fmt::format(
+          "sonar '{}' becomes a fixed fan, because no motor turns its beam in HoloOcean", sonar.name));
     else if (!sonar.even)
       notes.push_back(
           fmt::format("sonar '{}': its beams are not equiangular, but AzimuthBins are", sonar.name));

@@ -41,8 +41,7 @@ std::string beams_words(const ExchangedSonar& sonar) {
   if (sonar.shape == Shape::two_sides)
     return fmt::format(
         "    beam 0 looks to port, beam 1 to starboard; each {} degrees wide along the track and {} degrees "
-        "high,\n"
-        "    its middle {} degrees below the horizontal\n",
+        "high,\n    its centre {} degrees below the horizontal\n",
         sonar.along_track_deg, sonar.vertical_deg, sonar.depression_deg);
   std::string text = fmt::format(
       "    {} beams, {}; beam 0 is the port-most: its axis is at {:.10g} degrees, and that of the last beam "

@@ -137,8 +137,8 @@ std::vector<std::string> notes_on(const ExchangedScene& scene) {
       "sonars are sensors of type \"custom\" with gz:type=\"multibeam_sonar\". DAVE's plugin for Gazebo "
       "reads them, and other programs ignore them. Elements tubefoot:... hold the exact values for 'tubefoot "
       "import-scene'",
-      "the plugin's angles are positive to port. Its image has the beams in the reverse order of its list of "
-      "directions: test it with one object on one side first",
+      "the plugin's angles are positive to port. The beams of its image are in the reverse order of its list "
+      "of directions: test this with one object on one side first",
       "the plugin uses rays instead of beams: the vertical spacing of 'rays' equals the width of the beams, "
       "and the bandwidth resolves one range sample"};
   for (const ExchangedSonar& sonar : scene.sonars) {
@@ -147,7 +147,8 @@ std::vector<std::string> notes_on(const ExchangedScene& scene) {
           fmt::format("sonar '{}' becomes two sensors with one beam each, '{}_port' and '{}_starboard'",
                       sonar.name, sonar.name, sonar.name));
     else if (sonar.shape == ExchangedSonar::Shape::turning)
-      notes.push_back(fmt::format("sonar '{}' becomes a fixed fan, which no motor turns", sonar.name));
+      notes.push_back(
+          fmt::format("sonar '{}' becomes a fixed fan, because no motor turns its beam in SDF", sonar.name));
     else if (!sonar.even)
       notes.push_back(
           fmt::format("sonar '{}': its beams are not equiangular, but those of SDF are", sonar.name));

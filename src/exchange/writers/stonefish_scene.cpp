@@ -109,10 +109,10 @@ void add_sonar(pugi::xml_node root, const ExchangedSonar& sonar) {
 std::vector<std::string> notes_on(const ExchangedScene& scene) {
   using Shape = ExchangedSonar::Shape;
   std::vector<std::string> notes{
-      "Stonefish's pages do not say how a body's restitution becomes an echo: exported restitutions are "
-      "proportional to mu of Lambert's law, and that of the strongest material is 1",
-      "Stonefish's images are blurred means over the samples of a bin, with 8 bits in most messages. Row 0 "
-      "is the farthest bin (see docs/engine-validation.md)",
+      "Stonefish's documentation does not say how the restitution of a body affects its echo: exported "
+      "restitutions are proportional to mu of Lambert's law, and that of the strongest material is 1",
+      "Stonefish averages the samples of each bin and blurs the image, which has 8 bits in most messages. "
+      "Row 0 is the farthest bin (see docs/engine-validation.md)",
       "give this folder as the data path, because mesh names are relative to it"};
   for (const ExchangedSonar& sonar : scene.sonars) {
     if (sonar.shape == Shape::fan)

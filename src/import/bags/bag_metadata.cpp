@@ -51,10 +51,9 @@ BagMetadata read(const YAML::Node& document, const SourcePlace& file, const fs::
     if (!named.insert(base).second)
       fail(name, fmt::format("relative_file_paths: '{}' is named twice", base.string()));
     if (const auto outside = place_outside(folder, folder / base))
-      fail(name,
-           fmt::format(
-               "relative_file_paths: '{}' is a link out of the folder to '{}': copy the file into the folder",
-               base.string(), outside->string()));
+      fail(name, fmt::format("relative_file_paths: '{}' is a link to '{}', outside of the folder: copy the "
+                             "file into the folder",
+                             base.string(), outside->string()));
     metadata.files.push_back(folder / base);
   }
   const std::string count = text("message_count");
@@ -71,8 +70,9 @@ BagMetadata read_bag_metadata(const fs::path& folder) {
   const fs::path file = folder / "metadata.yaml";
   const SourcePlace place{file.string(), 0, 0};
   if (const auto outside = place_outside(folder, file))
-    throw InputError(place, fmt::format("is a link out of its folder to '{}': copy the file into the folder",
-                                        outside->string()));
+    throw InputError(place,
+                     fmt::format("is a link to '{}', outside of its folder: copy the file into the folder",
+                                 outside->string()));
   const std::string text =
       read_whole(file, place, limits::metadata_bytes, "the metadata of a rosbag2 recording");
   try {

@@ -77,7 +77,7 @@ class CdrReader {
     const auto length = number<std::uint32_t>();
     const auto bytes = take(length);
     if (length == 0) return value.clear();  // not permitted by the standard, but some writers do it
-    if (bytes.back() != 0) fail("is a text without a zero byte at its end");
+    if (bytes.back() != 0) fail("is a text that does not end with a zero byte");
     value.assign(reinterpret_cast<const char*>(bytes.data()), length - 1);
   }
 

@@ -109,8 +109,8 @@ class McapStore : public MessageStore {
       fail("is not an MCAP file: it does not begin with the magic bytes of MCAP");
     if (end == 0 || !has_magic(end))
       fail(
-          "has no magic bytes at its end: the recording was cut off; mcap recover writes a complete file of "
-          "the remaining part");
+          "has no magic bytes at its end: the recording was cut off; mcap recover writes the remaining part "
+          "as a complete file");
     count_chunks(end, unpacked);
     std::uint64_t at = mcap_magic.size();
     bool has_header = false, data_ended = false;

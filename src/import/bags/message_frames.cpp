@@ -55,9 +55,10 @@ Samples read_samples(const ros::SonarImageData& image, std::uint64_t said_each, 
   if (image.beam_count == 0) throw MessageError("image.beam_count is 0: the message has no picture");
   const std::uint64_t row = std::uint64_t{image.beam_count} * size;
   if (image.data.size() % row != 0)
-    throw MessageError(fmt::format(
-        "image.data has {} bytes, which do not divide into the same number of {} values for each of {} beams",
-        image.data.size(), name_of(type), image.beam_count));
+    throw MessageError(
+        fmt::format("image.data has {} bytes, which cannot be divided into the same number of {} values for "
+                    "each of {} beams",
+                    image.data.size(), name_of(type), image.beam_count));
   const Samples samples{image.beam_count, static_cast<std::size_t>(image.data.size() / row)};
   if (said_each != 0 && samples.each != said_each)
     throw MessageError(fmt::format("image.data has {} samples for each of {} beams, but {} is {}",
@@ -84,9 +85,10 @@ void read_directions(const std::vector<ros::Vector3>& directions, bool forward_i
   }
   constexpr double rounding = 1e-6;
   if (steepest > rounding)
-    notices.add("elevation", fmt::format("beam directions leave the fan's plane by up to {:.3g} degrees: "
-                                         "azimuths are those of their projections onto the plane",
-                                         steepest * 180 / M_PI));
+    notices.add("elevation",
+                fmt::format("beam directions deviate from the plane of the fan by up to {:.3g} degrees: the "
+                            "azimuths are those of their projections onto the plane",
+                            steepest * 180 / M_PI));
 }
 
 ForeignFrame frame_of_message(const ros::ProjectedSonarImage& message, Notices& notices) {
@@ -132,8 +134,8 @@ ForeignFrame frame_of_message(const ros::RawSonarImage& message, Notices& notice
     for (std::size_t k = 0; k < samples.each; ++k)
       frame.range_m.push_back((static_cast<double>(k) + message.sample0) * speed / (2 * rate));
     notices.add("ranges",
-                fmt::format("ranges are (sample + {}) x {} m/s / (2 x {} Hz), as the message defines; it "
-                            "does not define whether this is the edge or the middle of a bin",
+                fmt::format("ranges are (sample + {}) x {} m/s / (2 x {} Hz), as the message defines; the "
+                            "definition does not say whether this is the edge or the centre of a bin",
                             message.sample0, speed, rate));
   } else {
     notices.add("ranges", "sound_speed or sample_rate is 0 in the messages: give the ranges with --ranges");
@@ -152,8 +154,9 @@ ForeignFrame frame_of_message(const ros::RawSonarImage& message, Notices& notice
     return std::ranges::any_of(list, [](float value) { return value != 0; });
   };
   if (some(message.tx_angles))
-    notices.add("tx_angles",
-                "the fan is steered (tx_angles): rx_angles are angles of cones, but are used as azimuths");
+    notices.add(
+        "tx_angles",
+        "the fan is steered (tx_angles): rx_angles are cone angles, but tubefoot uses them as azimuths");
   if (some(message.tx_delays))
     notices.add("tx_delays",
                 "beams were transmitted at different times (tx_delays), but their ranges do not contain "
@@ -210,7 +213,7 @@ ForeignFrame frame_of_message(const ros::Image& message, Notices& notices) {
         if (pixel[0] != pixel[1] || pixel[1] != pixel[2])
           throw MessageError(
               fmt::format("pixel {} of row {} has a colour ({}, {}, {}): a colour map cannot be inverted; "
-                          "record the picture before the colour map",
+                          "record the picture before the colour map is applied",
                           x, y, pixel[0], pixel[1], pixel[2]));
         grey.push_back(pixel[0]);
       }
@@ -231,8 +234,8 @@ ForeignFrame frame_of_message(const ros::Image& message, Notices& notices) {
 ForeignFrame frame_of_message(const ros::ImagingSonar& message, Notices&) {
   throw MessageError(fmt::format(
       "HoloOcean's ROS message has two lists (image_azimuth with {} entries, image_range with {}) for {} x "
-      "{} bins, but no matrix, so it does not contain the picture. Save the array that HoloOcean returns in "
-      "Python (numpy.save), and import that file",
+      "{} bins, but no matrix of intensities, so it does not contain the picture. Save the array that "
+      "HoloOcean returns in Python (numpy.save), and import that file",
       message.image_azimuth.size(), message.image_range.size(), message.bins_azimuth, message.bins_range));
 }
 

@@ -15,8 +15,8 @@ namespace tubefoot {
 namespace {
 
 const SqliteWords words{"rosbag2 recording",
-                        "a recording has plain tables only: write it again with ros2 bag convert",
-                        "let ros2 bag record end, or open the file once with sqlite3 and close it"};
+                        "a recording has only plain tables: write it again with ros2 bag convert",
+                        "wait until ros2 bag record ends, or open the file once with sqlite3 and close it"};
 
 /// A .db3 file of rosbag2_storage_sqlite3.
 class SqliteStore : public MessageStore {

@@ -43,9 +43,10 @@ void check_map(const MaterialMapDescription& map, const TomlTable& table) {
     const char* const end = c.value.data() + c.value.size();
     const auto [rest, error] = std::from_chars(c.value.data(), end, value);
     if (error != std::errc() || rest != end)
-      throw InputError(c.place,
-                       fmt::format("'classes' of a raster are whole numbers, like 3 = \"{}\", not '{}'",
-                                   c.material, c.value));
+      throw InputError(
+          c.place,
+          fmt::format("the values in 'classes' of a raster must be whole numbers, as in 3 = \"{}\", not '{}'",
+                      c.material, c.value));
     if (!taken.insert(value).second)
       throw InputError(c.place, fmt::format("the class {} already has a material", value));
   }
@@ -100,7 +101,7 @@ const TomlSection<MaterialMapDescription>& material_map_section() {
                     .choices = {"last", "first"}}),
                field("coordinates", &Polygons::coordinates,
                      {.meaning = "crs: the coordinate reference system of the file applies. local: the "
-                                 "coordinates are metres in the local frame.",
+                                 "coordinates are in metres in the local frame.",
                       .choices = {"crs", "local"}})})
           .kind<Patches>("kind", "patches", "Random polygonal patches of similar size.",
                          {field("patch_size_m", &Patches::patch_size_m,

@@ -54,12 +54,11 @@ const TomlSection<PathsDescription>& paths_section() {
                      {.meaning = "Write only the echoes of this order. 0: the direct path from transmitter "
                                  "to receiver.",
                       .ranges = {{.lo = 0, .hi = 8}}}),
-               field(
-                   "cutoff_db", &P::cutoff_db,
-                   {.meaning =
-                        "Reflection loss above which paths are omitted. At each scattering, the weakest "
-                        "patches are also omitted, with a total energy this far below the first scattering.",
-                    .ranges = {{.lo = 0, .hi = 300}}}),
+               field("cutoff_db", &P::cutoff_db,
+                     {.meaning = "Reflection loss above which paths are omitted. At each scattering, "
+                                 "tubefoot also omits the weakest patches, whose total energy is at least "
+                                 "this far below that of the first scattering.",
+                      .ranges = {{.lo = 0, .hi = 300}}}),
                field("scatterings", &P::scatterings,
                      {.meaning = "Largest number of scatterings along a path. Values above 1 are slow, "
                                  "because tubefoot computes the visibility of the scene from each patch.",
@@ -67,14 +66,14 @@ const TomlSection<PathsDescription>& paths_section() {
                field("patch_m", &P::patch_m,
                      {.meaning = "Longest edge of a radiosity patch, for multiple scattering.",
                       .ranges = {size}}),
-               field(
-                   "most_images", &P::most_images,
-                   {.meaning = "Largest number of image apexes per apex. The limit for pairs of image apexes "
-                               "is a hundred times higher. Beyond a limit, the run ends with an error.",
-                    .ranges = {{.lo = 1, .hi = 10000000}}}),
-               field("direct", &P::direct,
+               field("most_images", &P::most_images,
                      {.meaning =
-                          "true: a separate receiver also receives the direct path from the transmitter."})})
+                          "Largest number of image apexes per apex. The limit for pairs of image apexes is a "
+                          "hundred times higher. If a limit is exceeded, the run ends with an error.",
+                      .ranges = {{.lo = 1, .hi = 10000000}}}),
+               field("direct", &P::direct,
+                     {.meaning = "true: a separate receiver also receives sound along the direct path from "
+                                 "the transmitter."})})
           .check(check_paths);
   return section;
 }

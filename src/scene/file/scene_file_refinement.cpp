@@ -40,10 +40,10 @@ const TomlSection<RefinementDescription>& refinement_section() {
                           "online: estimated relative RMS error that coarser facets may cause per range bin. "
                           "0: full refinement. Default: 0.01, or the value of `tubefoot run --tolerance`.",
                       .ranges = {{.lo = 0, .hi = 1}}}),
-               field(
-                   "file", &R::file,
-                   {.meaning = "offline: file with the refined surface of this scene from `tubefoot refine`. "
-                               "An existing file replaces the refinement and is part of the scene hash."})})
+               field("file", &R::file,
+                     {.meaning = "offline: file with the refined surface of this scene from `tubefoot "
+                                 "refine`. If the file exists, tubefoot reads it instead of refining the "
+                                 "facets, and the file is part of the scene hash."})})
           .check(check_refinement);
   return section;
 }

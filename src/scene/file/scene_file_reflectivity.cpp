@@ -9,12 +9,13 @@ const TomlSection<ReflectivityDescription>& reflectivity_section() {
   using Perlin = PerlinReflectivityKeys;
   using Map = MapReflectivityKeys;
   // 1 / PerlinLattice::largest, rounded down.
-  constexpr ValueRange depth{.lo = 0, .hi = 0.9649, .if_above = "a surface cannot scatter less than nothing"};
+  constexpr ValueRange depth{
+      .lo = 0, .hi = 0.9649, .if_above = "with a larger depth, the factor could become negative"};
   static const auto section =
       TomlSection<ReflectivityDescription>(
           "[[materials.reflectivity]]",
           "Layer of the reflectivity texture of the preceding material: a factor with mean 1 that multiplies "
-          "the scattering strength. The factors of all layers are multiplied.")
+          "the scattered energy. The factors of all layers are multiplied.")
           .kind<Perlin>(
               "kind", "perlin", "Sum of octaves of improved Perlin noise.",
               {field("wavelength_m", &Perlin::wavelength_m,

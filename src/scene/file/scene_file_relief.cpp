@@ -63,7 +63,7 @@ const TomlSection<ReliefDescription>& relief_section() {
                           {.meaning = "Root mean square height of this tile.", .ranges = {height}}),
                     field("spectral_strength_cm4", &F::spectral_strength_cm4,
                           {.meaning =
-                               "Spectral strength w2 of the APL-UW roughness spectrum, as a mean over seeds.",
+                               "Spectral strength w2 of the APL-UW roughness spectrum, averaged over seeds.",
                            .ranges = {{.lo = 0, .hi = 1e6}}})},
                    tile)
           .kind<P>(
@@ -80,11 +80,10 @@ const TomlSection<ReliefDescription>& relief_section() {
                      {.meaning = "Root mean square height of this tile.",
                       .ranges = {height},
                       .required = true}),
-               field(
-                   "hurst", &P::hurst,
-                   {.meaning =
-                        "Bandwidth about the wavenumber of the ripples. Larger values give a narrower band.",
-                    .ranges = {hurst}})},
+               field("hurst", &P::hurst,
+                     {.meaning = "Concentration of the spectrum about the wavenumber of the ripples. Larger "
+                                 "values give a narrower band.",
+                      .ranges = {hurst}})},
               tile)
           .kind<M>(
               "kind", "map",

@@ -48,8 +48,8 @@ std::vector<TomlField<MaterialDescription>> scattering_fields() {
             {.meaning = "Scattering model. Each model has its own keys.",
              .choices = {"lambert", "gsab", "table", "sediment"}}),
       field("lambert_db", &M::lambert_db,
-            {.meaning = "lambert: 10 log10 of mu, where mu sin^2(grazing angle) is the backscattering "
-                        "strength of Lambert's law. Energy conservation requires pi mu <= 1.",
+            {.meaning = "lambert: 10 log10 of mu, where 10 log10(mu sin^2(grazing angle)) is the "
+                        "backscattering strength of Lambert's law. Energy conservation requires pi mu <= 1.",
              .ranges = {lambert}}),
       field("specular_db", &M::specular_db,
             {.meaning = "gsab: level A of the specular lobe. Needs `specular_width_deg`. Without this key, "

@@ -36,15 +36,17 @@ void check_georeference(const GeoreferenceDescription& g, const TomlTable& table
 void check_material(const MaterialDescription& material, const TomlTable& table) {
   check_scattering(material, table);
   check_smooth(material, table);
-  if (!material.specular_loss_db || material.model != "lambert")
-    return;  // load_scattering() checks other models
+  if (!material.specular_loss_db || material.model != "lambert" || material.unbounded)
+    return;  // load_scattering() checks other models, and warns
   const double scattered = std::numbers::pi * std::pow(10, material.lambert_db / 10);
   if (scattered + std::pow(10, -*material.specular_loss_db / 10) > 1)
     throw InputError(
         table.place_of("specular_loss_db"),
-        fmt::format("'{}' would return more energy than it receives: Lambert's law scatters a share of "
-                    "{:.3g}, so 'specular_loss_db' must be at least {:.6f} (or reduce 'lambert_db')",
-                    material.name, scattered, std::max(0.0, -10 * std::log10(1 - scattered)) + 1e-6));
+        fmt::format(
+            "'{}' would return more energy than it receives: with Lambert's law, it scatters a fraction of "
+            "{:.3g}, so 'specular_loss_db' must be at least {:.6f} (or reduce 'lambert_db', or set unbounded "
+            "= true if this is intended)",
+            material.name, scattered, std::max(0.0, -10 * std::log10(1 - scattered)) + 1e-6));
 }
 
 void check_terrain(const TerrainDescription& terrain, const TomlTable& table) {
@@ -66,8 +68,9 @@ void check_run(const RunDescription& run, const TomlTable& table) {
                     "\"{}\"",
                     run.start_utc));
   if (run.rays_per_beam && table.has("rays_per_ping")) {
-    throw InputError(table.place_of("rays_per_beam"),
-                     "rays are counted per ping or per beam: remove 'rays_per_ping' or 'rays_per_beam'");
+    throw InputError(
+        table.place_of("rays_per_beam"),
+        "'rays_per_ping' and 'rays_per_beam' both set the number of rays: remove one of the two");
   }
 }
 
@@ -83,9 +86,10 @@ const TomlField<SceneDescription>& title_field() {
 const TomlSection<GeoreferenceDescription>& georeference_section() {
   using G = GeoreferenceDescription;
   static const auto section =
-      TomlSection<G>("[georeference]",
-                     "Position of the local frame on the Earth. Give `origin_lat_lon_deg`, or `crs` with "
-                     "`origin_crs`. Without this section, coordinates are local metres without a projection.")
+      TomlSection<G>(
+          "[georeference]",
+          "Position of the local frame on the Earth. Give `origin_lat_lon_deg`, or `crs` with `origin_crs`. "
+          "Without this section, coordinates are in metres in a local frame without a projection.")
           .keys({field("origin_lat_lon_deg", &G::origin_lat_lon_deg,
                        {.meaning = "Latitude and longitude (WGS 84) of the origin, where the frame is "
                                    "tangent to the ellipsoid. Not together with `crs`.",
@@ -224,7 +228,7 @@ const TomlSection<TerrainDescription>& terrain_section() {
                      {.meaning = "true: the values are depths. false: the values are heights."}),
                field("load", &Raster::load,
                      {.meaning = "Load the whole raster at once, or only the tiles that a ping needs. auto: "
-                                 "tiles for rasters of 20 million pixels or more.",
+                                 "tiles for rasters of more than 20 million pixels.",
                       .choices = {"auto", "whole", "tiles"}})})
           .check(check_terrain);
   return section;
@@ -308,8 +312,8 @@ const TomlSection<ObjectDescription>& object_section() {
                           {chord_error})
           .kind<Cone>(
               "shape", "cone",
-              "Closed, pointed or truncated cone along the z axis of the object. The point at half of its "
-              "height is at `position_m`.",
+              "Closed cone along the z axis of the object, pointed or truncated. `position_m` is the point "
+              "on its axis at half of its height.",
               {field("radius_m", &Cone::radius_m, {.meaning = "Radius at the bottom.", .ranges = {size}}),
                field("top_radius_m", &Cone::top_radius_m,
                      {.meaning = "Radius at the top. 0: a pointed cone.", .ranges = {size_or_zero}}),

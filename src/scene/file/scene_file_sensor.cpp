@@ -157,8 +157,8 @@ std::vector<TomlField<SensorDescription>> signal_fields() {
           {.meaning = "Mean noise level in the receiver band, re 1 uPa. Without this key, there is no noise.",
            .ranges = {level}}),
       field("speckle", &G::speckle,
-            {.meaning = "Distribution of the interference of many scatterers. tubefoot draws one random "
-                        "value per ping, beam and range bin.",
+            {.meaning = "Amplitude distribution of the speckle from many scatterers. tubefoot draws one "
+                        "random value per ping, beam and range bin.",
              .choices = {"none", "rayleigh", "k"}}),
       field("speckle_looks", &G::speckle_looks,
             {.meaning = "Number of independent looks whose energies are averaged.",
@@ -253,7 +253,7 @@ TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
                              "approximated by planes. Determines the number of tubes per beam.",
                   .ranges = {{.lo = 1e-9, .hi = 0.01}}})})
       .keys(pattern_fields("transmit",
-                           "Transmitted power as a function of direction, relative to the middle of the fan.",
+                           "Transmitted power as a function of direction, relative to the centre of the fan.",
                            &S::transmit))
       .keys(pattern_fields("receive",
                            "Received power as a function of direction, relative to the axis of each beam.",

@@ -80,18 +80,16 @@ void check_formula(const WaterDescription& water, const TomlTable& table) {
   const double saltless = leroy ? 0 : 25, deepest = leroy ? 12000 : 8000;
   // The range of the temperature's key is narrow enough.
   if (water.salinity_psu < saltless) {
-    throw InputError(
-        table.place_of("salinity_psu"),
-        fmt::format("the formula for sound speed holds for a 'salinity_psu' of 25 to 40, not {}: give "
-                    "'sound_speed_m_s' for fresh or brackish water",
-                    water.salinity_psu));
+    throw InputError(table.place_of("salinity_psu"),
+                     fmt::format("the formula for sound speed is valid for a 'salinity_psu' of 25 to 40, not "
+                                 "{}: give 'sound_speed_m_s' for fresh or brackish water",
+                                 water.salinity_psu));
   }
   if (water.depth_m > deepest) {
-    throw InputError(
-        table.place_of("depth_m"),
-        fmt::format("the formula for sound speed holds for a 'depth_m' of 0 to {:g}, not {}: give "
-                    "'sound_speed_m_s' for deeper water",
-                    deepest, water.depth_m));
+    throw InputError(table.place_of("depth_m"),
+                     fmt::format("the formula for sound speed is valid for a 'depth_m' of 0 to {:g}, not {}: "
+                                 "give 'sound_speed_m_s' for deeper water",
+                                 deepest, water.depth_m));
   }
 }
 

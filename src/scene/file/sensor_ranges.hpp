@@ -17,7 +17,7 @@ inline constexpr ValueRange frequency{.lo = 1, .hi = 10000};
 
 inline constexpr const char* no_width = "a sector without width receives nothing";
 inline constexpr const char* too_wide =
-    "a sector of this width does not project onto a plane, distribute it over several sensors";
+    "a sector of this width cannot be projected onto a plane; distribute it over several sensors";
 constexpr ValueRange sector(double hi, bool hi_excluded) {
   return {.lo = 0,
           .hi = hi,

@@ -51,7 +51,7 @@ std::string mesh_text(const std::filesystem::path& file) {
   const InputFile input(file);
   // Memory for the text and for the data from it.
   require_memory(3 * static_cast<double>(input.size()), place, fmt::format("its {} bytes", input.size()),
-                 "give a coarser mesh, or one cut to the scene");
+                 "give a coarser mesh, or one that is cut to the scene");
   std::string content = read_whole(file, place, input.size(), "a mesh that no program is writing");
   if (content.starts_with("\xef\xbb\xbf")) content.erase(0, 3);
   if (is_utf16(content))
@@ -95,12 +95,12 @@ NamedMesh mesh_of_model(const std::filesystem::path& file, FileFormat format, co
   if (!up || !unit_m)
     throw InputError(
         {name, 0, 0},
-        fmt::format(
-            "does not define {}{}{}, {}: add {}{}{} to the object", !up ? "its vertical axis" : "",
-            !up && !unit_m ? " and " : "", !unit_m ? "its unit of length" : "",
-            format == FileFormat::studio_3ds ? "like all 3DS files" : "unlike other files of its format",
-            !up ? "'up' (\"x\", \"y\" or \"z\")" : "", !up && !unit_m ? " and " : "",
-            !unit_m ? "'unit_m' (its length in metres)" : ""));
+        fmt::format("does not define {}{}{}, {}: add {}{}{} to the object", !up ? "its vertical axis" : "",
+                    !up && !unit_m ? " and " : "", !unit_m ? "its unit of length" : "",
+                    format == FileFormat::studio_3ds ? "which no 3DS file does"
+                                                     : "although other files of its format do",
+                    !up ? "'up' (\"x\", \"y\" or \"z\")" : "", !up && !unit_m ? " and " : "",
+                    !unit_m ? "'unit_m' (its length in metres)" : ""));
   NamedMesh mesh = triangulate(std::move(model.polygons), name);
   to_metres_z_up(mesh, *up, *unit_m);
   warn_of_rounding(mesh, name);

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* remedy = "export it again, or as another format (OBJ, PLY, STL)";
+constexpr const char* remedy = "export it again, or in another format (OBJ, PLY, STL)";
 
 /// Returns a text without its comments <!-- ... -->.
 std::string without_remarks(std::string_view text) {
@@ -124,7 +124,7 @@ class ModelReader {
     const std::uintmax_t size = InputFile(from).size();
     total_ += static_cast<double>(size);
     require_memory(memory_a_byte * total_, place, fmt::format("its {} bytes", size),
-                   "give a coarser model, or one cut to the scene");
+                   "give a coarser model, or one that is cut to the scene");
     if (bytes_.contains(name) && name == main_name_)
       fail(fmt::format("has a buffer named '{}', a name that tubefoot uses for the file itself", name));
     bytes_[name] = read_whole(from, place, size, "a model that no program is writing");
@@ -152,11 +152,11 @@ class ModelReader {
       case ApartResult::End::too_long:
         fail(
             fmt::format("keeps Assimp, which reads {}, busy for more than {:.0f} s: the file is damaged, or "
-                        "was made for this",
+                        "was made to cause this",
                         format, std::ceil(seconds + seconds_a_byte * total_)));
       case ApartResult::End::crashed:
-        fail(fmt::format("makes Assimp, which reads {}, crash: the file is damaged, or was made for this",
-                         format));
+        fail(fmt::format(
+            "makes Assimp, which reads {}, crash: the file is damaged, or was made to cause this", format));
       case ApartResult::End::done:
         break;
     }

@@ -95,8 +95,8 @@ UncheckedPolygons parse_obj(std::string_view content, const std::string& file) {
       if (polygons.corners.size() - begin < 3 && text.rest().empty() && !content.ends_with('\n') &&
           !content.ends_with('\r'))
         throw InputError({file, text.line(), 0},
-                         fmt::format("the last face has {} corners and no line end: restore the file if it "
-                                     "is cut off, or add the line end",
+                         fmt::format("the last face has {} corners, and its line does not end with a "
+                                     "newline: restore the file if it is cut off, or add the newline",
                                      polygons.corners.size() - begin));
       polygons.end_polygon();
       polygons.line.push_back(text.line());
@@ -111,8 +111,8 @@ UncheckedPolygons parse_obj(std::string_view content, const std::string& file) {
   }
   if ((last_keyword == "v" || last_keyword == "f") && !content.ends_with('\n') && !content.ends_with('\r')) {
     polygons.warnings.push_back(
-        fmt::format("{}:{}: the last line has no line end; if the file is cut off, its last number "
-                    "may be wrong",
+        fmt::format("{}:{}: the last line does not end with a newline; if the file is cut off, its last "
+                    "number may be wrong",
                     file, text.line()));
   }
   return polygons;

@@ -69,8 +69,8 @@ class Cutting {
       return;
     }
     if (cutter_.cut(polygons_.points, polygon, mesh_.triangles) == PolygonCutter::Result::crossed)
-      throw InputError(place(), fmt::format("{} of {} corners crosses or covers itself and does not bound a "
-                                            "surface: repair or triangulate it in the modelling program",
+      throw InputError(place(), fmt::format("{} of {} corners crosses or overlaps itself and does not bound "
+                                            "a surface: repair or triangulate it in the modelling program",
                                             name(), polygon.size()));
     if (!polygons_.names_of.empty()) mesh_.names_of.resize(mesh_.triangles.size(), polygons_.names_of[face_]);
     const double off = unevenness(polygons_.points, polygon);

@@ -74,9 +74,9 @@ std::optional<std::string> scale_warning(const LocalFrame& frame) {
   if (std::abs(east - 1) <= tolerated && std::abs(north - 1) <= tolerated) return std::nullopt;
   return fmt::format(
       "the map of the scene is not true to scale: at its origin ({:.4f} N, {:.4f} E) a metre to the east is "
-      "{:.4g} m on the map, and a metre to the north is {:.4g} m. Ranges, areas and energies are those of "
-      "the map: transform the data to a local map first, such as the UTM zone, with `gdalwarp -t_srs "
-      "EPSG:... {} IN OUT`",
+      "{:.4g} m on the map, and a metre to the north is {:.4g} m. tubefoot computes ranges, areas and "
+      "energies from distances on the map: transform the data to a local map first, such as that of the UTM "
+      "zone, with `gdalwarp -t_srs EPSG:... {} IN OUT`",
       origin.lon_lat_height.y, origin.lon_lat_height.x, east, north, warp_heights);
 }
 

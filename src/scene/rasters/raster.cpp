@@ -21,7 +21,7 @@ namespace {
 void require_cells(const RasterReader& reader, double cells, const std::string& what,
                    const std::string& remedy) {
   if (cells > limits::cells)
-    reader.file().fail(fmt::format("{} are more than {:.3g}: {}", what, limits::cells, remedy));
+    reader.file().fail(fmt::format("{} exceed the limit of {:.3g}: {}", what, limits::cells, remedy));
   require_memory(2 * bytes_a_facet * cells, reader.file().place(), "facets between " + what, remedy);
 }
 
@@ -73,7 +73,7 @@ ComponentMesh facets_of_supergrids(const RasterReader& reader, double resolution
       const auto& supergrid = refinements.at(grid.row + row, grid.column + column);
       nodes += static_cast<double>(supergrid.columns) * supergrid.rows;
     }
-  const std::string remedy = fmt::format("give a window, or write one resolution with {}",
+  const std::string remedy = fmt::format("give a window, or resample it to one resolution with {}",
                                          advised_resampling(file.place().file, grid.cell_x, grid.cell_y));
   require_cells(reader, nodes, fmt::format("{} nodes", nodes), remedy);
   ComponentMesh mesh = join_supergrids(grid, file.place());
@@ -100,9 +100,10 @@ ComponentMesh read_raster(const RasterTerrain& terrain, std::optional<LocalFrame
   mesh.warnings = std::move(warnings);
   drop_unused_points(mesh);
   if (mesh.triangles.empty()) {
-    throw InputError(reader.file().place(),
-                     "has no three neighbouring cells with data in the window, so it gives no facets: check "
-                     "the window and the nodata value");
+    throw InputError(
+        reader.file().place(),
+        "does not contain three neighbouring cells with data in the window, so no facets can be formed: "
+        "check the window and the nodata value");
   }
   glm::dvec3 lo = mesh.points_m.front(), hi = lo;
   for (const glm::dvec3& point : mesh.points_m) lo = glm::min(lo, point), hi = glm::max(hi, point);

@@ -24,7 +24,7 @@ std::array<double, 6> RasterFile::geotransform() const {
   if (!transform) fail(input_.no_geotransform());
   const auto turn = [this] { return advised(fmt::format("gdalwarp {}", warp_heights)); };
   if ((*transform)[2] != 0 || (*transform)[4] != 0)
-    fail(fmt::format("is rotated against its coordinate axes: turn it north-up with {}", turn()));
+    fail(fmt::format("is rotated relative to its coordinate axes: turn it north-up with {}", turn()));
   if (!((*transform)[1] > 0) || !((*transform)[5] < 0))
     fail(fmt::format("does not run from north-west to south-east: turn it north-up with {}", turn()));
   return *transform;

@@ -40,7 +40,7 @@ RasterWindow window_of(const RasterTerrain& terrain, const RasterFile& file) {
         file.advised(fmt::format("gdalwarp -tr {0} {0} {1}", terrain.resolution_m, warp_heights))));
   if (w.kept_columns() < 2 || w.kept_rows() < 2) {
     file.fail(
-        fmt::format("{} x {} cells are left, expected at least 2 x 2: facets lie between the cells' centres",
+        fmt::format("{} x {} cells are left, expected at least 2 x 2: facets connect the centres of cells",
                     w.kept_columns(), w.kept_rows()));
   }
   return w;
@@ -53,8 +53,9 @@ constexpr double steepest = 10;
 LocalFrame frame_about(glm::dvec3 centre, const std::string& crs, const SourcePlace& place,
                        std::string& warning) {
   if (crs.empty()) {
-    warning = fmt::format("{}: has no coordinate reference system; its coordinates are read as local metres",
-                          place.file);
+    warning = fmt::format(
+        "{}: has no coordinate reference system; its coordinates are read as metres in the local frame",
+        place.file);
     return {};
   }
   // Origins are rounded, so that the message gives them exactly.
@@ -101,7 +102,7 @@ std::vector<std::string> RasterReader::settle(std::optional<LocalFrame>& frame) 
   }
   if (!frame->is_georeferenced() && !crs_.empty()) {
     throw InputError(place,
-                     "has a coordinate reference system, but a raster before it has none: add a "
+                     "has a coordinate reference system, but a preceding raster has none: add a "
                      "[georeference], and write a copy of the other raster with its own coordinate reference "
                      "system by `gdal_translate -a_srs EPSG:... IN OUT`");
   }
@@ -129,8 +130,8 @@ std::vector<std::string> RasterReader::odd_extent(glm::dvec3 lo, glm::dvec3 hi) 
   for (const double value : {-9999.0, -99999.0, -32768.0, -32767.0, 9999.0, 99999.0})
     if (const double height = height_m(value); lo.z < hi.z && (height == lo.z || height == hi.z))
       return {fmt::format(
-          "{}: has cells of {:g}, a usual value for missing data, but does not declare it as such: if these "
-          "cells have no data, {} makes them holes",
+          "{}: has cells with the value {:g}, which often stands for missing data, but does not declare "
+          "this: if these cells have no data, {} makes them holes",
           file_.place().file, value, file_.advised(fmt::format("gdal_translate -a_nodata {:g}", value)))};
   const glm::dvec3 size = hi - lo;
   if (!crs_.empty() || lo.x < -180 || hi.x > 360 || lo.y < -90 || hi.y > 90 ||

@@ -150,7 +150,7 @@ TerrainTiles::TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFram
   tile_columns_ = tiles_of(cell_columns_);
   tile_rows_ = tiles_of(cell_rows_);
   if (reader.window().cells() > limits::tiled_cells)
-    reader.file().fail(fmt::format("{} x {} cells are more than {:.3g}: give a window or decimate",
+    reader.file().fail(fmt::format("{} x {} cells exceed the limit of {:.3g}: give a window or decimate",
                                    cell_columns_ + 1, cell_rows_ + 1, limits::tiled_cells));
   tiles_.resize(tile_columns_ * tile_rows_);
   // A row of cells in a tile has at most 128 facets, so that a byte holds their number.
@@ -201,9 +201,10 @@ TerrainTiles::TerrainTiles(const RasterTerrain& terrain, std::optional<LocalFram
       facets_ += row_facets_[static_cast<std::size_t>(row) * tile_columns_ + c];
   }
   if (facets_ == 0)
-    throw InputError(reader.file().place(),
-                     "has no three neighbouring cells with data in the window, so it gives no facets: check "
-                     "the window and the nodata value");
+    throw InputError(
+        reader.file().place(),
+        "does not contain three neighbouring cells with data in the window, so no facets can be formed: "
+        "check the window and the nodata value");
   for (std::string& text : reader.odd_extent(lo_m_, hi_m_)) warnings_.push_back(std::move(text));
   if (hole_cells_ == 0) {
     row_facets_ = {};

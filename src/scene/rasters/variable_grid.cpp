@@ -82,7 +82,7 @@ class Joiner {
       throw InputError(
           place_, fmt::format("the supergrid at row {}, column {} (counted from 0, from the south-west) is "
                               "too large: {} x {} nodes with a spacing of {:g} x {:g} extend beyond a cell "
-                              "of {:g} x {:g}; write one resolution with {}",
+                              "of {:g} x {:g}; resample the file to one resolution with {}",
                               grid_.row + row, grid_.column + column, s.columns, s.rows, s.step_x, s.step_y,
                               grid_.cell_x, grid_.cell_y,
                               advised_resampling(place_.file, grid_.cell_x, grid_.cell_y)));
@@ -194,8 +194,8 @@ ComponentMesh resampled(const ComponentMesh& surface, const VariableGrid& grid, 
                length = static_cast<double>(grid.rows) * grid.cell_y;
   const double across = std::round(width / step), up = std::round(length / step);
   if (across < 2 || up < 2)
-    throw InputError(place, fmt::format("{:g} x {:g} with cells of {:g} gives {:g} x {:g} cells, expected at "
-                                        "least 2 x 2: choose a smaller resolution_m",
+    throw InputError(place, fmt::format("an extent of {:g} x {:g} with cells of {:g} gives only {:g} x {:g} "
+                                        "cells, expected at least 2 x 2: choose a smaller resolution_m",
                                         width, length, step, across, up));
   const auto columns = static_cast<std::size_t>(across), rows = static_cast<std::size_t>(up);
   const auto x_of = [&](std::size_t i) { return west + (static_cast<double>(i) + 0.5) * step; };

@@ -42,7 +42,7 @@ FacetFineness facet_fineness(const SceneDescription& scene, const ObjectDescript
   }
   if (!(found.chord_error_m <= coarsest * radius_m)) return {coarsest * radius_m, "a fiftieth of the radius"};
   if (found.chord_error_m < finest * radius_m)
-    return {finest * radius_m, "the finest default, coarser than " + found.from};
+    return {finest * radius_m, "the finest default, which is coarser than " + found.from};
   return found;
 }
 

@@ -140,8 +140,8 @@ TerrainMap::TerrainMap(const TerrainDescription& terrain, const std::vector<Mate
   for (const MaterialBorder& border : map_.borders())
     for (const glm::dvec2& p : {border.a, border.b})
       if (!(std::abs(p.x) <= reach_m && std::abs(p.y) <= reach_m))
-        throw InputError(place_, fmt::format("the map's border at ({:.6g}, {:.6g}) m is too far away from "
-                                             "this scene: check the map's coordinate reference system",
+        throw InputError(place_, fmt::format("the map's border at ({:.6g}, {:.6g}) m is too far from this "
+                                             "scene: check the map's coordinate reference system",
                                              p.x, p.y));
   segments_.reserve(map_.borders().size());
   // Neighbouring regions share borders, of which one copy is enough.

@@ -25,7 +25,7 @@ OGRLayer& layer_of(GDALDataset& dataset, const PolygonMaterialMap& map, const So
   for (OGRLayer* layer : dataset.GetLayers()) names.emplace_back(layer->GetName());
   if (names.empty()) throw InputError(place, "has no layer of polygons");
   if (!map.layer && names.size() > 1)
-    throw InputError(place, fmt::format("has several layers, name one in 'layer': {}", one_of(names, '"')));
+    throw InputError(place, fmt::format("has several layers: set 'layer' to {}", one_of(names, '"')));
   const std::string& wanted = map.layer.value_or(names.front());
   OGRLayer* layer = dataset.GetLayerByName(wanted.c_str());
   if (layer == nullptr)
@@ -68,8 +68,9 @@ class PolygonReader {
           place_, fmt::format("has values of \"{}\" without a material: {}; add each of them to 'classes'",
                               map_.attribute, fmt::join(unknown_, ", ")));
     if (map_.coordinates == "crs")
-      carry_map_points(points_, crs_text(layer.GetSpatialRef()), setting_.frame, place_,
-                       "set coordinates = \"local\" if the map's coordinates are local metres");
+      carry_map_points(
+          points_, crs_text(layer.GetSpatialRef()), setting_.frame, place_,
+          "set coordinates = \"local\" if the map's coordinates are in metres in the local frame");
     std::vector<MaterialBorder> borders;
     borders.reserve(edges_.size());
     const auto last = static_cast<std::uint32_t>(material_of_region_.size() - 1);

@@ -39,10 +39,10 @@ Classes read_classes(const GdalInput& input, const RasterMaterialMap& map, const
   if (dataset.GetRasterCount() == 0) throw InputError(place, input.no_single_raster());
   input.refuse_colours("classes", false);
   if (static_cast<double>(classes.columns) * classes.rows > limits::cells)
-    throw InputError(place,
-                     fmt::format("{} x {} cells are more than {:.3g}: cut the raster to the terrain with {}",
-                                 classes.columns, classes.rows, limits::cells,
-                                 input.advised("gdal_translate -projwin WEST NORTH EAST SOUTH")));
+    throw InputError(
+        place, fmt::format("{} x {} cells exceed the limit of {:.3g}: cut the raster to the terrain with {}",
+                           classes.columns, classes.rows, limits::cells,
+                           input.advised("gdal_translate -projwin WEST NORTH EAST SOUTH")));
   std::map<double, std::uint16_t> region_of;
   for (const MaterialClass& c : map.classes) {
     const std::uint16_t material = material_named(c.material, setting.materials, c.place, "");
@@ -141,10 +141,10 @@ class Corners {
   }
   void carry(std::span<glm::dvec3> points) const {
     if (!local_)
-      carry_map_points(
-          points, crs_, setting_.frame, place_,
-          "give 'origin_m' and 'cell_m' in local metres, or write a copy with a coordinate reference "
-          "system by `gdal_translate -a_srs EPSG:... IN OUT`");
+      carry_map_points(points, crs_, setting_.frame, place_,
+                       "give 'origin_m' and 'cell_m' in metres in the local frame, or write a copy with a "
+                       "coordinate reference "
+                       "system by `gdal_translate -a_srs EPSG:... IN OUT`");
   }
   /// Returns whether straight lines along the cells stay straight in the frame to a micrometre.
   bool stay_straight(int columns, int rows) const {

@@ -34,7 +34,7 @@ class MapReader {
     columns_ = input_.dataset().GetRasterXSize();
     rows_ = input_.dataset().GetRasterYSize();
     if (double(columns_) * rows_ > limits::cells)
-      fail(fmt::format("{} x {} pixels are more than {:.3g}: shrink the image with {}", columns_, rows_,
+      fail(fmt::format("{} x {} pixels exceed the limit of {:.3g}: shrink the image with {}", columns_, rows_,
                        limits::cells, input_.advised("gdal_translate -r average -outsize 25% 0")));
   }
 
@@ -146,7 +146,7 @@ std::shared_ptr<const ReflectivityField> load_reflectivity(const MaterialDescrip
       layers.push_back(reader.read());
       if (const auto unknown = reader.unknown_row_order())
         warnings.push_back(
-            fmt::format("{}: {}; tubefoot assumes that the last row is", reader.place().file, *unknown));
+            fmt::format("{}: {}; tubefoot assumes that it is the last row", reader.place().file, *unknown));
       for (const std::string& text : reader.messages().warnings())
         warnings.push_back(fmt::format("{}: GDAL: {}", reader.place().file, text));
       continue;

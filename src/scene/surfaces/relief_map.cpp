@@ -66,8 +66,8 @@ std::vector<double> read_heights(const RasterFile& raster, double scale) {
   if (columns < 2 || rows < 2)
     raster.fail(fmt::format("has {} x {} cells, expected at least 2 x 2", columns, rows));
   if (static_cast<double>(columns) * rows > limits::cells)
-    raster.fail(fmt::format("{} x {} cells are more than {:.3g}: reduce the raster with {}", columns, rows,
-                            limits::cells, raster.advised("gdal_translate -r average -outsize 25% 0")));
+    raster.fail(fmt::format("{} x {} cells exceed the limit of {:.3g}: reduce the raster with {}", columns,
+                            rows, limits::cells, raster.advised("gdal_translate -r average -outsize 25% 0")));
   const RasterFile::Metres metres = raster.metres();
   std::vector<double> heights(static_cast<std::size_t>(columns) * rows);
   std::vector<unsigned char> has_data(columns);
@@ -242,7 +242,7 @@ std::shared_ptr<const ElevationField> read_relief_map(const MapReliefDescription
   if (map.tile_m)
     if (const auto unknown = raster.unknown_row_order())
       warnings.push_back(
-          fmt::format("{}: {}; tubefoot assumes that the last row is", raster.place().file, *unknown));
+          fmt::format("{}: {}; tubefoot assumes that it is the last row", raster.place().file, *unknown));
   for (const std::string& text : raster.messages().warnings())
     warnings.push_back(fmt::format("{}: GDAL: {}", raster.place().file, text));
   check_spacing(raster, lattice);

@@ -105,8 +105,14 @@ std::vector<std::shared_ptr<const ScatteringModel>> load_scattering(const SceneD
                                                                     std::vector<std::string>& warnings) {
   std::vector<std::shared_ptr<const ScatteringModel>> models;
   for (const MaterialDescription& m : scene.materials) {
+    const double mirrored = m.specular_loss_db ? from_db(-*m.specular_loss_db) : 0;
     if (m.model == "lambert") {
       models.emplace_back();
+      if (const double returned = std::numbers::pi * from_db(m.lambert_db) + mirrored; returned > 1 + 1e-9)
+        warnings.push_back(fmt::format(
+            "material '{}' scatters and mirrors {:.3g} times the energy that it receives, which 'unbounded' "
+            "allows",
+            m.name, returned));
       continue;
     }
     try {
@@ -115,7 +121,6 @@ std::vector<std::shared_ptr<const ScatteringModel>> load_scattering(const SceneD
       throw InputError(m.place, fmt::format("material '{}': {}", m.name, e.what()));
     }
     const ScatteringModel::Albedo most = models.back()->largest_albedo();
-    const double mirrored = m.specular_loss_db ? from_db(-*m.specular_loss_db) : 0;
     if (most.value + mirrored > 1 + 1e-9) {
       const std::string what = fmt::format(
           "material '{}' {} {:.3g} times the energy that it receives at a grazing angle of {:.3g} degrees",

@@ -163,7 +163,7 @@ TEST(MovingEnds, HearTheSumOverAllScatterersOfTheField) {
       const ChannelSignals direct = by_every_scatterer(seen, receiver, model, field);
       const double loudest = loudest_of(direct);
       ASSERT_GT(loudest, 0);
-      // The signals differ from those of ends at rest.
+      // The signals differ from those of transmitters and receivers at rest.
       EXPECT_GT(worst_of(element_signals(seen, receiver_on(view.apex_m, {}), model, field), direct),
                 0.03 * loudest);
       double before = 1;
@@ -456,7 +456,8 @@ TEST(MovingEnds, RefuseWaysThatAreNone) {
   refuses([](double t) { return glm::dvec3(std::floor(t * 3e3), 0, 0); }, "as fast as sound");
   CoherentReceiver moving = receiver_on(view.apex_m, [](glm::dvec3 p) { return straight(p, {1, 0, 0}); });
   const std::vector<SignalSample> samples{{0, 1}};
-  expect_refused([&] { signal_covariances(seen, moving, samples, view.model); }, "ends at rest");
+  expect_refused([&] { signal_covariances(seen, moving, samples, view.model); },
+                 "transmitters and receivers at rest");
 }
 
 }  // namespace

@@ -143,7 +143,8 @@ TEST_F(Messages, WhatIsNotReportedIsTold) {
   EXPECT_THAT(read(projected(sonar)).noticed, Contains("2 of 3 values are not finite"));
   sonar = small_sonar();
   sonar.directions[0] = 0.5;  // a beam above the plane
-  EXPECT_THAT(read(projected(sonar)).noticed, Contains(HasSubstr("leave the fan's plane by up to")));
+  EXPECT_THAT(read(projected(sonar)).noticed,
+              Contains(HasSubstr("deviate from the plane of the fan by up to")));
 }
 
 Bytes raw_image(float rate, float speed, std::uint32_t each, std::uint32_t first,
@@ -271,7 +272,7 @@ TEST_F(Messages, WhatIsSerializedOtherwiseOrGoesOnIsRefused) {
   }
   Bytes text = projected(small_sonar());
   text[4 + 8 + 4 + 5] = 'x';  // the end of "sonar"
-  refused(text, projected_type, "header.frame_id: is a text without a zero byte at its end");
+  refused(text, projected_type, "header.frame_id: is a text that does not end with a zero byte");
 }
 
 TEST_F(Messages, ATypeIsFoundByItselfOrGiven) {

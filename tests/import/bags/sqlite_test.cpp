@@ -74,7 +74,7 @@ TEST_F(SqliteBag, WriteAheadLogsThatAreDoneAreNoMatter) {
   const Bytes packed = zstd(bytes_of(folder / "r.db3"));
   EXPECT_THAT(marks(folder.write("r.db3.zstd", packed)), ElementsAre(50));
   folder.write("r.db3-wal", "changes");
-  refused(folder / "r.db3", "'r.db3-wal' has changes that are not in it");
+  refused(folder / "r.db3", "'r.db3-wal' contains changes that are not yet in the file");
 }
 
 TEST_F(SqliteBag, ASchemaIsNotTrusted) {

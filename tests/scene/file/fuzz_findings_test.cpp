@@ -95,7 +95,7 @@ TEST(FuzzedScenes, DepthsTooNearForAGradientAreRefused) {
   };
   const std::string columns = "depth_m,sound_speed_m_s\n";
   EXPECT_THAT(refusal("p.csv", columns + "0,1500\n5e-324,1400\n", read),
-              HasSubstr("p.csv:3:1: depth_m is 5e-324"));
+              HasSubstr("p.csv:3:1: depth_m must increase: 5e-324 follows 0"));
   EXPECT_THAT(refusal("p.csv", columns + "0,1500\n2e-6,1500.000001\n", read), IsEmpty());
 }
 

@@ -60,7 +60,8 @@ TEST(ReflectivityKeys, AreRefusedWithTheirPlace) {
   const auto error = [&](const std::string& lines) {
     return scene_error(folder, with_texture("[[materials.reflectivity]]\nkind = \"perlin\"\n" + lines));
   };
-  EXPECT_THAT(error("depth = 0.97\n"), AllOf(HasSubstr("scene.toml:5:"), HasSubstr("less than nothing")));
+  EXPECT_THAT(error("depth = 0.97\n"),
+              AllOf(HasSubstr("scene.toml:5:"), HasSubstr("the factor could become negative")));
   EXPECT_THAT(error("depth = -0.1\n"), HasSubstr("scene.toml:5:"));
   EXPECT_THAT(error("octaves = 0\n"), HasSubstr("1 to 16"));
   EXPECT_THAT(error("octaves = 17\n"), HasSubstr("1 to 16"));

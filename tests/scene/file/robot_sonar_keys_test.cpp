@@ -51,8 +51,9 @@ range_max_m = 30
 TEST(ScanningKeys, MustAgree) {
   EXPECT_THAT(
       error_of("kind = \"scanning\"\nstep_deg = 0.7\n"),
-      HasSubstr("'scan_deg' (360) must be a whole multiple of 'step_deg' (0.7), at most 4096 steps, but it "
-                "is 514.286 steps"));
+      HasSubstr(
+          "'scan_deg' (360) must be a whole multiple of 'step_deg' (0.7) and at most 4096 steps, but it "
+          "is 514.286 steps"));
   EXPECT_THAT(error_of("kind = \"scanning\"\nstep_deg = 0.05\n"),
               HasSubstr("at most 4096 steps, but it is 7200"));
   EXPECT_THAT(error_of("kind = \"scanning\"\nrange_min_m = 60\n"), HasSubstr("must be less than"));

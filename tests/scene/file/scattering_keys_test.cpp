@@ -144,6 +144,13 @@ TEST(ScatteringKeys, WhatScattersMoreThanItReceivesIsRefusedUnlessAllowed) {
   const Loaded allowed = load(folder, bright + "\nunbounded = true");
   ASSERT_EQ(allowed.warnings.size(), 1u);
   EXPECT_THAT(allowed.warnings[0], HasSubstr("material 'sand' scatters 1.02 times"));
+  // Lambert's law with specular reflection.
+  const std::string shiny = "lambert_db = -6\nspecular_loss_db = 0.1";  // pi / 10^0.6 + 10^-0.01 = 1.766
+  EXPECT_THAT(load_error(folder, shiny), HasSubstr("'specular_loss_db' must be at least 6.7599"));
+  EXPECT_THAT(load_error(folder, shiny), HasSubstr("unbounded = true"));
+  const Loaded shiny_allowed = load(folder, shiny + "\nunbounded = true");
+  ASSERT_EQ(shiny_allowed.warnings.size(), 1u);
+  EXPECT_THAT(shiny_allowed.warnings[0], HasSubstr("scatters and mirrors 1.77 times the energy"));
   // For a small exponent, energy conservation fails at low grazing angles.
   EXPECT_THAT(load_error(folder, "law = \"gsab\"\noblique_db = -12\noblique_exponent = 0"),
               HasSubstr("at a grazing angle of 0.1 degrees"));

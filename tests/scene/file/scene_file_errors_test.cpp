@@ -193,7 +193,7 @@ TEST(SceneFileErrors, SectorsOfNoWidthOrTooWideSaySo) {
       {didson, "kind = \"didson\"\nhorizontal_deg = 0", "12:18",
        "'horizontal_deg' must be > 0, < 180 degrees, not 0: a sector without width receives nothing"},
       {didson, "kind = \"didson\"\nhorizontal_deg = 180", "12:18",
-       "not 180: a sector of this width does not project"},
+       "not 180: a sector of this width cannot be projected"},
       {didson, "kind = \"didson\"\nvertical_deg = -1", "12:16",
        "not -1: a sector without width receives nothing"},
       {didson, "kind = \"didson\"\nvertical_deg = 170.5", "12:16", "distribute it over several sensors"},
@@ -233,7 +233,7 @@ TEST(SceneFileErrors, ACamerasBeamsAndCyclesMustAgree) {
       {didson,
        "kind = \"didson\"\ntransmit_pattern = \"gaussian\"\ntransmit_beam_width_deg = "
        "9\ntransmit_pattern_angle = \"elevation\"\ntransmit_steering = \"beams\"",
-       "15:21", "set transmit_steering = \"fan\""},
+       "15:21", "needs transmit_steering = \"fan\""},
   });
 }
 
@@ -282,7 +282,7 @@ TEST(SceneFileErrors, RaysAreCountedOneWay) {
       {didson, "kind = \"didson\"\n[run]\nrays_per_beam = 11.5", "13:17", "integer"},
       {didson, "kind = \"didson\"\n[run]\nrays_per_beam = 20000000000", "13:17", "10000000000"},
       {didson, "kind = \"didson\"\n[run]\nrays_per_ping = 9\nrays_per_beam = 3", "14:17",
-       "remove 'rays_per_ping' or 'rays_per_beam'"},
+       "'rays_per_ping' and 'rays_per_beam' both set the number of rays"},
   });
 }
 

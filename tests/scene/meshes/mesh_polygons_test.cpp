@@ -195,7 +195,7 @@ TEST(MeshPolygons, WhatCrossesItselfIsRefusedAtItsLine) {
     EXPECT_THAT(
         [&] { read_mesh_file(file); },
         ThrowsMessage<InputError>(testing::AllOf(
-            HasSubstr("m.obj:6: "), HasSubstr("corners crosses or covers itself"), HasSubstr("repair"))))
+            HasSubstr("m.obj:6: "), HasSubstr("corners crosses or overlaps itself"), HasSubstr("repair"))))
         << faces;
   };
   refuses("f 1 3 2 4\n");          // a bow tie

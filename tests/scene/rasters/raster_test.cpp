@@ -217,7 +217,7 @@ TEST(Raster, WithoutCrsItsCoordinatesAreLocalMetres) {
   raster.geotransform = {-4, 1, 0, 3, 0, -1};
   const ComponentMesh mesh = read(raster);
   EXPECT_EQ(mesh.points_m[0], glm::dvec3(-3.5, 2.5, 0));
-  EXPECT_THAT(mesh.warnings, ElementsAre(HasSubstr("local metres")));
+  EXPECT_THAT(mesh.warnings, ElementsAre(HasSubstr("metres in the local frame")));
 }
 
 void expect_refused(const TestRaster& raster, const char* message,
@@ -230,7 +230,7 @@ TEST(Raster, RefusesWhatCannotBePlaced) {
   TestRaster raster;
   raster.crs = nullptr;
   expect_refused(raster, "gdal_translate -a_srs");
-  expect_refused({}, "a raster before it has none", LocalFrame());
+  expect_refused({}, "a preceding raster has none", LocalFrame());
   raster = {};
   raster.geotransform[2] = 0.1;
   expect_refused(raster, "rotated");
@@ -297,7 +297,7 @@ TEST(Raster, DegreesWithoutCrsAreNotTakenForMetres) {
   terrain.file =
       folder.write("tank.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n0 1 2\n3 4 9\n");
   std::optional<LocalFrame> frame;
-  EXPECT_THAT(read_raster(terrain, frame).warnings, ElementsAre(HasSubstr("local metres")));
+  EXPECT_THAT(read_raster(terrain, frame).warnings, ElementsAre(HasSubstr("metres in the local frame")));
 
   GDALAllRegister();
   terrain.file = folder.path() / "degrees.nc";

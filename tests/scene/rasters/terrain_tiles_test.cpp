@@ -152,7 +152,7 @@ TEST(TerrainTiles, RefuseARasterWithoutAFacet) {
         std::optional<LocalFrame> frame;
         TerrainTiles(terrain, frame);
       },
-      ThrowsMessage<InputError>(HasSubstr("gives no facet")));
+      ThrowsMessage<InputError>(HasSubstr("no facets can be formed")));
 }
 
 std::string vrt_of(const std::string& source, int relative = 1) {

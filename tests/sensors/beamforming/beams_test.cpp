@@ -186,12 +186,12 @@ TEST(Beams, RefuseWhatMakesNone) {
   };
   refused({{{0, 0, -1}}}, 1, "there is no ping 1: the signals have 1 pings");
   refused({}, 0, "at least one direction");
-  refused({{{0, 0, -1}, {0, 0, 0}}}, 0, "direction of beam 1 has no length");
+  refused({{{0, 0, -1}, {0, 0, 0}}}, 0, "direction of beam 1 must be a finite vector with a length above 0");
   refused({{{0, 0, -1}}, {1, 2}}, 0, "2 weights for 4 receivers");
   refused({{{0, 0, -1}}, {1, -1, 1, -1}}, 0, "receiver weights is 0");
   refused({{{0, 0, -1}}, {}, {0, NAN, 0}}, 0, "reference position of the beams is not finite");
   expect_refused([&] { phase_and_sum(signals, 0, {{{0, 0, -1}}, {}, {0, 0, 0}, true}); }, "plane waves");
-  expect_refused([&] { beam_energies({1, 2, 3}, signals.sampling, c, {0, 1, 1}); }, "not whole beams");
+  expect_refused([&] { beam_energies({1, 2, 3}, signals.sampling, c, {0, 1, 1}); }, "is not a multiple of");
 }
 
 }  // namespace

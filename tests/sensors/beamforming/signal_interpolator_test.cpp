@@ -75,7 +75,7 @@ TEST(SignalInterpolator, ShiftsARecordAsItsValues) {
 
 TEST(SignalInterpolator, RefusesWhatNoTapsCanDo) {
   expect_refused([] { SignalInterpolator(1, 1e-3); },
-                 "the band of the interpolator is 1 of half the sampling rate");
+                 "the band of the interpolator is 1 times half the sampling rate");
   expect_refused([] { SignalInterpolator(0.5, 1e-12); }, "at least 1e-9");
   expect_refused([] { SignalInterpolator(0.999, 1e-6); }, "the limit is 512: increase the sampling rate");
 }

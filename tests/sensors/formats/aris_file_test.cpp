@@ -190,7 +190,7 @@ TEST(ArisFile, headers_no_aris_has_are_refused_before_a_file_is_made) {
   EXPECT_THAT(refused([](ArisHeader& told) {
                 told.window = {65535 - 420 - 512 * 100 + 1, 100};
               }),
-              HasSubstr("65536, must be at most 65535 us"));
+              HasSubstr("65536, but must be at most 65535 us"));
   for (const double bad : {0.0, -1.0, nan, static_cast<double>(INFINITY)}) {
     EXPECT_THAT(refused([&](ArisHeader& told) { told.sound_speed_m_s = bad; }), HasSubstr("speed of sound"));
     EXPECT_THAT(refused([&](ArisHeader& told) { told.frame_rate_hz = bad; }), HasSubstr("frame rate"));

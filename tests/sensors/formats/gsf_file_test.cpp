@@ -588,11 +588,13 @@ TEST(GsfFile, RefusesOptionsBeforeTouchingTheFile) {
   };
   refuse([](GsfOptions& o) { o.version = "GSF-v03.09xx"; }, "version");
   refuse([](GsfOptions& o) { o.depth.multiplier = 0; }, "multiplier of depth");
-  refuse([](GsfOptions& o) { o.across.bytes = 1; }, "across is stored in 1 bytes, must be 2 or 4");
+  refuse([](GsfOptions& o) { o.across.bytes = 1; },
+         "across is stored in 1 bytes, but must be stored in 2 or 4");
   refuse([](GsfOptions& o) { o.along.bytes = 3; }, "along");
   refuse([](GsfOptions& o) { o.two_way_time.multiplier = -1; }, "two-way time");
-  refuse([](GsfOptions& o) { o.beam_angle.bytes = 4; }, "beam angle is stored in 4 bytes, must be 2");
-  refuse([](GsfOptions& o) { o.mean_amplitude.bytes = 4; }, "must be 1 or 2");
+  refuse([](GsfOptions& o) { o.beam_angle.bytes = 4; },
+         "beam angle is stored in 4 bytes, but must be stored in 2");
+  refuse([](GsfOptions& o) { o.mean_amplitude.bytes = 4; }, "must be stored in 1 or 2");
   const auto left = file_content(path);
   EXPECT_EQ(std::string(left.begin(), left.end()), "what was there");
 }

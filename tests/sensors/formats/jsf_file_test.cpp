@@ -189,16 +189,16 @@ TEST(JsfFile, RefusesWhatDoesNotFit) {
   const auto refused = [&](auto change, const std::vector<Complex>& values, const std::string& what) {
     JsfPing p = ping();
     change(p);
-    expect_refused([&] { out.add(p, values); }, "refused.jsf: ping 70000 to starboard: " + what);
+    expect_refused([&] { out.add(p, values); }, "refused.jsf: ping 70000, starboard: " + what);
   };
   const auto nothing = [](JsfPing&) {};
-  refused(nothing, {}, "number of samples is 0, must lie within 1 to 1048575");
+  refused(nothing, {}, "number of samples is 0, but must be from 1 to 1048575");
   refused(nothing, {{1, NAN}}, "a sample is not finite: omit the ping");
   refused([](JsfPing& p) { p.y = 91; }, {1}, "latitude [deg] is 91");
   refused([](JsfPing& p) { p.heading_deg = -1; }, {1}, "heading [deg] is -1");
   refused([](JsfPing& p) { p.sample_interval_s = 0; }, {1}, "sample interval [s] is 0");
   refused([](JsfPing& p) { p.stop_hz = 2e7; }, {1},
-          "last frequency [10 Hz] is 2000000, must lie within 0 to 1048575");
+          "last frequency [10 Hz] is 2000000, but must be from 0 to 1048575");
   refused([](JsfPing& p) { p.annotation = std::string(24, 'x'); }, {1}, "annotation");
   refused([](JsfPing& p) { p.unix_time_s = 3e9; }, {1}, "time [s since 1970] is 3000000000");
   refused([](JsfPing& p) { p.roll_deg = 181; }, {1}, "roll [deg] is 181");

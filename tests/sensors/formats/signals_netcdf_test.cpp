@@ -157,7 +157,7 @@ TEST_F(SignalsNetcdf, AreRefusedWithTheVariableAndWhatToDo) {
   refused(with("pressure", 1, NAN), "holds nan at ping 1; expected finite numbers");
   refused(with("sample_time", 7, 1), "is 1 at sample 7, but 'sample_rate' implies 0.01523");
   refused(with("ping_start_time", 1, 3), "ping 1 starts at 3 s");
-  refused(with("track_attitude", 1, 3), "at track 1, expected 1");
+  refused(with("track_attitude", 1, 3), "at track 1, expected length 1");
   refused(number("sample_rate", -1), "the sampling rate is -1 Hz, but must be above 0");
   refused(number("stop_and_hop", 0.5), "attribute 'stop_and_hop' is 0.5, expected 0 or 1");
   refused(number("sound_speed_m_s", 0), "the sound speed is 0 m/s");

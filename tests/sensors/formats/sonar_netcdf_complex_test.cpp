@@ -119,7 +119,7 @@ TEST(SonarNetcdfComplex, RefusesLevelsAmongSignalsAndSignalsAmongLevels) {
   expect_refused([&] { out.add(both); }, "ping 0: it has levels, but the file stores complex beams");
   SonarNetcdfPing few = ping(0);
   few.backscatter.pop_back();
-  expect_refused([&] { out.add(few); }, "ping 0: 2 time series for 3 beams");
+  expect_refused([&] { out.add(few); }, "ping 0: there are 2 time series for 3 beams");
   SonarNetcdfHeader levels = header();
   levels.complex_beams = false;
   SonarNetcdfFile of_levels(folder / "levels.nc", levels);

@@ -450,9 +450,9 @@ TEST(SonarNetcdf, RefusesWhatDoesNotFit) {
     out.finish();
     EXPECT_EQ(NetcdfReader(folder / "line.nc").length(kBeamGroup, "ping_time"), 2u);
   };
-  refuses([](auto& p) { p.across_angle_deg.pop_back(); }, "ping 1: 4 beam angles for 5 beams");
-  refuses([](auto& p) { p.backscatter_db.pop_back(); }, "ping 1: 4 time series for 5 beams");
-  refuses([](auto& p) { p.detections.clear(); }, "ping 1: 0 detections for 5 beams");
+  refuses([](auto& p) { p.across_angle_deg.pop_back(); }, "ping 1: there are 4 beam angles for 5 beams");
+  refuses([](auto& p) { p.backscatter_db.pop_back(); }, "ping 1: there are 4 time series for 5 beams");
+  refuses([](auto& p) { p.detections.clear(); }, "ping 1: there are 0 detections for 5 beams");
   refuses([](auto& p) { p.unix_time_ns = ping(0).unix_time_ns; }, "ping 1: its time is not later than");
   refuses([](auto& p) { p.sample_interval_s = 0; }, "sample interval");
   refuses([](auto& p) { p.blanking_interval_s = NAN; }, "blanking interval");

@@ -521,13 +521,21 @@ TEST(XtfFile, RefusesPlacesThatItsFieldsDoNotHold) {
 TEST(XtfFile, RefusesPingsThatAreNotWhatTheHeaderSays) {
   const std::vector<std::uint16_t> one{7}, many(1001, 7), none;
   const XtfContent content = written("counts", both_sonars(), [&](XtfFile& file) {
-    expect_refused([&] { file.add_sidescan_ping({place(), 75, many, one}); }, "number of samples to port");
+    expect_refused(
+        [&] {
+          file.add_sidescan_ping({place(), 75, many, one});
+        },
+        "number of samples on the port side");
     expect_refused(
         [&] {
           file.add_sidescan_ping({place(), 75, one, many});
         },
-        "number of samples to starboard");
-    expect_refused([&] { file.add_sidescan_ping({place(), 75, none, one}); }, "number of samples to port");
+        "number of samples on the starboard side");
+    expect_refused(
+        [&] {
+          file.add_sidescan_ping({place(), 75, none, one});
+        },
+        "number of samples on the port side");
     for (const double range : {nan, infinity, 0.0, -1.0})
       expect_refused([&] { file.add_sidescan_ping({place(), range, one, one}); }, "slant range");
     XtfSounding sounding;

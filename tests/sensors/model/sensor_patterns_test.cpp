@@ -141,7 +141,8 @@ TEST_F(PatternFile, MistakesAreReportedWithTheirLine) {
   EXPECT_THAT(error_of("angle_deg,level_db\n0,0\n"), HasSubstr("expected at least two angles"));
   EXPECT_THAT(error_of("angle_deg,level_db\n0,0\n1,x\n"), HasSubstr(":3: level_db is 'x'"));
   EXPECT_THAT(error_of("angle_deg,level_db\n0,0\n1,nan\n"), HasSubstr(":3: level_db is 'nan'"));
-  EXPECT_THAT(error_of("angle_deg,level_db\n1,0\n1,-1\n"), HasSubstr(":3: angle_deg is 1 after 1"));
+  EXPECT_THAT(error_of("angle_deg,level_db\n1,0\n1,-1\n"),
+              HasSubstr(":3: angle_deg is 1, but the previous angle is 1"));
   EXPECT_THAT(error_of("angle_deg,level_db\n0,0,0\n"), HasSubstr(":2: expected two fields"));
   EXPECT_THAT(error_of("angle_deg,level_db\n0,0\n200,-1\n"), HasSubstr(":3: angle_deg is 200"));
 }

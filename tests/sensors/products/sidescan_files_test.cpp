@@ -295,7 +295,7 @@ TEST(SidescanFiles, ASensorAtRestHasNoMosaicAndTheReasonIsReported) {
   EXPECT_THAT(said, HasSubstr("sidescan-mosaic.tif is not written: the sensor is at rest"));
   EXPECT_THAT(said, HasSubstr("A mosaic needs a sensor that moves or turns"));
   EXPECT_FALSE(written(line(1).recording, said));
-  EXPECT_THAT(said, HasSubstr("one ping covers a line"));
+  EXPECT_THAT(said, HasSubstr("one ping covers only a line"));
   // A line that turns on the spot covers a circle.
   auto turning = line();
   for (std::size_t k = 0; k < 9; ++k)

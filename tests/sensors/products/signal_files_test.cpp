@@ -325,7 +325,8 @@ TEST(SignalProducts, SayWhyThereAreNoPicturesOfSilence) {
   EXPECT_THAT(write_signal_files(folder.path(), all.signals, all.products, {}, warnings),
               ElementsAre("cross-signals.nc"));
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_THAT(warnings[0], HasSubstr("'cross': its receivers receive nothing, so there are no pictures"));
+  EXPECT_THAT(warnings[0],
+              HasSubstr("'cross': the receivers receive nothing, so tubefoot computes no pictures"));
   // Pictures that were not requested are not made, and give no warning. Files are made.
   EverythingOfSignals loud;
   RunContext run;
@@ -365,7 +366,7 @@ TEST(SignalProducts, RefuseWhatIsNone) {
   refused([](P& p, A&) { p.name = "a/b"; }, "'a/b' cannot be a file name");
   refused([](P& p, A&) { p.fan->beams = 0; }, "the fan has 0 beams, but must have 2 to 4096");
   refused([](P& p, A&) { p.fan->opening_rad = 4; }, "at most 180");
-  refused([](P& p, A&) { p.fan->depression_rad = 0.1; }, "it must have no depression");
+  refused([](P& p, A&) { p.fan->depression_rad = 0.1; }, "its depression must be 0");
   refused([](P& p, A&) { p.multibeam->fan.plane = SignalFan::Plane::forward; },
           "need a fan across the track");
   refused(
@@ -381,7 +382,7 @@ TEST(SignalProducts, RefuseWhatIsNone) {
         a = line_array(4, {0, 0.1, 0});
         p.interferogram.reset();
       },
-      "these are on a line forward: use one side");
+      "these lie on a line along the forward axis: use one side");
   refused(
       [](P& p, A& a) {
         a = line_array(4, {0, 0.1, 0});
@@ -390,7 +391,7 @@ TEST(SignalProducts, RefuseWhatIsNone) {
         p.jsf = false;
         p.fan->window.law = ApertureWindow::Law::hann;
       },
-      "needs receivers along the axis of its weights");
+      "needs receivers at different positions along the axis of its weights");
   refused([](P& p, A&) { p.fan->window.law = ApertureWindow::Law::chebyshev; }, "use the Taylor window");
   refused([](P& p, A&) { p.aperture->plane.columns = 1 << 20; }, "use larger pixels");
   refused([](P& p, A&) { p.aperture->plane.row_step_m = {}; }, "0.1 x 0 m, but must be above 0");
@@ -398,7 +399,7 @@ TEST(SignalProducts, RefuseWhatIsNone) {
   refused([](P& p, A&) { p.interferogram->lower = {99}; },
           "no lower receiver 99 for the interferogram: receivers are 0 to 31");
   refused([](P& p, A&) { p.interferogram->lower = p.interferogram->upper; }, "are the same");
-  refused([](P& p, A&) { p.interferogram->looks_pings = 7; }, "the numbers must be 1 or more and not larger");
+  refused([](P& p, A&) { p.interferogram->looks_pings = 7; }, "a cell must have at least 1 of each");
   refused([](P& p, A&) { p.sidescan.reset(); }, "add a sidescan");
   refused(
       [](P& p, A&) {

@@ -139,7 +139,7 @@ TEST_F(EchoReader, GroupsAreSensorsIfTheyHaveEnergies) {
   EXPECT_EQ(contents.sensors[0].name, "first");
   EXPECT_EQ(contents.sensors[1].name, "bow");
   write_foreign(file, {}, {{"first", named}, {"second", named}});
-  EXPECT_THAT(refusal_of_file(), HasSubstr("two groups have sensor_name 'bow'"));
+  EXPECT_THAT(refusal_of_file(), HasSubstr("two groups have the sensor_name 'bow'"));
   named.variables["slant_range"].units = "km";
   write_foreign(file, {}, {{"first", group}, {"second", named}});
   EXPECT_THAT(refusal_of_file(), HasSubstr("variable 'second/slant_range' has unit 'km', expected 'm'"));

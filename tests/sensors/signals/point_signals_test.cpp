@@ -241,7 +241,7 @@ TEST(PointSignals, RefuseWhatMakesNone) {
       [&] {
         VehicleMotion(second, {0, 2});
       },
-      "ping 1 starts at 2 s, but the track has poses from 0 s to 1 s only");
+      "ping 1 starts at 2 s, but the track has poses only from 0 s to 1 s");
   expect_refused(
       [&] { of({}, array, VehicleMotion(second, {0.995}, false), c); },
       "the last ping needs poses until 1.005 s, but the track ends at 1 s: lengthen the trajectory");

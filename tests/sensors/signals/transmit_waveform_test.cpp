@@ -61,7 +61,7 @@ TEST(TransmitWaveform, RefusesWhatCannotBeSampled) {
   refused(continuous_wave_pulse(-1, 1e-3), "first frequency of the waveform is -1 Hz, but must be above 0");
   refused(continuous_wave_pulse(100e3, NAN), "duration of the waveform is nan s");
   refused(continuous_wave_pulse(100e3, 1e-3, 1.5),
-          "taper of the waveform is 1.5, but must be within 0 (rectangle) and 1 (Hann)");
+          "taper of the waveform is 1.5, but must be between 0 (rectangle) and 1 (Hann)");
   refused(continuous_wave_pulse(100e3, 1e-6), "too short for 100000 Hz");
   SignalSampling empty = sampling;
   empty.samples = 0;
