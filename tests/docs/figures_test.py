@@ -6,9 +6,8 @@ A figure is a PNG or SVG file in docs/figures, docs/gallery or docs/pictures. Th
 - whose stored hash differs from that of its present inputs (docs/figures/stamp.py): `make figures FIGURES=--stale`,
 - without a row in docs/figures/recipes.py, or a row without a figure,
 - that no page shows,
-for a page that shows a missing picture, and for a gallery picture whose command is not on the page. The list UNDRAWN names
-figures that were drawn before figures carried hashes. It may only become shorter. --self-test damages
-copies and checks that each fault is found.
+for a page that shows a missing picture, and for a gallery picture whose command is not on the page. --self-test
+damages copies and checks that each fault is found.
 """
 import pathlib
 import re
@@ -19,8 +18,6 @@ import tempfile
 sys.dont_write_bytecode = True
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("figures", "gallery", "pictures")
-UNDRAWN = {"gallery/channel-sidescan.png", "gallery/drift.png", "gallery/track.png", "pictures/chart-wellhead.png",
-           "pictures/howto-validate.png", "pictures/refraction.png", "pictures/viewer.png"}
 sys.path.insert(0, str(ROOT / "docs/figures"))
 
 import stamp  # noqa: E402
@@ -61,11 +58,7 @@ def faults(root, figures, hash_of=stamp.hash_of):
         if file.resolve() not in shown:
             yield f"{file.relative_to(root)}: no page shows this figure"
         kept = stamp.read(file).get(stamp.HASH)
-        if kept is None and rows[file].name in UNDRAWN:
-            print(f"not drawn since figures carry hashes: {rows[file].name}")
-        elif kept is not None and rows[file].name in UNDRAWN:
-            yield f"{file.relative_to(root)}: carries a hash: remove it from UNDRAWN"
-        elif kept is None:
+        if kept is None:
             yield f"{file.relative_to(root)}: contains no hash of its inputs: make figures FIGURES={rows[file].name}"
         elif kept != hash_of(rows[file]):
             yield f"{file.relative_to(root)}: its inputs have changed: make figures FIGURES=--stale"

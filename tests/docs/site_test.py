@@ -133,11 +133,12 @@ class InABrowser(unittest.TestCase):
         self.assertIn("GridPoint", contents)
         self.assertIn("struct GridPoint", self.page.js("return document.getElementById('gridpoint').textContent"))
 
-    def test_a_phone_shows_pages_in_its_width(self):
+    def test_pages_are_no_wider_than_the_window(self):
         for name in ["index.html", "docs/energies.html", "docs/gallery.html", "docs/scene-keys.html", "docs/architecture.html",
                      "api/python.html", "api/src-engine-echo.html", "validation/atlas.html"]:
-            self.open(name, 390, 844)
-            self.assertLessEqual(self.page.js("return document.documentElement.scrollWidth"), 390, name)
+            for width, height in [(390, 844), (1000, 800), (1100, 800), (1280, 800), (1600, 900)]:
+                self.open(name, width, height)
+                self.assertLessEqual(self.page.js("return document.documentElement.scrollWidth"), width, name)
 
 
 class Headers(unittest.TestCase):
