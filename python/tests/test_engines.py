@@ -67,7 +67,7 @@ def test_an_engine_sees_the_scene(scene):
     assert hit.any(axis=2).all() and (exact["camera"].energy[hit] > 0).all()
 
 
-def test_each_shot_is_asked_for_once_with_its_ping(scene):
+def test_each_transmission_is_asked_for_once_with_its_ping(scene):
     asked = []
 
     @tubefoot.engine("asked")
@@ -90,7 +90,7 @@ def test_a_function_that_waits_for_another_thread_is_no_deadlock(scene):
     tubefoot.run(scene, engine=engine)
 
 
-def test_shots_may_be_kept(scene):
+def test_transmissions_may_be_kept(scene):
     kept = []
 
     @tubefoot.engine("keeps")

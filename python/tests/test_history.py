@@ -110,7 +110,7 @@ def test_arrays_outlive_everything_else(scene):
     (lambda s: tubefoot.transmission(s, "camera", 0.5), "ping: expected a whole number, not 0.5"),
     (lambda s: tubefoot.transmission(s, "camera", -1), "ping -1: expected 0 or more"),
 ])
-def test_shots_that_are_not_there(scene, call, text):
+def test_transmissions_that_are_not_there(scene, call, text):
     with pytest.raises(tubefoot.UsageError) as error:
         call(scene)
     assert str(error.value) == text

@@ -34,9 +34,9 @@ class Obj : public FootprintFile {
       std::string text = "# footprint";
       for (const FootprintColumn& column : footprint_columns())
         std::visit([&](auto values) { text += fmt::format(" {}", (table.*values)[row]); }, column.values);
-      text +=
-          fmt::format("\ng ping_{}_shot_{}_beam_{}\nusemtl {}\n", table.ping[row], table.transmission[row],
-                      table.beam[row], as_word(material_name(source_.scene, table, row)));
+      text += fmt::format("\ng ping_{}_transmission_{}_beam_{}\nusemtl {}\n", table.ping[row],
+                          table.transmission[row], table.beam[row],
+                          as_word(material_name(source_.scene, table, row)));
       for (std::uint64_t piece = table.first_piece[row]; piece < table.first_piece[row + 1]; ++piece) {
         std::string face = "f";
         for (const glm::dvec3& p : table.corners_of(piece)) {

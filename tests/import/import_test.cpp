@@ -242,7 +242,7 @@ TEST_F(Import, WrongOrderIsFoundByTheTruth) {
     options.push_back("--strict");
     EXPECT_THAT(refusal(picture.npy(), options), HasSubstr(words));
   };
-  warned(Picture(truth).flip_beams(), "mirrored: corr 1.00 instead of");
+  warned(Picture(truth).flip_beams(), "mirrored: corr 1.00, compared with");
   warned(Picture(truth).flip_beams(), "use --flip-beams");
   warned(Picture(truth).flip_range(), "use --flip-range");
   warned(Picture(truth).flip_range().flip_beams(), "use --flip-beams --flip-range");

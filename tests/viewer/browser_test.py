@@ -373,7 +373,7 @@ class Viewer(unittest.TestCase):
             return [1, 3, 5].map((k) => parseInt(c.slice(k, k + 2), 16));""", name) for name in ("--beyond", "--no-echo")]
         self.assertEqual(colours.tolist(), wanted)
         page.click("picture", *spots[0])
-        self.assertIn("no surface is left in this beam", page.element("chosen").text)
+        self.assertIn("this beam has no farther surface", page.element("chosen").text)
         page.click("picture", *spots[1])
         self.assertIn("shadow", page.element("chosen").text)
 
