@@ -7,6 +7,8 @@
 #include <glm/vec2.hpp>
 #include <map>
 
+#include "geometry/numbers/scalars.hpp"
+
 // Unites convex pieces of one plane. Edges that two pieces traverse in opposite directions cancel. The
 // remaining edges are linked to rings, which are outer rings or holes by the sign of their area.
 
@@ -16,8 +18,6 @@ namespace {
 using Corner = std::uint32_t;
 using Edge = std::pair<Corner, Corner>;
 using Ring = std::vector<Corner>;
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Returns twice the area of a ring, as a vector.
 template <class At>

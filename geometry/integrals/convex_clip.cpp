@@ -5,12 +5,12 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "geometry/numbers/scalars.hpp"
+
 namespace tubefoot {
 namespace {
 
 constexpr double blur = 1e-12;
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 }  // namespace
 

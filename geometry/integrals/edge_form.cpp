@@ -14,11 +14,10 @@
 
 #include "geometry/integrals/ellipse_rule.hpp"
 #include "geometry/integrals/gauss_rules.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// True if the point of the plane lies in the polygon or within `margin` of it.
 bool reaches(const PlanarPolygon& polygon, glm::dvec2 point, double margin) {

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "geometry/integrals/ellipse_rule.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -19,8 +20,6 @@ constexpr int most_halvings = 60;
 /// Edges whose distance from the point of shortest path, times the growth, is below this limit add nothing.
 /// To that accuracy the edge's integral cancels its share of the image.
 constexpr double through_rad = 1e-12;
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 }  // namespace
 

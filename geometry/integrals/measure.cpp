@@ -10,10 +10,10 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "geometry/numbers/scalars.hpp"
+
 namespace tubefoot {
 namespace {
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Winding number of the polygon about the foot point: 0 outside, 1 inside, either for a point on the
 /// boundary.

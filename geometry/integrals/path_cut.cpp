@@ -14,6 +14,7 @@
 
 #include "geometry/integrals/compact_path_cut.hpp"
 #include "geometry/integrals/gauss_rules.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
@@ -27,8 +28,6 @@ constexpr double least_steep_half = 1e-14;  // below this, directions are too in
 constexpr double negligible = 1e-3;
 /// Limits the work if the rounding estimate was too small.
 constexpr int most_refined_cells = 4000;
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Angle from one direction to another.
 double angle_between(glm::dvec2 a, glm::dvec2 b) { return std::atan2(cross(a, b), glm::dot(a, b)); }

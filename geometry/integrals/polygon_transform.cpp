@@ -11,10 +11,10 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
+#include "geometry/numbers/scalars.hpp"
+
 namespace tubefoot {
 namespace {
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 double sinc(double x) { return x == 0 ? 1 : std::sin(x) / x; }
 

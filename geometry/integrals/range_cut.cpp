@@ -17,6 +17,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "geometry/numbers/scalars.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -108,8 +110,6 @@ void append_cells(std::vector<Cell>& cells, double lo, double hi, std::size_t sa
   append_cells(cells, lo, cut, sample, integrand);
   append_cells(cells, cut, hi, sample, integrand);
 }
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Fewer stretches than this are integrated one by one.
 constexpr std::size_t min_batch = 3;

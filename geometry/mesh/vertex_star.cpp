@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "geometry/numbers/scalars.hpp"
+
 // Bounds the displacement and the rotation of a surface when a vertex is moved onto a neighbour. The old and
 // the new facets are projected along one direction. Their height difference is linear on each intersection,
 // so its extremes lie at the corners.
@@ -21,8 +23,6 @@ constexpr double least_sine = 1e-9;
 
 float below(double x) { return static_cast<float>(x - rounding * std::abs(x)); }
 float above(double x) { return static_cast<float>(x + rounding * std::abs(x)); }
-
-double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 bool turns_left(const glm::dvec2& a, const glm::dvec2& b) {
   const double c = cross(a, b);

@@ -12,9 +12,9 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <span>
 
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/tiles_in_view.hpp"
 #include "sensors/pictures/canvas.hpp"
@@ -26,7 +26,6 @@ namespace {
 
 constexpr int margin = 28, header = 2 * margin + 34, axis_height = 62, legend = 190;
 constexpr int largest_side = 1000, smallest_side = 300;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Colour shadow_colour{0.80f, 0.13f, 0.16f}, ground_colour{0.33f, 0.34f, 0.36f};
 
 /// Returns a colour between dark blue (one ping) and pale yellow (`most` pings), linear in the logarithm of
@@ -117,7 +116,7 @@ Canvas CoveragePicture::draw(const std::string& title) const {
   const auto pixels = static_cast<std::size_t>(plan.width) * static_cast<std::size_t>(plan.height);
   constexpr int nothing = -3;
   plan.value.assign(pixels, nothing);
-  plan.top_m.assign(pixels, -infinity);
+  plan.top_m.assign(pixels, -infinite);
   const auto draw_surface = [&](const Scene& scene) {
     for (const auto& facet : scene.mesh.facets) {
       stop_if_wanted();
@@ -127,8 +126,8 @@ Canvas CoveragePicture::draw(const std::string& title) const {
     }
   };
   draw_surface(survey_.scene);
-  for_tiles_within(survey_, {plan.origin_m, -infinity},
-                   {plan.origin_m + plan.pixel_m * glm::dvec2(plan.width, plan.height), infinity},
+  for_tiles_within(survey_, {plan.origin_m, -infinite},
+                   {plan.origin_m + plan.pixel_m * glm::dvec2(plan.width, plan.height), infinite},
                    draw_surface);
   for (const Polygon& polygon : polygons_) {
     stop_if_wanted();

@@ -11,12 +11,11 @@
 #include <numbers>
 #include <optional>
 
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Central projection of a tube onto a plane in front of its apex. It maps straight lines to straight
 /// lines.

@@ -12,6 +12,7 @@
 #include "engine/certified/apparent_scattering.hpp"
 #include "engine/certified/flat_facet.hpp"
 #include "engine/certified/reference.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/steps.hpp"
 
 // Encloses the error of apparent facets: travel-path error, range error, and the ratio of true to apparent
@@ -22,7 +23,6 @@ namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Scattering of a facet.
 struct Surface {
   const ScatteringModel* model = nullptr;  ///< none: Lambert's law with mu = 1

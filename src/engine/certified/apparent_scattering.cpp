@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/numbers/scalars.hpp"
+
 // Fits the angle of incidence phi on the true facet as an affine function of the apparent angle psi. The
 // angles satisfy cos phi = e^log_ratio cos psi. The derivatives of phi - slope psi enclose the remainder.
 // Near the normal, the derivatives of phi^2 - slope^2 psi^2 are used. The suffixes _a and _b denote
@@ -16,7 +18,6 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double rounding = 2e-15;  // of angles [rad] in doubles, and of the angles at which pieces meet
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 Interval symmetric(double size) { return {-size, size}; }
 Interval intersection(const Interval& a, const Interval& b) {

@@ -12,6 +12,7 @@
 #include "engine/certified/apparent_scattering.hpp"
 #include "engine/certified/facet_ends.hpp"
 #include "engine/certified/reference.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/steps.hpp"
 
 // Encloses flattened facets for two ends. Second derivatives of the difference between squared true range
@@ -21,7 +22,6 @@ namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr int most_parts = 16;  // of ReceiveRanges
 constexpr FacetId none = std::numeric_limits<FacetId>::max();
 using State = FacetEnclosure::State;

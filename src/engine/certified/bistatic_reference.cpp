@@ -16,6 +16,7 @@
 #include "engine/certified/uncertain_edges.hpp"
 #include "engine/visibility/bistatic_history.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/steps.hpp"
 
 // Computes reference energies of bistatic paths in stratified water. It adds the certain energies of proven
@@ -25,7 +26,6 @@ namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr FacetId none = std::numeric_limits<FacetId>::max();
 using State = FacetEnclosure::State;
 /// Facets of a run are usually neighbours, with the same bins.

@@ -3,16 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "geometry/numbers/scalars.hpp"
 
 // Encloses line, piston, Gaussian and tabulated beam patterns. Their bounds in the complex plane are e^(pi
 // |Im z|) for sinc z, e^|Im z| for 2 J1(z) / z, and e^(c (Im a)^2) for e^(-c a^2). See
 // docs/notes/certified-energies.md, section "Error of the quadrature".
 namespace tubefoot {
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// sin(pi x) / (pi x). Its slope is at most 1.3703, and its modulus at most 1 / (pi |x|).
 Interval sinc(const Interval& x) {

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/certified/certified_scattering.hpp"
 #include "engine/scattering/density.hpp"
 #include "geometry/integrals/certified_rule.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Integrates certified polygons for one apex by Gauss-Legendre quadrature in ball arithmetic, slab by slab,
@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::size_t most_halvings = 500, most_halvings_with_table = 20000;  // per slab
 constexpr int deepest = 90;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// atan(height / s) for s > 0, by the formula that is not near a pole.
 template <class N>

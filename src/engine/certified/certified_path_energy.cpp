@@ -3,19 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/certified/certified_scattering.hpp"
 #include "engine/scattering/density.hpp"
 #include "geometry/numbers/complex_ranges.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 // Encloses the bistatic density sigma(g_T, g_R) r_T^-2 r_R^-2 10^(-alpha (r_T + r_R) / 10) B_T B_R with
 // mirror losses, in balls and intervals of doubles. Over complex positions it bounds the logarithm of the
 // modulus with margins for rounding. See docs/notes/certified-energies.md, section "Two apexes".
 namespace tubefoot {
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Returns whether a ball covers many positions, and not just one position with its rounding.
 bool is_wide(const Ball& x) { return arb_rel_accuracy_bits(x.get()) < 20; }

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "geometry/integrals/certified_rule.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Integrates over cells between ellipses of equal path length by two-dimensional Gauss-Legendre quadrature,
@@ -17,7 +18,6 @@ namespace {
 
 constexpr std::size_t most_halvings = 400;  // per cell
 constexpr int deepest = 90;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double largest_ellipse = 64, least_ellipse = 1.2;
 
 double most_of(const Ball& x) {

@@ -6,17 +6,13 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "engine/certified/certified_integral.hpp"
 #include "geometry/integrals/certified_rule.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
-namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
-}  // namespace
+namespace {}  // namespace
 
 void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPatterns& patterns,
                               std::uint32_t tube, const Allowance& allowance, const Sink<Ball>& sink,

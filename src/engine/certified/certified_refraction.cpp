@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <stdexcept>
@@ -17,6 +16,7 @@
 #include "engine/certified/refracted_bins.hpp"
 #include "engine/certified/uncertain_edges.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/steps.hpp"
 
 // Computes reference energies of monostatic echoes in stratified water. It integrates visible pieces of
@@ -26,7 +26,6 @@ namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 using State = FacetEnclosure::State;
 
 /// Common data of all pieces.

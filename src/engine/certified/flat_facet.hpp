@@ -11,6 +11,7 @@
 
 #include "engine/water/ray_enclosure.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 // Geometry of true facets in their planes, over which their images are enclosed. It contains plane
 // coordinates, the smallest enclosing circle, and the margin to which images are enclosed beyond the
@@ -18,8 +19,6 @@
 namespace tubefoot {
 
 using FacetCorners = std::array<glm::dvec3, 3>;
-
-inline double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 /// Lower bound of the distance of a triangle's points from the origin.
 inline double nearest_of(const FacetCorners& c) {

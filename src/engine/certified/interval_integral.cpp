@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "engine/certified/certified_scattering.hpp"
 #include "engine/scattering/density.hpp"
 #include "geometry/integrals/certified_rule.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Integrates polygons for one apex in intervals of doubles that are rounded outwards. The error bound of the
@@ -18,7 +18,6 @@ namespace tubefoot {
 namespace {
 
 constexpr std::size_t most_halvings = 60;  // per slab; ball arithmetic has a higher limit
-constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Factors for bounds in doubles, for sums and products of non-negative numbers. They are far above
 /// rounding.
 constexpr double more = 1 + 1e-9, less = 1 - 1e-9;

@@ -3,17 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "geometry/numbers/complex_ranges.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 // Encloses sqrt(E_upper E_lower) times the cosine and sine of the phase between two receivers. In the complex
 // plane e^|Im z| bounds the moduli of cos z and sin z. See docs/notes/certified-energies.md, section "Two
 // receivers".
 namespace tubefoot {
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Returns the corners of a polygon without those at very short edges, whose directions are hardly known.
 /// The result is an inscribed polygon. Each omitted corner removes an area of at most half the product of

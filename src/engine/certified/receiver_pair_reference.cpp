@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "engine/certified/receiver_pair_integrand.hpp"
 #include "engine/certified/reference_parts.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Computes reference energies and products of a receiver pair in isovelocity water. Pieces that both
@@ -18,8 +18,6 @@
 // See docs/notes/certified-energies.md, section "Two receivers".
 namespace tubefoot {
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 class ReceiverPairEncloser {
  public:

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/numbers/enclosure_slack.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 // Implements the bins, samples and selections that references in stratified water share. Launch directions
 // of unproven rays are bounded by RayEnclosure::most_turn_rad() above and below the straight line.
@@ -15,7 +16,6 @@ namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double upright = std::numbers::pi / 2;
 using State = FacetEnclosure::State;
 

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/certified/receiver_pair_pieces.hpp"
 #include "engine/certified/receiver_pair_reference.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Computes reference energies and products of a receiver pair in stratified water, from the parts of two
@@ -18,7 +18,6 @@ namespace tubefoot {
 namespace {
 
 constexpr double slack = 1e-9;  // far above the rounding of the doubles that it widens
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Returns the facets that both receivers share with the transmitter, by their indices in both lists.
 std::vector<std::array<std::size_t, 2>> common_facets(const std::array<BistaticParts, 2>& parts) {

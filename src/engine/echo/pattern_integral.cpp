@@ -8,6 +8,7 @@
 
 #include "engine/echo/scattering_cut.hpp"
 #include "engine/scattering/density.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Integrates echoes with patterns over slabs of range and over arcs in each slab, with Gauss-Legendre rules.
@@ -19,7 +20,6 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr int deepest = 60;
 
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 /// Vector rotated by a quarter turn counter-clockwise.
 glm::dvec2 turned(glm::dvec2 a) { return {-a.y, a.x}; }
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 
 #include "engine/certified/refracted_bins.hpp"
 #include "geometry/arithmetic/exact_corner.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 
@@ -20,7 +20,6 @@ namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double most_off_rad = 0.2;  // from here on every direction is ambiguous (UncertainEdges)
 using State = FacetEnclosure::State;
 

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "engine/scattering/density.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Integrates the last scattering of a path over polygons that a point and a receiver both see. The polygons
@@ -28,8 +29,6 @@ constexpr double smallest_part = 1.0 / 16;
 /// Largest change over a part of the phase between two receivers. The mean is then too large by a
 /// thousandth.
 constexpr double most_turned_rad = 0.15;
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Splits a convex polygon into the parts in which a linear function is negative and non-negative.
 template <class Value>

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Projects visible polygons to the planes of their facets, and intersects those of the two ends of a receiver
@@ -15,8 +16,6 @@
 
 namespace tubefoot {
 namespace {
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 void set_box(ReceiverViews::Piece& piece, const std::vector<glm::dvec2>& polygon) {
   piece.low = piece.high = polygon.front();

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 
 #include "geometry/integrals/polygon_transform.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 // Computes the Kirchhoff integral of a smooth polygon for plane waves, with a bound of the error, and by its
 // edges. Source: docs/notes/smooth-surfaces.md, "The integral".
@@ -17,8 +17,6 @@ namespace tubefoot {
 namespace {
 
 constexpr double four_pi = 4 * std::numbers::pi;
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Integral of the squared distance from `place`, which is relative to the first corner.
 double second_moment(std::span<const glm::dvec2> offsets, glm::dvec2 place) {

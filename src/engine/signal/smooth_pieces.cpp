@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "geometry/integrals/measure.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 // Cuts polygons into chunks and rectangles by bounds of the rates of phase, of the pulse's band, and of beam
 // patterns. Source: docs/notes/signals.md, "Pulses".
@@ -20,8 +21,6 @@ constexpr double chunk_rad = 0.1;
 constexpr int most_halvings = 60;
 /// Rate of amplitudes r^-4 with sines of grazing angles, in rad per relative change of range.
 constexpr double amplitude_rad = 8;
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 }  // namespace
 

@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "geometry/numbers/scalars.hpp"
+
 // Tests conservatively whether balls, boxes and triangles may be visible in stratified water. Snell's law
 // bounds launch angles: their cosine is the cosine of the straight line times a ratio of sound speeds. The
 // flattest ray of the tubes bounds the range.
@@ -21,8 +23,6 @@ double cosine_of(double height, double across) {
   const double range2 = height * height + across * across;
   return range2 > 0 ? across / std::sqrt(range2) : 1;
 }
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Returns the point of a triangle that is nearest to the origin.
 glm::dvec2 nearest_of(const std::array<glm::dvec2, 3>& corners) {

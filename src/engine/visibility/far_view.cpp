@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "engine/visibility/tube_engine.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/search/scene_tree.hpp"
 
 // Computes the visible parts of a mesh along parallel lines. A projective map replaces the parallel lines by
@@ -19,8 +20,6 @@ namespace {
 // In radii of the bounding sphere. Mapped points lie within 4/3 of the middle and 16/3 of the apex, which
 // fits 30 bits with a unit of 2^-27.
 constexpr double apex_height = FarViewGrid::apex_height;
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Directions right, up and towards the viewer.
 struct ViewFrame {

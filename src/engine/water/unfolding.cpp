@@ -2,14 +2,14 @@
 #include "engine/water/unfolding.hpp"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <vector>
+
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// A profile point nearer to a mirror than this counts as on the mirror.
 constexpr double same_depth_m = 1e-6;
 
@@ -28,7 +28,7 @@ UnfoldedWater unfold(const WaterColumn& water, const EigenrayOptions& rays, doub
                      std::span<const double> mirrors_m, bool up_first) {
   UnfoldedWater unfolded{water, rays, {}};
   if (mirrors_m.empty()) return unfolded;
-  std::vector<Stretch> stretches{{0, 1, -infinity, infinity}};
+  std::vector<Stretch> stretches{{0, 1, -infinite, infinite}};
   std::vector<double> mirror_at;
   bool up = up_first;
   for (const double height_m : mirrors_m) {
@@ -40,7 +40,7 @@ UnfoldedWater unfold(const WaterColumn& water, const EigenrayOptions& rays, doub
     (up ? before.top_m : before.bottom_m) = depth_m;
     const double at = before.at(depth_m);
     mirror_at.push_back(at);
-    Stretch after{2 * at - before.offset_m, -before.sign, -infinity, infinity};
+    Stretch after{2 * at - before.offset_m, -before.sign, -infinite, infinite};
     (up ? after.top_m : after.bottom_m) = depth_m;
     stretches.push_back(after);
     up = !up;
