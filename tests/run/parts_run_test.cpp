@@ -152,7 +152,7 @@ TEST_F(Parts, ThatAreNotAllThereAreRefused) {
   expect_refused("there are no shards for");
   all_parts(3);
   fs::remove(file(2, 3));
-  expect_refused("of 3 parts 2 is missing");
+  expect_refused("of 3 shards, 2 is missing");
   fs::copy_file(file(1, 3), file(2, 3));
   expect_refused("contains shard 1 of 3");
   fs::remove(file(2, 3));
@@ -184,7 +184,7 @@ TEST_F(Parts, AreNotTakenFromALinkOrAFileOfSomethingElse) {
   all_parts(2);
   fs::rename(file(2, 2), folder / "elsewhere");
   fs::create_symlink(folder / "elsewhere", file(2, 2));
-  expect_refused("it is a link");
+  expect_refused("it is a symbolic link");
   fs::remove(file(2, 2));
   folder.write(file(2, 2).filename().string(), "mine");
   expect_refused("is not a shard");
