@@ -67,7 +67,7 @@ SuiteScene listed_angles_scene(Draw& draw) {
 
 SuiteScene side_lobes_scene(Draw& draw) {
   SuiteScene scene;
-  scene.title = "One small target in the side lobes of all beams";
+  scene.title = "One small target, heard by the side lobes of all beams";
   SceneText text;
   text.sonar_m = {0, 0, 2};
   text.fan = {.vertical_deg = 8, .tilt_deg = 0, .samples = 64, .from_m = 4, .to_m = 8};

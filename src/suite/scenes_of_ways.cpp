@@ -11,7 +11,7 @@ namespace tubefoot {
 
 SuiteScene layered_water_scene(Draw& draw) {
   SuiteScene scene;
-  scene.title = "A flat seabed seen along refracted rays";
+  scene.title = "A flat bed seen along bent rays";
   scene.solids.push_back(level_plate("bed", "bed", {0, 40, 0}, 80, 80));
   SceneText text;
   text.sonar_m = {0, 0, draw.among(4, 3.5, 4.5, 0.125)};
