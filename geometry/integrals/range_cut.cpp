@@ -97,7 +97,7 @@ void append_cells(std::vector<Cell>& cells, double lo, double hi, std::size_t sa
   cell.lo = lo;
   cell.hi = hi;
   cell.sample = sample;
-  const bool narrow = hi - lo < 1e-10 * hi;  // the contribution of such a cell is below rounding
+  const bool narrow = hi - lo < 1e-10 * hi;  // too narrow to be split
   const auto kink = std::lower_bound(integrand.kinks.begin(), integrand.kinks.end(), lo);
   if (fit(cell, integrand, narrow && kink != integrand.kinks.end() && *kink <= hi)) {
     cells.push_back(cell);
@@ -288,7 +288,7 @@ SampleSpan RangeCutter::add(const PlanarPolygon& polygon, double factor, std::sp
   double angle_beyond = angle_.back();
   for (std::size_t k = end; k-- > first_;) {
     const Cell& cell = cells[k];
-    // only the first cell can begin before the nearest point
+    // Only the first cell can begin before the nearest point.
     const double whole = nearest_.range > cell.lo ? from_nearest_.over(cell.hi - nearest_.range) : cell.whole;
     out[cell.sample] += factor * (inside_[k - first_] + angle_beyond * whole);
     angle_beyond += angle_[k - first_];

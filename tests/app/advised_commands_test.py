@@ -186,7 +186,7 @@ def cases(folder):
         case = Case(folder, f"bare {north_first}")
         netcdf(case.folder / "bed.nc", coordinates=False, north_first=north_first)
         said = case.run(case.scene("bed.nc"))[1]
-        case.right(case.advised(said, "geotransform", EDGES, pick))
+        case.right(case.advised(said, "no geotransform", EDGES, pick))
 
     # A user's own setting of GDAL does not turn a seabed over.
     case = Case(folder, "environment")
@@ -202,11 +202,11 @@ def cases(folder):
 
     case = Case(folder, "no geotransform")
     geotiff(case.folder / "bed.tif", transform=None)
-    case.right(case.advised(case.run(case.scene("bed.tif"))[1], "geotransform", EDGES))
+    case.right(case.advised(case.run(case.scene("bed.tif"))[1], "no geotransform", EDGES))
 
     case = Case(folder, "with spaces")
     geotiff(case.folder / "my bed's.tif", transform=None)
-    case.right(case.advised(case.run(case.scene("my bed's.tif"))[1], "geotransform", EDGES))
+    case.right(case.advised(case.run(case.scene("my bed's.tif"))[1], "no geotransform", EDGES))
 
     for turned_axis in (False, True):
         case = Case(folder, f"turned over {turned_axis}")
@@ -502,7 +502,7 @@ def cases(folder):
     geotiff(case.folder / "map.tif", transform=None, crs="EPSG:32632")
     status, said = accepted(case, "map.tif", reflectivity)
     edges = {"WEST": far[0], "NORTH": far[3], "EAST": far[0] + COLUMNS * STEP, "SOUTH": far[3] - ROWS * STEP}
-    new = case.advised(said, "geotransform", edges)
+    new = case.advised(said, "no geotransform", edges)
     assert accepted(case, new.name, reflectivity)[0] == 0 and gdal.Open(str(new)).GetGeoTransform() == far
 
     case = Case(folder, "thin cells of relief")

@@ -79,7 +79,8 @@ TEST_F(BadInput, MissingMesh) {
 TEST_F(BadInput, BrokenMesh) {
   const std::string place = "scene.toml:8:1: thing.obj";
   expect_mesh_refused("", place + ": is empty");
-  expect_mesh_refused(tetrahedron.substr(0, 50), place + ":7: the last face has 0 corners, and its line does not end with a newline");
+  expect_mesh_refused(tetrahedron.substr(0, 50),
+                      place + ":7: the last face has 0 corners, and its line does not end with a newline");
   expect_mesh_refused(tetrahedron.substr(0, 29), place + ":4:");
   expect_mesh_refused(tetrahedron.substr(0, tetrahedron.find('f')),
                       place + ": holds 4 points and no facets: it is a point cloud");

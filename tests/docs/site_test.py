@@ -119,7 +119,7 @@ class InABrowser(unittest.TestCase):
     def test_formulas_are_formulas(self):
         self.open("docs/energies.html")
         fractions = self.page.js("return [...document.querySelectorAll('math mfrac')].map(f => f.getBoundingClientRect().height)")
-        self.assertGreaterEqual(len(fractions), 5)
+        self.assertGreaterEqual(len(fractions), 10)
         self.assertGreater(min(fractions), 15)  # set as fractions, not as a line of text
         self.assertEqual(self.page.js("return document.querySelectorAll('article').length && "
                                       "(document.querySelector('article').textContent.match(/\\\\frac|\\$/) || []).length"), 0)

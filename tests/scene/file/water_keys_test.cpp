@@ -131,7 +131,8 @@ TEST_F(WaterKeys, FilesAreRefusedAtTheirPlace) {
   EXPECT_THAT(file_error("table", "Depth,sound_speed_m_s\n"),
               EndsWith("'Depth' holds it, rename that column to depth_m"));
   EXPECT_THAT(file_error("table", head + "0,1500\n5, x\n"), StartsWith("p.csv:3:4: sound_speed_m_s is 'x'"));
-  EXPECT_THAT(file_error("table", head + "0,1500\n0,1501\n"), StartsWith("p.csv:3:1: depth_m must increase: 0 follows 0"));
+  EXPECT_THAT(file_error("table", head + "0,1500\n0,1501\n"),
+              StartsWith("p.csv:3:1: depth_m must increase: 0 follows 0"));
   EXPECT_THAT(file_error("table", head + "0,150\n"),
               StartsWith("p.csv:2:3: sound_speed_m_s is 150, expected"));
   EXPECT_THAT(file_error("table", head + "0,1500,2\n"), StartsWith("p.csv:2: the row has 3 fields"));

@@ -257,7 +257,8 @@ std::vector<BadMesh> bad_meshes() {
        "expected .obj, .ply, .stl, .off, .dae, .gltf, .glb, .3ds or .fbx"},
 
       {"ObjCutInVertex", "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1", ":3:", "cut short"},
-      {"ObjCutInFace", "m.obj", without_last(obj, 3), ":9: ", "2 corners, and its line does not end with a newline"},
+      {"ObjCutInFace", "m.obj", without_last(obj, 3),
+       ":9: ", "2 corners, and its line does not end with a newline"},
       {"ObjCutAfterVertices", "m.obj", obj.substr(0, obj.find("f 1 3")), ": ",
        "4 points and no facets: it is a point cloud"},
       {"ObjNan", "m.obj", with(obj, "1e0", "nan"), ":4:5: ", "y is 'nan', expected a finite number"},
