@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/mesh/names.hpp"
 
 namespace tubefoot {
 
@@ -35,12 +36,28 @@ struct Piece {
   std::uint32_t first = 0, count = 0;
 };
 
+/// Convex cone of directions, in which a tube meets no facet: corners [first, first + count) of
+/// FootprintSet::open_directions, in the sense of rotation of the tube's rays.
+struct OpenPiece {
+  std::uint32_t tube = 0;
+  std::uint32_t first = 0, count = 0;
+};
+
 /// The footprints of one ping.
 struct FootprintSet {
   std::vector<Footprint> footprints;  ///< ordered by tube, then by facet
   std::vector<Piece> pieces;
   std::vector<glm::dvec3> corners_m;  ///< relative to the apex, metres
   std::vector<FacetId> occluders;     ///< facets that hide a part of a footprint
+  /// The names of `corners_m`, in the same order. Empty unless VisibilityOptions::corner_names is set.
+  std::vector<CornerName> corner_names{};
+  /// The rays to which these names refer: ray r is name_rays[r & ~ray_bit]. The rays of each tube follow
+  /// those of the previous one.
+  std::vector<GridPoint> name_rays{};
+  /// The unobstructed region of each tube: convex cones with disjoint interiors, ordered by tube. Empty
+  /// unless VisibilityOptions::open_water is set.
+  std::vector<OpenPiece> open_pieces{};
+  std::vector<glm::dvec3> open_directions{};  ///< unit vectors
 };
 
 }  // namespace tubefoot

@@ -7,10 +7,33 @@
 #include "geometry/arithmetic/exact_corner.hpp"
 
 namespace tubefoot {
+namespace {
+
+/// Moves a name to rays that begin at `first_ray`. All ids of rays grow by the same number, so the order of
+/// the points of a plane does not change.
+CornerName moved(CornerName name, std::uint32_t first_ray) {
+  for (PointId* id : {&name.point, &name.p.a, &name.p.b, &name.q.a, &name.q.b})
+    if (*id != no_point && (*id & ray_bit)) *id += first_ray;
+  return name;
+}
+
+void append_open_pieces(const NameContext& context, std::uint32_t tube, const TubeVisibility& seen,
+                        FootprintSet& set) {
+  for (const NamedPiece& piece : seen.open) {
+    set.open_pieces.push_back({tube, static_cast<std::uint32_t>(set.open_directions.size()), piece.count});
+    for (std::uint32_t c = 0; c < piece.count; ++c)
+      set.open_directions.push_back(glm::normalize(direction_of(context, seen.corners[piece.first + c])));
+  }
+}
+
+}  // namespace
 
 void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
-                       const TubeVisibility& seen, double unit_m, FootprintSet& set) {
+                       const TubeVisibility& seen, double unit_m, FootprintSet& set, bool corner_names) {
   const NameContext context{mesh, tubes.apex, seen.rays};
+  const auto first_ray = static_cast<std::uint32_t>(set.name_rays.size());
+  if (corner_names) set.name_rays.insert(set.name_rays.end(), seen.rays.begin(), seen.rays.end());
+  append_open_pieces(context, tube, seen, set);
   auto occluder = seen.occluders.begin();
   for (std::size_t k = 0; k < seen.pieces.size();) {
     const FacetId facet = seen.pieces[k].facet;
@@ -37,6 +60,9 @@ void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_
         set.pieces.push_back({first, piece.count});
       else  // a corner of two coincident planes, which occurs in plain double but never with exact signs
         set.corners_m.resize(first);
+      if (finite && corner_names)
+        for (std::uint32_t c = 0; c < piece.count; ++c)
+          set.corner_names.push_back(moved(seen.corners[piece.first + c], first_ray));
     }
     footprint.piece_count = static_cast<std::uint32_t>(set.pieces.size()) - footprint.first_piece;
 
@@ -77,6 +103,16 @@ FootprintSet joined(std::span<const FootprintSet> sets) {
       all.pieces.push_back(piece);
     }
     all.corners_m.insert(all.corners_m.end(), set.corners_m.begin(), set.corners_m.end());
+    const auto first_ray = static_cast<std::uint32_t>(all.name_rays.size()),
+               first_direction = static_cast<std::uint32_t>(all.open_directions.size());
+    for (const CornerName& name : set.corner_names) all.corner_names.push_back(moved(name, first_ray));
+    all.name_rays.insert(all.name_rays.end(), set.name_rays.begin(), set.name_rays.end());
+    for (OpenPiece piece : set.open_pieces) {
+      piece.first += first_direction;
+      all.open_pieces.push_back(piece);
+    }
+    all.open_directions.insert(all.open_directions.end(), set.open_directions.begin(),
+                               set.open_directions.end());
     all.occluders.insert(all.occluders.end(), set.occluders.begin(), set.occluders.end());
   }
   return all;

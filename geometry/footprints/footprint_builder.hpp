@@ -11,9 +11,11 @@ namespace tubefoot {
 
 /// Appends the visible polygons of tube `tube` as footprints with coordinates in metres (grid unit `unit_m`).
 /// The planes are set; measure() (measure.hpp) has not been called. Coordinates are the exact ones, rounded
-/// once.
+/// once. The unobstructed region follows if `seen` has it. With `corner_names` the names of the corners
+/// follow too.
 void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube,
-                       const TubeVisibility& seen, double unit_m, FootprintSet& set);
+                       const TubeVisibility& seen, double unit_m, FootprintSet& set,
+                       bool corner_names = false);
 
 /// Concatenates all sets in their order.
 FootprintSet joined(std::span<const FootprintSet> sets);

@@ -34,9 +34,10 @@ struct VisibilityOptions {
   /// A facet that more facets than this number may hide is split before they are subtracted. This affects
   /// only the division into pieces and the computing time, not the visible region.
   std::uint32_t facets_per_split = 64;
-  /// Whether to compute the unobstructed region of each tube too, which no facet covers (for the closure
-  /// law).
+  /// Whether to compute the unobstructed region of each tube too, which no facet covers.
   bool open_water = false;
+  /// Whether footprints keep the names of their corners (FootprintSet::corner_names).
+  bool corner_names = false;
 };
 
 /// A convex cone of directions: corners [first, first + count) in TubeVisibility::corners, in the sense of

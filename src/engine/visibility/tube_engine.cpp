@@ -47,7 +47,7 @@ History TubeEngine::trace(TubeSet tubes, std::size_t* candidates, bool measured,
     const TubeVisibility& seen = sees;  // a lambda may refer to it by this name
     see_run(mesh_, tree_, tubes, runs[run], options_, visibility, sees, [&](std::uint32_t tube) {
       if (!is_wanted(tube)) return;
-      append_footprints(mesh_, tubes, tube, seen, grid_unit_m_, per_run[run]);
+      append_footprints(mesh_, tubes, tube, seen, grid_unit_m_, per_run[run], options_.corner_names);
       looked_at[run] += seen.candidates;
       steps.done();
     });

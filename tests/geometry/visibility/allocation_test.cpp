@@ -25,6 +25,8 @@ void clear(FootprintSet& set) {
   set.pieces.clear();
   set.corners_m.clear();
   set.occluders.clear();
+  set.open_pieces.clear();
+  set.open_directions.clear();
 }
 
 /// Computes all tubes of a ping into reused buffers. Returns the number of allocations.
