@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/paths/path_echo.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "run/checkpoint/ping_store.hpp"
 #include "run/transmission.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/certified/apparent_enclosure.hpp"
-#include "engine/surface/bistatic_facet.hpp"
+#include "engine/surface/facet_flattening.hpp"
 
 // Encloses facets that the two ends of a path see at different apparent positions in stratified water. For
 // each flattened facet it bounds the half path length, the ratio of true to straight-ray return, and the

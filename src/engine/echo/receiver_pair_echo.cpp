@@ -11,6 +11,8 @@
 
 #include "engine/echo/path_on_facet.hpp"
 #include "engine/echo/texture_cells.hpp"
+#include "engine/surface/facet_flattening.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "geometry/integrals/convex_clip.hpp"
 #include "geometry/steps/stop.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/echo/echo.hpp"
-#include "engine/surface/bistatic_facet.hpp"
+#include "engine/scattering/bistatic_facet.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/visibility/visibility.hpp"

@@ -18,6 +18,7 @@
 #include "engine/paths/patch_echo.hpp"
 #include "engine/paths/patches.hpp"
 #include "engine/scattering/density.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "geometry/steps/steps.hpp"
 
 // Computes multiple scattering generation by generation. A patch scatters from its centroid to the receivers

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
+#include "engine/water/apparent_map.hpp"
+
 namespace tubefoot {
 
 WaterColumn continued_below(const WaterColumn& water, double depth_m, double further_m) {

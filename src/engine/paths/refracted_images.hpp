@@ -11,7 +11,8 @@
 
 #include "engine/paths/image_tree.hpp"
 #include "engine/paths/patch_water.hpp"
-#include "engine/surface/bistatic_facet.hpp"
+#include "engine/surface/facet_flattening.hpp"
+#include "engine/water/eigenray.hpp"
 
 // Finds the images of apexes in horizontal mirrors in stratified water by unfolding. Beyond each mirror the
 // water has the mirrored sound-speed profile, and the ray continues through the mirror. Each chain of

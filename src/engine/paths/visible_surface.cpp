@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "engine/water/apparent_map.hpp"
+
 namespace tubefoot {
 
 RefractedFacet::Ray RefractedFacet::ray_to(glm::dvec3 lies_m) const {

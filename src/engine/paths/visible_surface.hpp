@@ -7,6 +7,7 @@
 
 #include "engine/scattering/facet_map.hpp"
 #include "engine/surface/refracted_surface.hpp"
+#include "engine/water/eigenray.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 
 namespace tubefoot {

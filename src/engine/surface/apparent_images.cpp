@@ -7,6 +7,8 @@
 #include <numeric>
 #include <optional>
 
+#include "engine/water/apparent_map.hpp"
+
 // Computes the apparent images of seabed points, matches the rays of neighbouring points, and decides which
 // edges need a cut. An edge is cut until its travel-path error and the error of its facet factor are within
 // the settings. See docs/notes/refraction.md.

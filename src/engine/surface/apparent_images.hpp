@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/surface/refracted_surface.hpp"
+#include "engine/water/apparent_map.hpp"
 
 // Computes the apparent positions of seabed points for one apex in stratified water, one for each ray that
 // leads to a point. It also decides which edges map_apparent() cuts, from the travel-path error and from the

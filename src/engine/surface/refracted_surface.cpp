@@ -17,8 +17,9 @@
 #include <unordered_map>
 
 #include "engine/surface/apparent_images.hpp"
-#include "engine/surface/bistatic_facet.hpp"
 #include "engine/surface/eigenray_branches.hpp"
+#include "engine/surface/facet_flattening.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "geometry/mesh/weld_table.hpp"
 #include "geometry/steps/stop.hpp"
 

@@ -10,13 +10,14 @@
 #include "engine/scattering/facet_map.hpp"
 #include "engine/scattering/scattering_model.hpp"
 #include "engine/surface/view_bounds.hpp"
-#include "engine/water/apparent_map.hpp"
 #include "geometry/mesh/edge_refinement.hpp"
 
 // Maps the seabed to a mesh of apparent facets, which straight tubes from one apex see as refracted tubes
 // see the true seabed. Edges are cut until the travel-path error and the error of the energy density are
 // within the settings. See docs/notes/refraction.md.
 namespace tubefoot {
+
+class ApparentMap;
 
 struct ApparentMapSettings {
   /// Edges are cut until the image of their middle lies within this distance of the middle of their ends'

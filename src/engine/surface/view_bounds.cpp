@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "engine/water/apparent_map.hpp"
 #include "geometry/numbers/scalars.hpp"
 
 // Tests conservatively whether balls, boxes and triangles may be visible in stratified water. Snell's law

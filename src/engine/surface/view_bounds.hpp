@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "engine/surface/sector.hpp"
-#include "engine/water/apparent_map.hpp"
+#include "engine/water/ray_arc.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/numbers/world_grid.hpp"
 #include "geometry/search/scene_tree.hpp"
 
 namespace tubefoot {
+
+class ApparentMap;
 
 /// Bounds the regions that a set of tubes may see in stratified water.
 ///

@@ -6,7 +6,9 @@
 
 #include <utility>
 
+#include "engine/surface/facet_flattening.hpp"
 #include "engine/visibility/looks.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/visibility/contradictions.hpp"
 

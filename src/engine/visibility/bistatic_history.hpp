@@ -3,13 +3,17 @@
 
 #include <vector>
 
-#include "engine/surface/bistatic_facet.hpp"
+#include "engine/scattering/bistatic_facet.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/visibility/visibility.hpp"
 
 // Histories of a transmitter and a separate receiver. See docs/notes/bistatic.md.
 namespace tubefoot {
+
+class ApparentMap;
+class WorldGrid;
+struct ApparentPair;
 
 /// A hit of a transmit ray that a separate receiver sees too. It represents the solid angle from which the
 /// ray was drawn.

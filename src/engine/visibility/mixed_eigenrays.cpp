@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "engine/surface/facet_flattening.hpp"
+#include "engine/surface/refracted_surface.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Computes mixed-eigenray returns by intersecting the images of a part in two eigenray branches. Branches of

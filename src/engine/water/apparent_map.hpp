@@ -24,16 +24,6 @@ struct ApparentPoint {
   int eigenrays = 1;  ///< number of rays of the permitted branches that lead to the point
 };
 
-/// Properties of an apex that lies on the insonified seabed and scatters sound onwards.
-struct SurfaceApex {
-  /// Unit normal of the apex's facet, or 0. If several rays lead to a point, apparent() takes the first ray
-  /// that leaves the apex on this side. Without such a ray, or with 0, it takes the first of all rays.
-  glm::dvec3 front{0};
-  /// Rays are straight within this distance (without mirrors). For an apex on the seabed, slightly refracted
-  /// facets nearby would otherwise lie in front of the apex or behind it.
-  double straight_within_m = 0;
-};
-
 /// Maps points to their apparent positions for one apex. The apparent position lies in the launch direction
 /// of the point's ray. Its distance is the travel time of the ray times the reference speed. Straight rays
 /// from the apex see the apparent points as the refracted rays see the true points, at the same times.

@@ -11,7 +11,10 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/scattering/perlin_reflectivity.hpp"
+#include "engine/surface/facet_flattening.hpp"
+#include "engine/surface/refracted_surface.hpp"
 #include "engine/visibility/tube_engine.hpp"
+#include "engine/water/apparent_map.hpp"
 
 namespace tubefoot {
 namespace {

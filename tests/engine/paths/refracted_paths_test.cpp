@@ -11,6 +11,7 @@
 #include <random>
 
 #include "engine/visibility/tube_engine.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "fixtures/world/refracted_rays.hpp"
 
 namespace tubefoot {

@@ -14,7 +14,8 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/scattering/perlin_reflectivity.hpp"
-#include "engine/surface/bistatic_facet.hpp"
+#include "engine/surface/facet_flattening.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "fixtures/world/ray_scenes.hpp"
 
 namespace tubefoot {

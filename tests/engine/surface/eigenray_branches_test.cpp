@@ -18,6 +18,7 @@
 #include "engine/echo/echo.hpp"
 #include "engine/visibility/mixed_eigenrays.hpp"
 #include "engine/visibility/tube_engine.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "engine/water/ray_trace.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "fixtures/world/turning_water.hpp"

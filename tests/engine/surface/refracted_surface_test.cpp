@@ -15,6 +15,7 @@
 
 #include "engine/certified/reference.hpp"
 #include "engine/visibility/tube_engine.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 
 namespace tubefoot {

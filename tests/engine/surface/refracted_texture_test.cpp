@@ -12,6 +12,7 @@
 #include "engine/echo/echo.hpp"
 #include "engine/surface/refracted_surface.hpp"
 #include "engine/visibility/tube_engine.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "fixtures/world/textures.hpp"
 

@@ -11,6 +11,8 @@
 #include <numbers>
 #include <random>
 
+#include "engine/water/apparent_map.hpp"
+
 namespace tubefoot {
 namespace {
 

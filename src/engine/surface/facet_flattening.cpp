@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/surface/bistatic_facet.hpp"
+#include "engine/surface/facet_flattening.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "engine/surface/grazing_sine.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Flattens facets between two apexes in stratified water. The metric of the flat triangle is the mean of the
@@ -101,18 +102,16 @@ double spreading(const ApparentMap& receive, const Eigenray& sent, const Eigenra
          receive.return_area_m2_per_sr(at_m, received) * std::exp(-beyond_db * std::numbers::ln10 / 10);
 }
 
-}  // namespace
-
-FlattenedFacet flatten_between(const glm::dvec3 (&from_t)[3], const glm::dvec3 (&from_r)[3],
-                               const glm::dvec3 (&lies)[3]) {
-  const Metric a = metric_of(from_t), b = metric_of(from_r);
-  const Metric mean{(a.first + b.first) / 2, (a.second + b.second) / 2, (a.product + b.product) / 2};
-  const Flat flat(mean);
-  const Place t = flatten(from_t, mean), r = flatten(from_r, mean);
-  const glm::dvec2 at[3]{-t.foot, glm::dvec2(flat.along, 0) - t.foot,
-                         glm::dvec2(flat.across_x, flat.across_y) - t.foot};
-  FlattenedFacet flattened;
-  BistaticFacet& facet = flattened.facet;
+/// Flattens a triangle into a plane with a given metric. Sets `at` to the corners in this plane.
+BistaticFacet flattened_facet(const Metric& metric, const glm::dvec3 (&from_t)[3],
+                              const glm::dvec3 (&from_r)[3], const glm::dvec3 (&lies)[3],
+                              glm::dvec2 (&at)[3]) {
+  const Flat flat(metric);
+  const Place t = flatten(from_t, metric), r = flatten(from_r, metric);
+  at[0] = -t.foot;
+  at[1] = glm::dvec2(flat.along, 0) - t.foot;
+  at[2] = glm::dvec2(flat.across_x, flat.across_y) - t.foot;
+  BistaticFacet facet;
   facet.transmit_distance_m = t.height;
   facet.receive_distance_m = r.height;
   facet.receive_foot_m = r.foot - t.foot;
@@ -120,16 +119,54 @@ FlattenedFacet flatten_between(const glm::dvec3 (&from_t)[3], const glm::dvec3 (
   facet.transmit_seen = plane_through(at, from_t);
   facet.receive_seen = plane_through(at, from_r);
   facet.lies = plane_through(at, lies);
+  return facet;
+}
+
+/// Corners of a facet in the rotational order of the pieces, as the transmitter sees them and where they lie.
+struct TransmitCorners {
+  std::array<VertexId, 3> vertex;
+  glm::dvec3 from_apex[3], lies[3];
+
+  TransmitCorners(const FacetMesh& seabed, const SharedFacet& of, const ApparentEnd& end,
+                  const WorldGrid& grid)
+      : vertex(seabed.facets[of.facet]) {
+    take(end, grid);
+    if (glm::dot(glm::cross(from_apex[1] - from_apex[0], from_apex[2] - from_apex[0]), of.plane_normal) > 0) {
+      std::swap(vertex[1], vertex[2]);
+      take(end, grid);
+    }
+  }
+
+ private:
+  void take(const ApparentEnd& end, const WorldGrid& grid) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      from_apex[k] = grid.to_metres(end.surface_mesh.refined.mesh.vertices[vertex[k]]) - end.water.apex_m();
+      lies[k] = end.surface_mesh.truth[vertex[k]];
+    }
+  }
+};
+
+}  // namespace
+
+FlattenedFacet flatten_between(const glm::dvec3 (&from_t)[3], const glm::dvec3 (&from_r)[3],
+                               const glm::dvec3 (&lies)[3]) {
+  const Metric a = metric_of(from_t), b = metric_of(from_r);
+  const Metric mean{(a.first + b.first) / 2, (a.second + b.second) / 2, (a.product + b.product) / 2};
+  FlattenedFacet flattened;
+  glm::dvec2 at[3];
+  flattened.facet = flattened_facet(mean, from_t, from_r, lies, at);
+  BistaticFacet& facet = flattened.facet;
   flattened.normal = glm::cross(lies[1] - lies[0], lies[2] - lies[0]);
+  const Flat flat(mean);
   const double area_ratio = glm::length(flattened.normal) / (flat.along * flat.across_y);
   for (std::size_t k = 0; k < 3; ++k) {
-    const double there = std::hypot(glm::length(at[k]), t.height),
-                 back = std::hypot(glm::length(at[k] - facet.receive_foot_m), r.height);
+    const double there = std::hypot(glm::length(at[k]), facet.transmit_distance_m),
+                 back = std::hypot(glm::length(at[k] - facet.receive_foot_m), facet.receive_distance_m);
     flattened.there_m[k] = there;
     flattened.back_m[k] = back;
     BistaticFacet::Corner& corner = facet.corners[k];
-    corner.transmit_seen = t.height / there;
-    corner.receive_seen = r.height / back;
+    corner.transmit_seen = facet.transmit_distance_m / there;
+    corner.receive_seen = facet.receive_distance_m / back;
     corner.gain = area_ratio;
     facet.misfit_m = std::max(facet.misfit_m,
                               std::abs(there - glm::length(from_t[k]) + back - glm::length(from_r[k])) / 2);
@@ -148,38 +185,27 @@ std::vector<BistaticFacet> bistatic_facets(const SharedFootprints& shared, const
                                            const ApparentEnd& transmit_end, const ApparentEnd& receive_end,
                                            const WorldGrid& grid, double absorption_db_per_m) {
   const ApparentMap &transmit = transmit_end.water, &receive = receive_end.water;
-  const ApparentSurface &sent_to = transmit_end.surface_mesh, &received_from = receive_end.surface_mesh;
+  const ApparentSurface& received_from = receive_end.surface_mesh;
   std::vector<BistaticFacet> bistatic;
   bistatic.reserve(shared.facets.size());
   Rays sent(transmit), received(receive);
-  // Apexes are grid points.
-  const glm::dvec3 transmit_apex = transmit.apex_m(), receive_apex = receive.apex_m();
+  const glm::dvec3 receive_apex = receive.apex_m();  // a grid point, as the transmitter's
   for (const SharedFacet& of : shared.facets) {
     stop_if_wanted();
-    std::array<VertexId, 3> vertex = seabed.facets[of.facet];
-    glm::dvec3 from_t[3], from_r[3], lies[3];
-    const auto take = [&] {
-      for (std::size_t k = 0; k < 3; ++k) {
-        from_t[k] = grid.to_metres(sent_to.refined.mesh.vertices[vertex[k]]) - transmit_apex;
-        from_r[k] = grid.to_metres(received_from.refined.mesh.vertices[vertex[k]]) - receive_apex;
-        lies[k] = sent_to.truth[vertex[k]];
-      }
-    };
-    take();
-    // Corners are in the rotational order of the pieces.
-    if (glm::dot(glm::cross(from_t[1] - from_t[0], from_t[2] - from_t[0]), of.plane_normal) > 0) {
-      std::swap(vertex[1], vertex[2]);
-      take();
-    }
-    const FlattenedFacet flattened = flatten_between(from_t, from_r, lies);
+    const TransmitCorners corners(seabed, of, transmit_end, grid);
+    glm::dvec3 from_r[3];
+    for (std::size_t k = 0; k < 3; ++k)
+      from_r[k] = grid.to_metres(received_from.refined.mesh.vertices[corners.vertex[k]]) - receive_apex;
+    const FlattenedFacet flattened = flatten_between(corners.from_apex, from_r, corners.lies);
     BistaticFacet& facet = bistatic.emplace_back(flattened.facet);
     for (std::size_t k = 0; k < 3; ++k) {
-      const Eigenray &tx = sent.to(vertex[k], lies[k]), &rx = received.to(vertex[k], lies[k]);
+      const glm::dvec3& lies = corners.lies[k];
+      const Eigenray &tx = sent.to(corners.vertex[k], lies), &rx = received.to(corners.vertex[k], lies);
       BistaticFacet::Corner& corner = facet.corners[k];
-      corner.transmit_lies = grazing_sine(flattened.normal, transmit.arrival_direction(lies[k], tx));
-      corner.receive_lies = grazing_sine(flattened.normal, receive.arrival_direction(lies[k], rx));
+      corner.transmit_lies = grazing_sine(flattened.normal, transmit.arrival_direction(lies, tx));
+      corner.receive_lies = grazing_sine(flattened.normal, receive.arrival_direction(lies, rx));
       corner.gain *=
-          spreading(receive, tx, rx, lies[k], flattened.there_m[k], flattened.back_m[k], absorption_db_per_m);
+          spreading(receive, tx, rx, lies, flattened.there_m[k], flattened.back_m[k], absorption_db_per_m);
     }
   }
   return bistatic;
@@ -205,28 +231,15 @@ std::vector<BistaticFacet> ReceiverPairFlattening::of(const SharedFootprints& sh
   all.reserve(shared.facets.size());
   for (const SharedFacet& of : shared.facets) {
     stop_if_wanted();
-    std::array<VertexId, 3> vertex = seabed_.facets[of.facet];
-    glm::dvec3 from_t[3], lies[3], from_r[2][3];
-    const auto take = [&] {
-      for (std::size_t k = 0; k < 3; ++k) {
-        from_t[k] = grid_.to_metres(transmit_.surface_mesh.refined.mesh.vertices[vertex[k]]) -
-                    transmit_.water.apex_m();
-        lies[k] = transmit_.surface_mesh.truth[vertex[k]];
-      }
-    };
-    take();
-    // Corners are in the rotational order of the pieces.
-    if (glm::dot(glm::cross(from_t[1] - from_t[0], from_t[2] - from_t[0]), of.plane_normal) > 0) {
-      std::swap(vertex[1], vertex[2]);
-      take();
-    }
+    const TransmitCorners corners(seabed_, of, transmit_, grid_);
+    glm::dvec3 from_r[2][3];
     Metric mean;
     double seen_by = 0;
     bool sees[2]{};
     for (std::size_t r = 0; r < 2; ++r) {
       sees[r] = true;
       for (std::size_t k = 0; k < 3; ++k) {
-        const Image& there = image(r, vertex[k]);
+        const Image& there = image(r, corners.vertex[k]);
         sees[r] = sees[r] && there;
         if (there) from_r[r][k] = *there;
       }
@@ -238,50 +251,10 @@ std::vector<BistaticFacet> ReceiverPairFlattening::of(const SharedFootprints& sh
     BistaticFacet& facet = all.emplace_back();
     if (!sees[receiver]) continue;
     mean = {mean.first / seen_by, mean.second / seen_by, mean.product / seen_by};
-    const Flat flat(mean);
-    const Place t = flatten(from_t, mean), r = flatten(from_r[receiver], mean);
-    const glm::dvec2 at[3]{-t.foot, glm::dvec2(flat.along, 0) - t.foot,
-                           glm::dvec2(flat.across_x, flat.across_y) - t.foot};
-    facet.transmit_distance_m = t.height;
-    facet.receive_distance_m = r.height;
-    facet.receive_foot_m = r.foot - t.foot;
-    facet.to_plane = facet_map(from_t, {{at[0], 0}, {at[1], 0}, {at[2], 0}});
-    facet.transmit_seen = plane_through(at, from_t);
-    facet.receive_seen = plane_through(at, from_r[receiver]);
-    facet.lies = plane_through(at, lies);
+    glm::dvec2 at[3];
+    facet = flattened_facet(mean, corners.from_apex, from_r[receiver], corners.lies, at);
   }
   return all;
-}
-
-// The distance of the middle from the plane's point p is sqrt(D^2 + |p - F|^2). Its apparent position s(p)
-// is linear in p. The distance of the end is the root of D^2 + |p - F|^2 - 2 by . s(p) + by^2. This is again
-// a distance and a foot point.
-bool BistaticFacet::move_receiver(glm::dvec3 by_m) {
-  const LyingPlane& seen = receive_seen;
-  const glm::dvec2 from = receive_foot_m,
-                   foot = from + glm::dvec2(glm::dot(by_m, seen.u), glm::dot(by_m, seen.v));
-  const double distance2 = receive_distance_m * receive_distance_m + glm::dot(from, from) -
-                           glm::dot(foot, foot) + glm::dot(by_m, by_m) - 2 * glm::dot(by_m, seen.foot_m);
-  if (!(distance2 > 0)) return false;
-  receive_distance_m = std::sqrt(distance2);
-  receive_foot_m = foot;
-  receive_seen.foot_m -= by_m;
-  return true;
-}
-
-double bistatic_factor(const BistaticFacet& facet, const ScatteringModel* model) {
-  const auto sigma = [model](double sine) {
-    if (model == nullptr) return sine * sine;
-    sine = std::min(sine, 1.0);
-    return model->cross_section(sine, std::sqrt((1 - sine) * (1 + sine)));
-  };
-  double sum = 0;
-  for (const BistaticFacet::Corner& c : facet.corners) {
-    const double seen = sigma(c.transmit_seen) * sigma(c.receive_seen);
-    if (seen > 0 && std::isfinite(c.gain))
-      sum += c.gain * std::sqrt(sigma(c.transmit_lies) * sigma(c.receive_lies) / seen);
-  }
-  return sum / 3;
 }
 
 }  // namespace tubefoot
