@@ -2,9 +2,11 @@
 # Flags of our own code, per target, so that no library's headers have to obey them.
 # Other compilers have other warnings: only CI stops at them.
 option(TUBEFOOT_WARNINGS_AS_ERRORS "Stop the build at a compiler's warning" OFF)
+# Files of one folder in one unit: tubefoot_unity(), below. There a local variable may have the name of another file's constant.
+option(TUBEFOOT_UNITY "Compile several files of a folder in one unit" ON)
 add_library(tubefoot_project INTERFACE)
 target_compile_options(tubefoot_project INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  -Wall -Wextra -Wpedantic -Wshadow$<$<BOOL:${TUBEFOOT_UNITY}>:=local> -Wconversion -Wno-sign-conversion
   $<$<BOOL:${TUBEFOOT_WARNINGS_AS_ERRORS}>:-Werror>
   # A contracted multiply-add would break every floating-point error bound (docs/notes/visibility.md).
   -ffp-contract=off)
@@ -55,6 +57,30 @@ function(tubefoot_precompiled target name)
 endfunction()
 tubefoot_headers(tubefoot_library_headers)
 
+# Files of one folder are compiled together, eight in a unit, so that their common headers are parsed once. A name that is
+# local to a file (of an anonymous namespace) is then unique among them. Builds with sanitizers compile each file alone: they
+# see includes that a file forgot.
+function(tubefoot_unity target)
+  if(NOT TUBEFOOT_UNITY)
+    return()
+  endif()
+  set(folders "")
+  get_target_property(sources ${target} SOURCES)
+  list(SORT sources)
+  foreach(source ${sources})
+    cmake_path(GET source PARENT_PATH folder)
+    string(MAKE_C_IDENTIFIER "${folder}" folder)
+    string(APPEND in_${folder} "|")
+    string(LENGTH "${in_${folder}}" count)
+    math(EXPR unit "(${count} - 1) / 8")
+    if(NOT folder MATCHES "certified$|checkpoint$")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${unit})
+    endif()
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  target_compile_options(${target} PRIVATE -Wno-subobject-linkage)  # of a class of a .cpp file whose member has a local type
+endfunction()
+
 # tubefoot_library(NAME [libraries...]): a static library of all sources in the current folder and the rooms below it,
 # installed with its headers (cmake/install.cmake).
 function(tubefoot_library name)
@@ -66,6 +92,9 @@ function(tubefoot_library name)
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR};${PROJECT_SOURCE_DIR}/src>" $<INSTALL_INTERFACE:include/tubefoot>)
   if(ARGN)  # else it is without fmt, which is among the common headers
     tubefoot_precompiled(${name} tubefoot_library_headers)
+  endif()
+  if(NOT name STREQUAL tubefoot_geometry)
+    tubefoot_unity(${name})
   endif()
   set_property(GLOBAL APPEND PROPERTY TUBEFOOT_LIBRARIES ${name})
 endfunction()

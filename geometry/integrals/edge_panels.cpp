@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "geometry/integrals/ellipse_rule.hpp"
 #include "geometry/numbers/scalars.hpp"
@@ -15,7 +14,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr int most_halvings = 60;
 /// Edges whose distance from the point of shortest path, times the growth, is below this limit add nothing.
 /// To that accuracy the edge's integral cancels its share of the image.

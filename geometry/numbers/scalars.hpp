@@ -3,10 +3,13 @@
 
 #include <glm/vec2.hpp>
 #include <limits>
+#include <numbers>
 
 // Constants and functions on doubles that several modules use.
 namespace tubefoot {
 
+constexpr double pi = std::numbers::pi;
+constexpr double degree = pi / 180;  ///< in rad
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Third component of the cross product of two vectors in a plane. It is positive if b lies to the left of a,

@@ -5,18 +5,16 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <stdexcept>
 
 #include "geometry/numbers/int128.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 // Constructs the tubes of an angular grid from integer rays. Exact determinants check that every cell is a
 // strictly convex pyramid after the rays are rounded.
 
 namespace tubefoot {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// Returns the sign of det(a, b, c), exactly: |coordinate| <= 2^30 makes each of the six products at most
 /// 2^90.

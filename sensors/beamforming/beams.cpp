@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "geometry/steps/stop.hpp"
+#include "sensors/signals/require.hpp"
 #include "sensors/signals/signal_transform.hpp"
 
 namespace tubefoot {
@@ -21,10 +22,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using std::numbers::pi;
-
-void require(bool holds, const std::string& what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 /// The steering with weights that sum to 1 and directions of length 1.
 BeamSteering normalised(const ElementSignals& signals, std::size_t ping, BeamSteering steering) {

@@ -94,7 +94,7 @@ struct Gate {
 
 /// Samples above the thresholds that belong together: [begin, end). The first and the last sample are above
 /// the thresholds.
-struct Echo {
+struct GatedEcho {
   int begin, end;
   double energy;  ///< sum over the samples above the thresholds, relative to the gate's largest sample
   int gap;        ///< widest gap between samples above the thresholds
@@ -112,7 +112,7 @@ class Counted {
 
   /// The selected echo, and the energy of the strongest other echo.
   struct Choice {
-    Echo echo;
+    GatedEcho echo;
     double next_energy = 0;
   };
   /// Selects the part that contains the sample `holding`, or without it the part of more energy.
@@ -161,7 +161,7 @@ struct Estimate {
   double range_m, sigma_m;
 };
 
-Estimate centroid(const Gate& gate, const Counted& counted, const Echo& echo) {
+Estimate centroid(const Gate& gate, const Counted& counted, const GatedEcho& echo) {
   // Ranges are relative to the largest sample.
   const double origin = gate.middle(gate.largest), within = gate.samples.step_m * evenly;
   double moment = 0, variance = 0;
@@ -181,7 +181,7 @@ Estimate centroid(const Gate& gate, const Counted& counted, const Echo& echo) {
 /// returns the middle of the nearest sample above them. For two samples at equal distance it selects the one
 /// of smaller range.
 std::pair<double, int> onto_energy(double range_m, const Gate& gate, const Counted& counted,
-                                   const Echo& echo) {
+                                   const GatedEcho& echo) {
   const RangeSamples& samples = gate.samples;
   const auto border = [&](int k) { return samples.first_m + k * samples.step_m; };
   const int place = std::clamp(static_cast<int>(std::floor((range_m - samples.first_m) / samples.step_m)),

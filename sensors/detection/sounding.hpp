@@ -23,4 +23,6 @@ struct Sounding {
   DetectionFlags flags;  ///< reasons to doubt the sounding
 };
 
+inline bool is_cut(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::cut_by_window); }
+
 }  // namespace tubefoot

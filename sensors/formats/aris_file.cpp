@@ -15,8 +15,8 @@ namespace tubefoot {
 
 namespace {
 
-constexpr std::size_t file_header_size = 1024, frame_header_size = 1024;
-constexpr std::uint32_t signature = 0x05464444;  // "DDF" 5
+constexpr std::size_t aris_header_size = 1024, aris_frame_size = 1024;
+constexpr std::uint32_t aris_signature = 0x05464444;  // "DDF" 5
 constexpr double shortest_delay_us = 930, longest_delay_us = 65535;
 constexpr double shortest_period_us = 4, longest_period_us = 100;
 constexpr double shortest_cycle_us = 1802, longest_cycle_us = 65535;
@@ -136,8 +136,8 @@ ArisFile::ArisFile(const std::filesystem::path& file, ArisHeader header)
 }
 
 PacketBytes ArisFile::file_header() const {
-  PacketBytes record(std::endian::little, file_header_size);
-  record.put<std::uint32_t>(0, signature);
+  PacketBytes record(std::endian::little, aris_header_size);
+  record.put<std::uint32_t>(0, aris_signature);
   record.put<std::uint32_t>(4, frames());
   record.put<std::uint32_t>(8, static_cast<std::uint32_t>(std::max(1.0, std::round(header_.frame_rate_hz))));
   record.put<std::uint32_t>(12, header_.high_frequency ? 1 : 0);
@@ -166,13 +166,13 @@ PacketBytes ArisFile::file_header() const {
 }
 
 PacketBytes ArisFile::frame_header(const CameraFrame& frame) const {
-  PacketBytes record(std::endian::little, frame_header_size);
+  PacketBytes record(std::endian::little, aris_frame_size);
   const CalendarTime time = calendar_time(frame.unix_time_s);
   const auto microseconds = static_cast<std::uint64_t>(std::llround(frame.unix_time_s * 1e6));
   const ArisPingMode mode = aris_ping_mode(header_.beams);
   record.put<std::uint32_t>(0, frames());
   record.put<std::uint64_t>(4, microseconds);
-  record.put<std::uint32_t>(12, signature);
+  record.put<std::uint32_t>(12, aris_signature);
   record.put<std::uint64_t>(20, microseconds);
   record.put<std::uint32_t>(28, time.day);
   record.put<std::uint32_t>(32, time.hour);

@@ -17,8 +17,8 @@ namespace tubefoot {
 
 namespace {
 
-constexpr std::size_t file_header_size = 512, frame_header_size = 256;
-constexpr std::uint32_t signature = 0x03464444;  // "DDF" 3
+constexpr std::size_t ddf_header_size = 512, ddf_frame_size = 256;
+constexpr std::uint32_t ddf_signature = 0x03464444;  // "DDF" 3
 constexpr int samples_per_beam = 512;
 constexpr std::uint32_t largest_start_code = 31, largest_length_code = 3;
 
@@ -124,8 +124,8 @@ DdfFile::DdfFile(const std::filesystem::path& file, DdfHeader header)
 }
 
 PacketBytes DdfFile::file_header() const {
-  PacketBytes record(std::endian::little, file_header_size);
-  record.put<std::uint32_t>(0, signature);
+  PacketBytes record(std::endian::little, ddf_header_size);
+  record.put<std::uint32_t>(0, ddf_signature);
   record.put<std::uint32_t>(4, frames());
   record.put<std::uint32_t>(8, static_cast<std::uint32_t>(std::max(1.0, std::round(header_.frame_rate_hz))));
   record.put<std::uint32_t>(12, header_.high_resolution ? 1 : 0);
@@ -145,11 +145,11 @@ PacketBytes DdfFile::file_header() const {
 }
 
 PacketBytes DdfFile::frame_header(const CameraFrame& frame) const {
-  PacketBytes record(std::endian::little, frame_header_size);
+  PacketBytes record(std::endian::little, ddf_frame_size);
   const CalendarTime time = calendar_time(frame.unix_time_s);
   record.put<std::uint32_t>(0, frames());
   record.put<std::uint64_t>(4, time.unix_s);
-  record.put<std::uint32_t>(12, signature);
+  record.put<std::uint32_t>(12, ddf_signature);
   record.put<std::uint32_t>(20, time.year);
   record.put<std::uint32_t>(24, time.month);
   record.put<std::uint32_t>(28, time.day);

@@ -55,7 +55,7 @@ const GsfOptions& checked(const std::filesystem::path& path, const GsfOptions& o
 }
 
 /// Seconds and nanoseconds from whole microseconds. A double has no finer resolution in this century.
-std::pair<std::int32_t, std::int32_t> moment(double unix_time_s, const FieldCheck& check) {
+std::pair<std::int32_t, std::int32_t> gsf_moment(double unix_time_s, const FieldCheck& check) {
   check.within("time [s since 1970]", unix_time_s, 0, 2147483646);
   const auto microseconds = std::llround(unix_time_s * 1e6);
   return {static_cast<std::int32_t>(microseconds / 1000000),
@@ -80,7 +80,7 @@ Attitude attitude(double heading_deg, double pitch_deg, double roll_deg, double 
 }
 
 PacketBytes ping_header(const GsfPing& ping, std::int16_t beams, const FieldCheck& check) {
-  const auto [seconds, nanoseconds] = moment(ping.unix_time_s, check);
+  const auto [seconds, nanoseconds] = gsf_moment(ping.unix_time_s, check);
   const Attitude lie = attitude(ping.heading_deg, ping.pitch_deg, ping.roll_deg, ping.heave_m, check);
   PacketBytes data(std::endian::big, 56);
   data.put<std::int32_t>(0, seconds);
@@ -232,7 +232,7 @@ std::vector<GsfFile::Array> GsfFile::arrays(const GsfPing& ping) const {
 
 void GsfFile::add_processing_parameters(double unix_time_s, std::span<const std::string> parameters) {
   const FieldCheck check(fmt::format("{}: processing parameters", file_.path().string()));
-  const auto [seconds, nanoseconds] = moment(unix_time_s, check);
+  const auto [seconds, nanoseconds] = gsf_moment(unix_time_s, check);
   PacketBytes data(std::endian::big);
   data.append<std::int32_t>(seconds);
   data.append<std::int32_t>(nanoseconds);
@@ -258,7 +258,7 @@ void GsfFile::add_sound_speed_profile(const GsfSoundSpeedProfile& profile) {
   if (profile.points.empty()) check.fail("there are no points");
   PacketBytes data(std::endian::big);
   for (const double time_s : {profile.observed_unix_time_s, profile.applied_unix_time_s}) {
-    const auto [seconds, nanoseconds] = moment(time_s, check);
+    const auto [seconds, nanoseconds] = gsf_moment(time_s, check);
     data.append<std::int32_t>(seconds);
     data.append<std::int32_t>(nanoseconds);
   }
@@ -287,7 +287,7 @@ void GsfFile::add_attitude(std::span<const GsfAttitude> attitudes) {
     throw std::invalid_argument(fmt::format("{}: there are no attitudes", file_.path().string()));
   const double begin_s = attitudes.front().unix_time_s;
   const FieldCheck check(fmt::format("{}: attitudes from {} s", file_.path().string(), begin_s));
-  const auto [seconds, nanoseconds] = moment(begin_s, check);
+  const auto [seconds, nanoseconds] = gsf_moment(begin_s, check);
   PacketBytes data(std::endian::big);
   data.append<std::int32_t>(seconds);
   data.append<std::int32_t>(nanoseconds);

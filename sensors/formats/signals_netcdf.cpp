@@ -22,7 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-constexpr std::string_view ones[] = {"1"}, metres[] = {"m"}, seconds[] = {"s"}, pressures[] = {"W^(1/2)"};
+constexpr std::string_view unit_one[] = {"1"}, unit_metre[] = {"m"}, unit_second[] = {"s"},
+                           unit_pressure[] = {"W^(1/2)"};
 constexpr const char *our_factor = "exp(-i omega t)", *other_factor = "exp(+i omega t)";
 
 /// The complex numbers as pairs of reals in memory.
@@ -133,7 +134,7 @@ class SignalsInput {
                                     number("waveform_stop_frequency", "Hz"), number("waveform_duration", "s"),
                                     number("waveform_taper", "a fraction of the duration")};
     const Words along{"ping", "receiver", "sample", "complex"};
-    const std::vector<std::size_t> shape = root_.checked_shape("pressure", along, pressures);
+    const std::vector<std::size_t> shape = root_.checked_shape("pressure", along, unit_pressure);
     if (shape[3] != 2)
       root_.fail("pressure",
                  fmt::format("has {} values along 'complex', expected 2: real and imaginary part", shape[3]));
@@ -164,7 +165,7 @@ class SignalsInput {
  private:
   void read_bound(const std::vector<std::size_t>& of_pressure, ElementSignals& signals) const {
     const Words along{"ping", "receiver", "sample", "complex"};
-    if (root_.checked_shape("pressure_bound", along, pressures) != of_pressure)
+    if (root_.checked_shape("pressure_bound", along, unit_pressure) != of_pressure)
       root_.fail("pressure_bound", "differs in shape from 'pressure'");
     require_memory(16.0 * static_cast<double>(signals.pressure.size()), {file_.path().string()},
                    "the bounds of its signals", "use a machine with more memory, or a file with fewer pings");
@@ -237,7 +238,7 @@ class SignalsInput {
 
   SignalSampling sampling(std::size_t samples) const {
     SignalSampling sampling{number("baseband_frequency", "Hz"), number("sample_rate", "Hz"), 0, samples};
-    const std::vector<double> times = values("sample_time", {"sample"}, seconds, samples);
+    const std::vector<double> times = values("sample_time", {"sample"}, unit_second, samples);
     sampling.first_s = times[0];
     constexpr double rounding = 1e-3;  // of a sample
     for (std::size_t k = 0; k < samples; ++k)
@@ -250,8 +251,9 @@ class SignalsInput {
   }
 
   ElementArray array(std::size_t receivers) const {
-    const std::vector<double> tx = values("transmitter_position", {"xyz"}, metres, 3),
-                              rx = values("receiver_position", {"receiver", "xyz"}, metres, 3 * receivers);
+    const std::vector<double> tx = values("transmitter_position", {"xyz"}, unit_metre, 3),
+                              rx =
+                                  values("receiver_position", {"receiver", "xyz"}, unit_metre, 3 * receivers);
     ElementArray array{{tx[0], tx[1], tx[2]}, {}};
     for (std::size_t k = 0; k < rx.size(); k += 3)
       array.receivers_m.emplace_back(rx[k], rx[k + 1], rx[k + 2]);
@@ -259,14 +261,14 @@ class SignalsInput {
   }
 
   VehicleMotion motion(std::size_t pings) const {
-    const std::vector<double> starts = values("ping_start_time", {"ping"}, seconds, pings);
+    const std::vector<double> starts = values("ping_start_time", {"ping"}, unit_second, pings);
     const std::string of = way();
     const std::vector<double> times =
-        of == "track" ? values("track_time", {"track"}, seconds, std::nullopt) : starts;
+        of == "track" ? values("track_time", {"track"}, unit_second, std::nullopt) : starts;
     const std::vector<double> positions =
-        values((of + "_position").c_str(), {of, "xyz"}, metres, 3 * times.size());
+        values((of + "_position").c_str(), {of, "xyz"}, unit_metre, 3 * times.size());
     const std::vector<double> attitudes =
-        values((of + "_attitude").c_str(), {of, "wxyz"}, ones, 4 * times.size());
+        values((of + "_attitude").c_str(), {of, "wxyz"}, unit_one, 4 * times.size());
     std::vector<Trajectory::Sample> track;
     for (std::size_t k = 0; k < times.size(); ++k) {
       const double *p = &positions[3 * k], *q = &attitudes[4 * k];

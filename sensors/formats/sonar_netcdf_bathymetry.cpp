@@ -6,7 +6,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
@@ -22,7 +22,7 @@ void SonarNetcdfBuilder::bathymetry() {
   const auto found = [&](const NetcdfVariable& row, double (*value)(const SonarDetection&),
                          const char* crs = nullptr) {
     each_beam(g, row, [value](const Ping& p, std::size_t k) {
-      return p.detections[k].found ? value(p.detections[k]) : none;
+      return p.detections[k].found ? value(p.detections[k]) : no_value;
     });
     if (crs) g.attribute(last_, "crs", crs);
   };
@@ -127,7 +127,7 @@ void SonarNetcdfBuilder::bathymetry() {
               {ping_, detection},
               "dB",
               "imaginary part of the backscatter: none, levels are in dB"},
-             none);
+             no_value);
   every_beam(g,
              {"detection_mean_absorption_coefficient",
               NC_FLOAT,

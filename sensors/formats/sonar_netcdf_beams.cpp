@@ -11,7 +11,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_found = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
@@ -307,7 +307,7 @@ void SonarNetcdfBuilder::beam_geometry(const NetcdfGroup& g) {
       {"detected_bottom_range", NC_FLOAT, {ping_, beam_}, "m", "Detected range of the bottom", nullptr, 0.0},
       [](const Ping& p, std::size_t beam) {
         const SonarDetection& d = p.detections[beam];
-        return d.found ? p.sound_speed_m_s * d.two_way_travel_time_s / 2 : none;
+        return d.found ? p.sound_speed_m_s * d.two_way_travel_time_s / 2 : not_found;
       });
 }
 

@@ -21,7 +21,7 @@ enum PacketType : std::uint8_t {
   kSoundings = 28,
   kNavigation = 42,
 };
-constexpr std::size_t file_header_size = 1024, channel_size = 128, first_channel = 256;
+constexpr std::size_t xtf_header_size = 1024, channel_size = 128, first_channel = 256;
 constexpr std::size_t ping_header_size = 256, ping_channel_size = 64, block = 64, notes_size = 256;
 constexpr double knots = 3600.0 / 1852.0;  // per m/s
 constexpr double full_scale_volts = 5;
@@ -94,7 +94,7 @@ PacketBytes file_header(const std::filesystem::path& path, const XtfHeader& head
   if (!header.sidescan && !header.bathymetry)
     check.fail("the header describes neither a sidescan nor bathymetry");
 
-  PacketBytes packet(std::endian::little, file_header_size);
+  PacketBytes packet(std::endian::little, xtf_header_size);
   packet.put<std::uint8_t>(0, 0x7B);
   packet.put<std::uint8_t>(1, 1);
   packet.put_text(2, check.text("program", header.program, 8 + 1));

@@ -18,7 +18,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 44;
+constexpr int camera_header_height = 2 * margin + 44;
 
 std::vector<int> surfaces_of(const Recording& recording, std::size_t ping) {
   return recording.surfaces ? recording.surfaces(ping) : std::vector<int>();
@@ -115,7 +115,7 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
                   fan.far_m(), receiver_output ? "; " + receiver_output->said : std::string());
   const int content = std::max({columns * cell_width + DecibelScale::legend_width,
                                 text_width(title, title_size, font), text_width(subtitle, label_size, font)});
-  Canvas canvas(2 * margin + content, header_height + std::max(rows * cell_height, 240) + margin,
+  Canvas canvas(2 * margin + content, camera_header_height + std::max(rows * cell_height, 240) + margin,
                 palette.background, font);
   canvas.text(margin, margin, title, title_size, palette.ink);
   canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
@@ -123,7 +123,7 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
     return margin + static_cast<int>(k) % columns * cell_width + (cell_width - gap - fan.width()) / 2;
   };
   const auto top_of = [&](std::size_t k) {
-    return header_height + static_cast<int>(k) / columns * cell_height;
+    return camera_header_height + static_cast<int>(k) / columns * cell_height;
   };
   tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
     const PingEchoes echoes{std::span<const double>(all).subspan(k * recording.cells(), recording.cells()),
@@ -139,7 +139,7 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
                  label_size, palette.faint_ink, Anchor::centre);
   const int legend_bottom = canvas.height() - margin;
   scale.draw_legend(canvas, canvas.width() - margin - DecibelScale::legend_width + 20,
-                    std::max(header_height, legend_bottom - 400), legend_bottom);
+                    std::max(camera_header_height, legend_bottom - 400), legend_bottom);
   return canvas;
 }
 

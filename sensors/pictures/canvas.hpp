@@ -11,6 +11,9 @@
 
 namespace tubefoot {
 
+/// Border of a page, and height of the labels below a horizontal axis, in pixels.
+constexpr int margin = 28, axis_height = 62;
+
 /// sRGB-coded components, 0..1.
 struct Colour {
   float red = 0, green = 0, blue = 0;

@@ -20,7 +20,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 52, axis_height = 62, legend_width = 180;
+constexpr int depth_header_height = 2 * margin + 52, legend_width = 180;
 constexpr int longest_side = 900, shortest_side = 320;
 
 /// Colour of a point in the perceptually uniform space OKLab (B. Ottosson, 2020), in sRGB.
@@ -105,7 +105,7 @@ Canvas draw_depths(const CellMeans& depths, const std::string& title, const std:
   };
   const int width = pixels(extent.columns()), height = pixels(extent.rows());
   MapPlot map{0,
-              header_height,
+              depth_header_height,
               width,
               height,
               static_cast<double>(extent.west) * cell,

@@ -13,7 +13,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 44, axis_width = 72, axis_height = 62;
+constexpr int echogram_header_height = 2 * margin + 44, echogram_axis_width = 72;
 constexpr Colour bottom_colour{0.35f, 0.85f, 0.95f};
 
 /// Mean of the cells under each pixel, row by row.
@@ -56,7 +56,7 @@ Canvas draw_echogram(const Recording& recording, std::span<const float> energy_j
                                  ? fmt::format("0 dB: {} dB re 1 J/m2; blue: no echo",
                                                tick_label(10 * std::log10(scale.reference_j()), 0.1))
                                  : "no echo";
-  const int left = margin + axis_width, top = header_height;
+  const int left = margin + echogram_axis_width, top = echogram_header_height;
   const int page_width = std::max({left + width + DecibelScale::legend_width + margin,
                                    margin + text_width(title, title_size, font),
                                    margin + widest_text({subtitle, footer}, label_size, font)}) +

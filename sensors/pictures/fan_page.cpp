@@ -12,7 +12,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 44, footer_height = 44;
+constexpr int fan_header_height = 2 * margin + 44, footer_height = 44;
 constexpr int angle_label_gap = 20, range_label_gap = 12, range_label_width = 60;
 
 /// Step of the angle lines: a convenient divisor of a circle, at most eight parts, with labels at least 50
@@ -80,7 +80,7 @@ Canvas FanPage::draw(const Texts& texts, const PingEchoes& echoes, const Decibel
                                            text_width(texts.subtitle, label_size, font),
                                            text_width(texts.footer, label_size, font)});
   const int fan_left = margin + range_label_width + (width - 2 * margin - content) / 2;
-  Canvas canvas(width, header_height + drawing_height + footer_height + margin, palette.background, font);
+  Canvas canvas(width, fan_header_height + drawing_height + footer_height + margin, palette.background, font);
 
   constexpr int around = CameraPixels::around;
   FanColours colours(pixels_, echoes, scale);
@@ -88,7 +88,7 @@ Canvas FanPage::draw(const Texts& texts, const PingEchoes& echoes, const Decibel
   for (int y = -around; y < fan.height() + around; ++y)
     for (int x = -around; x < fan.width() + around; ++x, ++lines) {
       const FanColours::Pixel pixel = colours.at(x, y);
-      const int column = fan_left + x, row = header_height + row_of(y);
+      const int column = fan_left + x, row = fan_header_height + row_of(y);
       if (pixel.coverage > 0) {
         canvas.blend(column, row, pixel.colour, pixel.coverage);
         if (lines->grid > 0) canvas.blend(column, row, palette.grid, 0.28 * lines->grid * pixel.coverage);
@@ -99,10 +99,10 @@ Canvas FanPage::draw(const Texts& texts, const PingEchoes& echoes, const Decibel
   canvas.text(margin, margin, texts.title, title_size, palette.ink);
   canvas.text(margin, margin + 30, texts.subtitle, label_size, palette.faint_ink);
   canvas.text(margin, canvas.height() - margin, texts.footer, label_size, palette.faint_ink);
-  const int legend_bottom = header_height + drawing_height;
+  const int legend_bottom = fan_header_height + drawing_height;
   scale.draw_legend(canvas, width - margin - DecibelScale::legend_width + 20,
-                    std::max(header_height, legend_bottom - 400), legend_bottom);
-  draw_labels(canvas, fan_left, header_height);
+                    std::max(fan_header_height, legend_bottom - 400), legend_bottom);
+  draw_labels(canvas, fan_left, fan_header_height);
   return canvas;
 }
 

@@ -17,8 +17,8 @@
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 44, axis_width = 76, axis_height = 62,
-              panel_title_height = 58, footer_height = 34;
+constexpr int panel_header_height = 2 * margin + 44, panel_axis_width = 76, panel_title_height = 58,
+              footer_height = 34;
 
 /// Pixels of a panel's drawing.
 struct DrawingSize {
@@ -134,7 +134,7 @@ Canvas draw_grid_page(const GridPage& page, const std::string& font) {
     sizes.push_back(wide ? size_of(panel, 640, 1100, 520)
                          : size_of(panel, one ? 640 : 360, one ? 1000 : 560, 760));
   const auto outer_width = [&](DrawingSize size) {
-    return axis_width + size.width + margin + DecibelScale::legend_width;
+    return panel_axis_width + size.width + margin + DecibelScale::legend_width;
   };
   const auto outer_height = [&](DrawingSize size) { return panel_title_height + size.height + axis_height; };
   int width = 0, height = 0;
@@ -144,12 +144,12 @@ Canvas draw_grid_page(const GridPage& page, const std::string& font) {
   }
   width = std::max({width, text_width(page.title, title_size, font),
                     widest_text({page.subtitle, page.footer}, label_size, font)});
-  Canvas canvas(width + 2 * margin, header_height - margin + height + footer_height + margin,
+  Canvas canvas(width + 2 * margin, panel_header_height - margin + height + footer_height + margin,
                 palette.background, font);
   canvas.text(margin, margin, page.title, title_size, palette.ink);
   canvas.text(margin, margin + 30, page.subtitle, label_size, palette.faint_ink);
   canvas.text(margin, canvas.height() - margin, page.footer, label_size, palette.faint_ink);
-  int left = margin + axis_width, top = header_height - margin + panel_title_height;
+  int left = margin + panel_axis_width, top = panel_header_height - margin + panel_title_height;
   for (std::size_t k = 0; k < sizes.size(); ++k) {
     draw(canvas, page.panels[k], left, top, sizes[k]);
     (wide ? top : left) += wide ? outer_height(sizes[k]) : outer_width(sizes[k]);

@@ -23,7 +23,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 50, panel_gap = 36, caption_height = 34, widest = 460,
+constexpr int label_header_height = 2 * margin + 50, panel_gap = 36, caption_height = 34, widest = 460,
               highest = 560, entry_height = 26, most_entries = 14, swatch = 16, points = 3;
 
 /// Colour of an object or a material by its number; the first is often the seabed. The sequence repeats,
@@ -200,7 +200,7 @@ Frames frames_of(const LabelRecording& label_recording, std::span<const std::siz
 
 void draw_panel(Canvas& canvas, int left, const Layout& layout, const std::vector<Colours>& frames,
                 const std::string& caption) {
-  canvas.text(left, header_height - caption_height / 2, caption, label_size, palette.ink);
+  canvas.text(left, label_header_height - caption_height / 2, caption, label_size, palette.ink);
   for (int y = 0; y < layout.height; ++y)
     for (int x = 0; x < layout.width; ++x) {
       Colour sum{};
@@ -218,7 +218,7 @@ void draw_panel(Canvas& canvas, int left, const Layout& layout, const std::vecto
         }
       if (inside == 0) continue;
       const float per = 1 / float(inside);
-      canvas.blend(left + x, header_height + y, {sum.red * per, sum.green * per, sum.blue * per},
+      canvas.blend(left + x, label_header_height + y, {sum.red * per, sum.green * per, sum.blue * per},
                    inside / double(points * points));
     }
 }
@@ -277,11 +277,12 @@ Canvas draw(const LabelRecording& label_recording, const Layout& layout, const F
   const int pitch = std::max(layout.width, 260) + panel_gap;
   const int width = std::max(
       {3 * pitch - panel_gap, text_width(title, title_size, font), text_width(subtitle, label_size, font)});
-  Canvas canvas(2 * margin + width, header_height + layout.height + margin + entries * entry_height + margin,
+  Canvas canvas(2 * margin + width,
+                label_header_height + layout.height + margin + entries * entry_height + margin,
                 palette.background, font);
   canvas.text(margin, margin, title, title_size, palette.ink);
   canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
-  const int below = header_height + layout.height + margin;
+  const int below = label_header_height + layout.height + margin;
   draw_panel(canvas, margin, layout, frames.objects, "objects");
   draw_names(canvas, margin, below, label_recording.objects, frames.objects_seen, frames.unscattered);
   draw_panel(canvas, margin + pitch, layout, frames.materials, "materials");

@@ -14,7 +14,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 34, axis_height = 62;
+constexpr int mosaic_header_height = 2 * margin + 34;
 constexpr int smallest_side = 240, largest_side = 1400;
 
 /// Mean power of the cells [c0, c1) x [r0, r1); NaN if no cell has a value.
@@ -66,7 +66,7 @@ Canvas draw_mosaic(const CellMeans& amplitudes, double display_gain_db, const st
   const DecibelScale scale(known, display_gain_db);
 
   MapPlot map{0,
-              header_height,
+              mosaic_header_height,
               width,
               height,
               static_cast<double>(extent.west) * cell_m,

@@ -17,7 +17,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 44, axis_height = 62, axis_width = 72;
+constexpr int phase_header_height = 2 * margin + 44, phase_axis_width = 72;
 
 /// Adds the samples of one ping under a pixel.
 void add(const ReceiverPairPing& ping, std::size_t beam, PixelSpan samples, const InterferometricNoise* noise,
@@ -43,7 +43,8 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
   const auto count = static_cast<std::size_t>(samples.count);
   const int side = static_cast<int>(std::clamp<std::size_t>(count, 300, 600));
   const int rows = static_cast<int>(std::clamp<std::size_t>(recording.pings(), 480, 1500));
-  const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
+  const int left = margin + phase_axis_width, top = phase_header_height, bottom = top + rows,
+            middle = left + side;
   const std::string title =
       fmt::format("{}   phase of upper against lower receiver", sensor.description().name);
   const Sensor::ReceiverPair& receiver_pair = sensor.receiver_pair();

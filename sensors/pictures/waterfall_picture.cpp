@@ -21,7 +21,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int margin = 28, header_height = 2 * margin + 52, axis_height = 62, axis_width = 72;
+constexpr int waterfall_header_height = 2 * margin + 52, waterfall_axis_width = 72;
 constexpr int narrowest_side = 300, widest_side = 600, lowest = 240, highest = 3000;
 constexpr std::size_t sides = 2;  // port, starboard
 
@@ -246,9 +246,10 @@ Canvas Waterfall::draw(const ReceiverOutput* receiver_output) const {
                     tick_label(10 * std::log10(scale.reference_j()), 0.1), has_empty ? "; blue: no echo" : "",
                     has_empty && drawn.ends_early ? "; grey: no surface there" : "");
 
-  const int left = margin + axis_width, top = header_height, bottom = top + rows, middle = left + side;
+  const int left = margin + waterfall_axis_width, top = waterfall_header_height, bottom = top + rows,
+            middle = left + side;
   const int right = middle + side;
-  const int page_width = std::max({right + axis_width + DecibelScale::legend_width,
+  const int page_width = std::max({right + waterfall_axis_width + DecibelScale::legend_width,
                                    margin + text_width(title, title_size, font_),
                                    margin + widest_text({subtitle, footer}, label_size, font_)}) +
                          margin;
@@ -280,7 +281,7 @@ Canvas Waterfall::draw(const ReceiverOutput* receiver_output) const {
   canvas.text(right, bottom + 44, "starboard", label_size, palette.ink, Anchor::right);
   canvas.text(left - 12, top - 22, "ping", label_size, palette.ink, Anchor::right);
   if (spacing_m > 0) canvas.text(right + 12, top - 22, "along track (m)", label_size, palette.ink);
-  scale.draw_legend(canvas, right + axis_width + 20, std::max(top, bottom - 400), bottom);
+  scale.draw_legend(canvas, right + waterfall_axis_width + 20, std::max(top, bottom - 400), bottom);
 
   const double range_step_m = tick_step(far_m, 5);
   for (const double range : ticks(0, far_m, range_step_m)) {

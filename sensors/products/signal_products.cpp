@@ -14,6 +14,7 @@
 
 #include "sensors/beamforming/beams.hpp"
 #include "sensors/model/angles.hpp"
+#include "sensors/signals/require.hpp"
 
 namespace tubefoot {
 namespace {
@@ -22,10 +23,6 @@ namespace {
 constexpr double least_extent_m = 1e-6;
 
 using std::numbers::pi;
-
-void require(bool holds, const std::string& what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 void check(const SignalFan& fan, const char* of, const ElementArray& array) {
   constexpr std::size_t most_beams = 4096;

@@ -66,8 +66,6 @@ void place_on_earth(std::vector<PlacedPing>& block, const Recording& recording, 
   }
 }
 
-bool is_cut(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::cut_by_window); }
-
 /// The least of 1, 2 and 5 times a power of ten that is at least `value`.
 double rounded_up(double value) {
   const double power = std::pow(10, std::floor(std::log10(value)));

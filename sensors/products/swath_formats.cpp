@@ -33,7 +33,6 @@ double level_db(const Sounding& sounding) {
   return std::clamp(20 * std::log10(sounding.amplitude), lowest, highest);
 }
 
-bool is_cut(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::cut_by_window); }
 bool is_one_of_several(const Sounding& sounding) { return sounding.flags.has(DetectionFlag::several_echoes); }
 
 /// Beam flags of GSF as in its library: bit 0 means ignore, and the others give the reason.

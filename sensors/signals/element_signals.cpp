@@ -6,15 +6,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sensors/signals/require.hpp"
+
 namespace tubefoot {
 namespace {
 
 bool finite(glm::dvec3 place) {
   return std::isfinite(place.x) && std::isfinite(place.y) && std::isfinite(place.z);
-}
-
-void require(bool holds, const std::string& what) {
-  if (!holds) throw std::invalid_argument(what);
 }
 
 /// Number of pressures of the signals.

@@ -11,14 +11,12 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "sensors/signals/require.hpp"
+
 namespace tubefoot {
 namespace {
 
 using std::numbers::pi;
-
-void require(bool holds, const std::string& what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 void require_positive(double value, const char* name, const char* unit) {
   require(value > 0 && std::isfinite(value),

@@ -8,16 +8,16 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
 #include "files/csv_file.hpp"
 #include "files/input_error.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double radians = std::numbers::pi / 180, axis_tolerance_deg = 1e-3, sample_share = 0.01;
+constexpr double axis_tolerance_deg = 1e-3, sample_share = 0.01;
 
 Bins even_bins(double first, double last, std::size_t count) {
   std::vector<double> edges;
@@ -35,7 +35,7 @@ Bins tangent_bins(const Bins& reference, std::size_t count) {
   Bins bins;
   const auto at = [&](double place) {
     return middle +
-           std::atan((2 * place / static_cast<double>(count) - 1) * std::tan(half * radians)) / radians;
+           std::atan((2 * place / static_cast<double>(count) - 1) * std::tan(half * degree)) / degree;
   };
   for (std::size_t k = 0; k < count; ++k) bins.centres.push_back(at(static_cast<double>(k) + 0.5));
   for (std::size_t k = 0; k <= count; ++k) bins.edges.push_back(at(static_cast<double>(k)));
@@ -167,12 +167,12 @@ void end_by_tangents(Bins& beams) {
   const std::size_t n = beams.count();
   if (n < 3 || !(beams.centres.front() > -89) || !(beams.centres.back() < 89)) return;
   std::vector<double> tangents;
-  for (const double centre : beams.centres) tangents.push_back(std::tan(centre * radians));
+  for (const double centre : beams.centres) tangents.push_back(std::tan(centre * degree));
   const double step = (tangents.back() - tangents.front()) / static_cast<double>(n - 1);
   for (std::size_t k = 0; k < n; ++k)
     if (std::abs(tangents[k] - tangents[0] - static_cast<double>(k) * step) > 1e-6 * std::abs(step)) return;
-  beams.edges.front() = std::atan(tangents.front() - step / 2) / radians;
-  beams.edges.back() = std::atan(tangents.back() + step / 2) / radians;
+  beams.edges.front() = std::atan(tangents.front() - step / 2) / degree;
+  beams.edges.back() = std::atan(tangents.back() + step / 2) / degree;
 }
 
 }  // namespace

@@ -8,15 +8,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
 #include "files/usage_error.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {
-
-constexpr double radians = std::numbers::pi / 180;
 
 /// Sines and cosines of the centres of equal parts of a beam, for at least a given number of parts.
 class DirectionTable {
@@ -70,12 +68,12 @@ FanPlace fan_place(const std::string& words, std::size_t rows, std::size_t colum
     throw UsageError(
         "--cartesian fan needs a fan around the forward direction, with at most 90 degrees on each side: "
         "give COLUMN:ROW:METRES");
-  const double widest = far * (std::sin(right * radians) - std::sin(left * radians));
+  const double widest = far * (std::sin(right * degree) - std::sin(left * degree));
   FanPlace place;
   place.metres_a_pixel = widest / static_cast<double>(columns);
-  place.apex_column = -far * std::sin(left * radians) / place.metres_a_pixel;
+  place.apex_column = -far * std::sin(left * degree) / place.metres_a_pixel;
   // The picture ends at the apex, or at the lowest point of the nearest arc.
-  const double lowest = near * std::cos(std::max(-left, right) * radians), height = static_cast<double>(rows);
+  const double lowest = near * std::cos(std::max(-left, right) * degree), height = static_cast<double>(rows);
   for (const double bottom : {0.0, lowest}) {
     place.apex_row = far / place.metres_a_pixel;
     if (std::abs((far - bottom) / place.metres_a_pixel - height) <= std::max(1.5, 0.01 * height))
@@ -117,7 +115,7 @@ PolarPicture resampled_fan(const std::vector<double>& energies, std::size_t rows
   };
   for (std::size_t b = 0; b < beams; ++b) {
     stop_if_wanted();
-    const DirectionTable directions(axes.beams.edges[b] * radians, axes.beams.edges[b + 1] * radians);
+    const DirectionTable directions(axes.beams.edges[b] * degree, axes.beams.edges[b + 1] * degree);
     for (std::size_t s = 0; s < samples; ++s) {
       const double near = axes.samples.edges[s], long_m = axes.samples.edges[s + 1] - near;
       const int along = points_over(long_m), least = points_over(directions.wide() * (near + long_m));

@@ -49,7 +49,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "chart, advise, --tolerance",
                                                        "a transmission in Python"};
 
-constexpr auto table = std::to_array<Refusal>({
+constexpr auto refusal_table = std::to_array<Refusal>({
     {inclined_mirrors,
      refraction,
      {},
@@ -201,7 +201,7 @@ std::optional<Refused> refused(std::vector<Found> found, std::span<const Feature
   for (const Feature feature : requested)
     found.push_back({feature, {}, std::string(name_of(feature)) + " is requested"});
   const auto find = [&](Feature feature) { return std::ranges::find(found, feature, &Found::feature); };
-  for (const Refusal& refusal : table) {
+  for (const Refusal& refusal : refusal_table) {
     const auto first = find(refusal.first), second = find(refusal.second);
     if (first == found.end() || second == found.end() ||
         std::ranges::any_of(refusal.more, [&](const std::optional<Feature>& feature) {
@@ -232,7 +232,7 @@ void require(const std::optional<Refused>& refused) {
 
 std::string_view name_of(Feature feature) { return names.at(static_cast<std::size_t>(feature)); }
 
-std::span<const Refusal> refusals() { return table; }
+std::span<const Refusal> refusals() { return refusal_table; }
 
 std::optional<Refused> refused(const Survey& survey, std::span<const Feature> requested,
                                std::optional<std::size_t> sensor) {

@@ -25,9 +25,9 @@ namespace {
 glm::dvec3 vector_of(GridPoint p) { return {p.x, p.y, p.z}; }
 
 /// Finds the distance to the nearest of a set of points, with a binary tree.
-class NearestPoint {
+class NearestTransducer {
  public:
-  explicit NearestPoint(std::vector<glm::dvec3> points) : points_(std::move(points)) {
+  explicit NearestTransducer(std::vector<glm::dvec3> points) : points_(std::move(points)) {
     axis_.resize(points_.size());
     sort(0, points_.size());
   }
@@ -72,7 +72,7 @@ class NearestPoint {
 
 /// Positions of a sensor and its resolution. Lengths are in grid units.
 struct Looks {
-  NearestPoint places;
+  NearestTransducer places;
   double sample, beam_rad, reach;
 
   /// Returns the resolved length on facets whose nearest point is at this distance or beyond.
@@ -88,8 +88,8 @@ Looks looks_of(const SensorPings& pings, const WorldGrid& grid) {
   for (const auto* poses : {&pings.transmission_poses, &pings.receiver_poses})
     for (const Pose& pose : *poses) places.push_back(vector_of(grid.snap(pose.position_m)));
   const SensorFigures figures = figures_of(pings.sensor->description());
-  return {NearestPoint(std::move(places)), figures.sample_m / grid.unit_m(), glm::radians(figures.beam_deg),
-          pings.sensor->reach(grid)};
+  return {NearestTransducer(std::move(places)), figures.sample_m / grid.unit_m(),
+          glm::radians(figures.beam_deg), pings.sensor->reach(grid)};
 }
 
 struct Box {

@@ -353,7 +353,7 @@ struct Row {
 };
 
 using A = const EchoFlags&;
-constexpr auto table = std::to_array<Row>({
+constexpr auto all_parts = std::to_array<Row>({
     {{"a custom engine", add_own_engine}, [](A a) { return a.own_engine; }},
     {{"mirror paths", add_paths}, [](A a) { return a.mirrors && !a.own_engine; }},
     {{"certified, through stratified water", add_refracted_reference},
@@ -399,7 +399,7 @@ const History& traced(const Transmission& transmission, PingSums& sums) {
 std::vector<EchoPart> echo_parts(const Transmissions& transmissions, const SharedTransmissions& group) {
   const EchoFlags flags = echo_flags_of(transmissions, group);
   std::vector<EchoPart> parts;
-  for (const Row& row : table)
+  for (const Row& row : all_parts)
     if (row.wanted(flags)) parts.push_back(row.part);
   return parts;
 }

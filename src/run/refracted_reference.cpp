@@ -22,7 +22,8 @@ namespace tubefoot {
 namespace {
 
 constexpr int most_tries = 6;
-constexpr double most_facets = 24'000;  // limit for the last refinement: about half a minute of one core
+constexpr double most_refined_facets =
+    24'000;  // limit for the last refinement: about half a minute of one core
 constexpr double most_facets_of_paths = 6'000;  // lower, because each pair of images has bounds of its own
 constexpr std::size_t few_facets = 1'500;       // surfaces of so few facets cost almost no time
 constexpr double coarsest = 0.1;                // tolerance for which the first surface is made
@@ -232,7 +233,7 @@ auto certify_until_tolerance(const Transmission& transmission, double reach_m, c
     best->at_limit = quality.is_wide();
     // The number of facets grows at most with the square of the fineness if spreading is the reason for
     // cutting facets.
-    const double room = std::sqrt(most_facets / std::max(double(facets_before), 1.0));
+    const double room = std::sqrt(most_refined_facets / std::max(double(facets_before), 1.0));
     if (room < least_worth || tries == most_tries) break;
     const double finer = quality.finer(room);
     const auto finer_surface = [&](double by) {

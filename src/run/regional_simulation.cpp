@@ -10,7 +10,7 @@ namespace tubefoot {
 namespace {
 
 /// Limit of a region. Deep trees and long waits cost more than tiles that neighbouring regions load twice.
-constexpr std::size_t most_facets = 1 << 20, bytes_a_region_facet = 64;
+constexpr std::size_t most_region_facets = 1 << 20, bytes_a_region_facet = 64;
 
 std::size_t cache_bytes(const Survey& survey) {
   return static_cast<std::size_t>(survey.scene.description.run.terrain_cache_mb) * 1'000'000;
@@ -23,7 +23,7 @@ RegionalSimulation::RegionalSimulation(const Survey& survey, const RunRequest& r
       request_(request),
       chosen_(chosen_of(survey, request.selection)),
       plan_(Transmissions(survey, request),
-            std::min(most_facets, cache_bytes(survey) / (4 * bytes_a_region_facet))),
+            std::min(most_region_facets, cache_bytes(survey) / (4 * bytes_a_region_facet))),
       cache_(cache_bytes(survey), [this](std::size_t region) { return load(region); }) {
   survey.loaded_scene->terrain_use->regions = plan_.regions().size();
 }

@@ -7,12 +7,12 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
 #include "engine/signal/certified_signals.hpp"
 #include "engine/signal/smooth_signals.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "run/echo_parts.hpp"
 #include "run/paths.hpp"
 #include "run/signal_paths.hpp"
@@ -25,8 +25,6 @@
 
 namespace tubefoot {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// Limit of scatterers in one common visibility. That many take most of an hour, and a typing error easily
 /// causes a million times as many.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "geometry/numbers/scalars.hpp"
 
@@ -16,7 +15,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr double rounding = 2e-15;  // of angles [rad] in doubles, and of the angles at which pieces meet
 
 Interval symmetric(double size) { return {-size, size}; }

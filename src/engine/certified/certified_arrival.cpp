@@ -6,14 +6,13 @@
 #include <numbers>
 
 #include "engine/certified/certified_gain.hpp"
+#include "geometry/numbers/ball_vector.hpp"
 
 // Encloses the energy of unscattered arrivals, in isovelocity water E = loss B_t B_r 10^(-alpha r / 10) /
 // r^2. In stratified water the energy follows from an enclosed ray. The file also encloses products of two
 // receivers' signals.
 namespace tubefoot {
 namespace {
-
-using BallVector = std::array<Ball, 3>;
 
 Ball along(const glm::dvec3& axis, const BallVector& direction) {
   return Ball(axis.x) * direction[0] + Ball(axis.y) * direction[1] + Ball(axis.z) * direction[2];

@@ -22,7 +22,7 @@ constexpr std::size_t most_halvings = 60;  // per slab; ball arithmetic has a hi
 /// rounding.
 constexpr double more = 1 + 1e-9, less = 1 - 1e-9;
 
-const Interval pi = outwards(std::numbers::pi, std::numbers::pi), two_pi = 2.0 * pi;
+const Interval interval_pi = outwards(std::numbers::pi, std::numbers::pi), two_pi = 2.0 * interval_pi;
 
 /// Lower bound of the distance between a real t and the zeros of s^2 = t^2 + b.
 double from_zeros(double t, const Interval& b) {
@@ -160,7 +160,7 @@ Interval IntervalIntegrator::turn(std::uint32_t edge, const Interval& t, const I
 
 Interval IntervalIntegrator::angle_at(const Crossing& c, const Interval& t, const Interval& t2) const {
   const Interval direction = polygon_->edges[c.edge].angle, turned = turn(c.edge, t, t2);
-  return c.rising ? direction - turned : direction + pi + turned;
+  return c.rising ? direction - turned : direction + interval_pi + turned;
 }
 
 /// As CertifiedIntegrator::find_arcs().
@@ -193,7 +193,7 @@ bool IntervalIntegrator::find_arcs(std::span<const Crossing> crossings, const In
     const Interval turns = two_pi * -turns_in(length.middle() - least), arc = length + turns;
     if (polygon_->foot_inside && !(arc.surely_positive() && (two_pi - arc).surely_positive())) return false;
     const auto& edges = polygon_->edges;
-    arcs_.push_back({begin, end, edges[end.edge].angle - edges[begin.edge].angle + pi + turns});
+    arcs_.push_back({begin, end, edges[end.edge].angle - edges[begin.edge].angle + interval_pi + turns});
   }
   return true;
 }

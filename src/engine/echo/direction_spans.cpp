@@ -9,25 +9,24 @@
 namespace tubefoot {
 namespace {
 
-constexpr int terms = GainPanels::terms;
 constexpr std::size_t most_at_once = 24;
 
 using Pair = double __attribute__((vector_size(16)));
 
-constexpr Antiderivatives<terms> of;
+constexpr Antiderivatives<GainPanels::terms> of;
 
 /// Integral of x^i x^k over a part of a panel.
 struct PartOfPanel {
-  std::array<std::array<double, terms>, 4> of{};
+  std::array<std::array<double, GainPanels::terms>, 4> of{};
   constexpr PartOfPanel(bool lower, bool upper) {
     for (int k = 0; k < 4; ++k)
-      for (int i = 0; i < terms; ++i) {
+      for (int i = 0; i < GainPanels::terms; ++i) {
         const double half = 1.0 / (i + k + 1);
         of[k][i] = (upper ? half : 0) + (lower ? ((i + k) % 2 == 0 ? half : -half) : 0);
       }
   }
 };
-constexpr PartOfPanel lower_half(true, false), upper_half(false, true), all_of_it(true, true);
+constexpr PartOfPanel lower_half(true, false), upper_half(false, true), whole_panel(true, true);
 
 /// Adds the integrals of a cubic about `origin`.
 void add_part(const GainPanels::Panel& panel, const PartOfPanel& part, const EndLevels& level, double origin,
@@ -36,7 +35,7 @@ void add_part(const GainPanels::Panel& panel, const PartOfPanel& part, const End
   const double own0 = half * (level[0] + away * (level[1] + away * (level[2] + away * level[3]))),
                own1 = half2 * (level[1] + away * (2 * level[2] + 3 * away * level[3])),
                own2 = half2 * half * (level[2] + 3 * away * level[3]), own3 = half2 * half2 * level[3];
-  for (int i = 0; i < terms; ++i)
+  for (int i = 0; i < GainPanels::terms; ++i)
     row[i] += own0 * part.of[0][i] + own1 * part.of[1][i] + own2 * part.of[2][i] + own3 * part.of[3][i];
 }
 
@@ -76,8 +75,8 @@ void DirectionMoments::add_alike(std::span<const CosineSpan> spans, double origi
     level1[k] = (span.level[1] + 2 * away * span.level[2]) * half * sign * x[k];
     level2[k] = span.level[2] * half * half * sign * (x[k] * x[k]);
   }
-  std::array<Pair, terms> moment;
-  for (int i = 0; i < terms; ++i) {
+  std::array<Pair, GainPanels::terms> moment;
+  for (int i = 0; i < GainPanels::terms; ++i) {
     Pair sum{};
     for (std::size_t k = 0; k < count; ++k) {
       sum += power[k] * (level0[k] + of.first[i] * level1[k] + of.second[i] * level2[k]);
@@ -87,12 +86,12 @@ void DirectionMoments::add_alike(std::span<const CosineSpan> spans, double origi
   }
   double* row = row_of(begin_.number);
   if (begin_.number == end_.number) {
-    for (int i = 0; i < terms; ++i) row[i] += moment[i][0] + moment[i][1];
+    for (int i = 0; i < GainPanels::terms; ++i) row[i] += moment[i][0] + moment[i][1];
     return;
   }
-  for (int i = 0; i < terms; ++i) row[i] += moment[i][0];
+  for (int i = 0; i < GainPanels::terms; ++i) row[i] += moment[i][0];
   row = row_of(end_.number);
-  for (int i = 0; i < terms; ++i) row[i] += moment[i][1];
+  for (int i = 0; i < GainPanels::terms; ++i) row[i] += moment[i][1];
   EndLevels level{};
   for (const CosineSpan& span : spans)
     for (std::size_t k = 0; k < span.level.size(); ++k) level[k] += span.level[k];
@@ -104,14 +103,14 @@ void DirectionMoments::add_alike(std::span<const CosineSpan> spans, double origi
   double from = low.panel.hi;
   for (std::uint32_t number; from < high.panel.lo; from = gains_->panel(number).hi) {
     number = gains_->find(from);
-    add_part(gains_->panel(number), all_of_it, level, origin, row_of(number));
+    add_part(gains_->panel(number), whole_panel, level, origin, row_of(number));
   }
   add_part(high.panel, lower_half, level, origin, row_of(high.number));
 }
 
 void DirectionMoments::add_across(std::uint32_t panel, double* row, const EndLevels& level,
                                   double origin) const {
-  row += terms;
+  row += GainPanels::terms;
   const double away = gains_->panel(panel).hi - origin;
   row[0] += level[0] + away * (level[1] + away * (level[2] + away * level[3]));
   row[1] += level[1] + away * (2 * level[2] + 3 * away * level[3]);
@@ -123,9 +122,9 @@ void DirectionMoments::cross_borders() {
   for (std::size_t k = 0, blocks = blocks_.size(); k < blocks * samples_of_block; ++k) {
     double* lower = block(k / samples_of_block) + k % samples_of_block * row_size;
     EndLevels level;
-    std::copy_n(lower + terms, level.size(), level.begin());
+    std::copy_n(lower + GainPanels::terms, level.size(), level.begin());
     if (level == EndLevels{}) continue;
-    std::fill_n(lower + terms, level.size(), 0.0);
+    std::fill_n(lower + GainPanels::terms, level.size(), 0.0);
     const Block at = blocks_[k / samples_of_block];
     const GainPanels::Panel panel = gains_->panel(at.panel);
     add_part(panel, upper_half, level, panel.hi, lower);

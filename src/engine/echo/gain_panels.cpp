@@ -11,13 +11,13 @@
 namespace tubefoot {
 namespace {
 
-constexpr int terms = GainPanels::terms;
 constexpr int most_halvings = 3;
 constexpr double beyond = 4;  // larger than every cosine
 
 using Pair = double __attribute__((vector_size(16)));
 
 struct ChebyshevTables {
+  static constexpr int terms = GainPanels::terms;
   std::array<double, terms> x{};
   std::array<std::array<double, terms>, terms> cosine{};    // T_k(x_j), times 2 / terms (1 / terms for k = 0)
   std::array<std::array<double, terms>, terms> monomial{};  // T_k = sum of monomial[k][i] x^i
@@ -123,7 +123,7 @@ double GainPanels::value(double cosine) {
 void DirectionMoments::add(std::span<const double> cosines, std::span<const double> weights) {
   for (std::size_t k = 0; k < cosines.size();) {
     if (!(cosines[k] >= lo_ && cosines[k] < hi_)) select(cosines[k]);
-    static_assert(terms == 12);
+    static_assert(GainPanels::terms == 12);
     Pair s0{}, s1{}, s2{}, s3{}, s4{}, s5{};  // separate variables stay in registers
     do {
       const double x = (cosines[k] - middle_) * per_half_, x2 = x * x, weight = weights[k];

@@ -18,7 +18,7 @@ namespace tubefoot {
 namespace {
 
 /// Share of the tolerance for the truncation of the series.
-constexpr double share = 0.25;
+constexpr double truncation_share = 0.25;
 /// Mean widths of a polygon in panels. Below `thin` the contributions of both sides nearly cancel, and the
 /// rule needs one more node. Below `thinnest` this method is not used.
 constexpr double thin = 0.05, thinnest = 5e-4;
@@ -87,10 +87,10 @@ bool PatternIntegrator::find_edge_path() {
   if (!(room > 4 * way_.reach)) return false;
   const double ratio = way_.reach / room;
   const double fourth = (ratio * ratio) * (ratio * ratio) / (1 - ratio);
-  if (fourth > share * tolerance_) return false;
+  if (fourth > truncation_share * tolerance_) return false;
   const double steepness2 = radius2 - off * off, per_s2 = 1 / steepness2, reach = way_.reach;
   const double third = off * per_s2 * per_s2 * (1.5 + 2.5 * off * off * per_s2) * (reach * reach * reach);
-  way_.lanes.cubic = third + fourth > share * tolerance_;
+  way_.lanes.cubic = third + fourth > truncation_share * tolerance_;
   way_.singular = std::min(std::sqrt(near2 - piece_.distance2), steepness2 * near / 4);
   // Mean width of the polygon's arcs, in cosines.
   way_.width = area * std::sqrt(steepness2) / (far * std::max(far - near, 1e-300));

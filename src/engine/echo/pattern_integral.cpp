@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "engine/echo/scattering_cut.hpp"
 #include "engine/scattering/density.hpp"
@@ -17,7 +16,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr int deepest = 60;
 
 /// Vector rotated by a quarter turn counter-clockwise.

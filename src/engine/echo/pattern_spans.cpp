@@ -22,7 +22,7 @@ namespace tubefoot {
 namespace {
 
 /// Share of the tolerance for the truncation of the series, and for the rounding of the ends.
-constexpr double share = 0.25;
+constexpr double share_of_tolerance = 0.25;
 constexpr double rounding = 4e-16;  // of a cosine
 
 /// e^x for small |x|, with an error of 1e-12.
@@ -80,7 +80,7 @@ bool PatternIntegrator::add_spans(double t0, double t1, const GaussRule& rule) {
   const Arc& arc = arcs_.front();
   const Sweep::End &from = sweep_.end[0], &to = sweep_.end[1];
   const auto& per_r = sweep_.per_r;
-  if (!(std::abs(to.cosine[1] - from.cosine[1]) > rounding / (share * tolerance_))) return false;
+  if (!(std::abs(to.cosine[1] - from.cosine[1]) > rounding / (share_of_tolerance * tolerance_))) return false;
   const double origin = (from.cosine[1] + to.cosine[1]) / 2;
   double reach = 0;  // largest distance of cosines from the origin
   for (const Sweep::End& end : sweep_.end) {
@@ -101,7 +101,7 @@ bool PatternIntegrator::add_spans(double t0, double t1, const GaussRule& rule) {
   const double per_s2 = 1 / (radius2 - off * off), ratio = reach / room;
   const double third = off * per_s2 * per_s2 * (1.5 + 2.5 * off * off * per_s2) * (reach * reach * reach),
                fourth = (ratio * ratio) * (ratio * ratio) / (1 - ratio);
-  if (third + fourth > share * tolerance_) return false;
+  if (third + fourth > share_of_tolerance * tolerance_) return false;
 
   // Both ends lie on the same side of the extreme values of w on the circle, and the arc is less than half a
   // circle. Thus w is monotonic along the arc.

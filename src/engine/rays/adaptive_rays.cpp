@@ -22,7 +22,7 @@ using namespace splitmix;
 
 // The cells are traversed in bands of this many rows, so that sixteen successive rays are neighbours.
 constexpr std::int64_t band_rows = 4;
-constexpr int digits = 32;
+constexpr int net_digits = 32;
 // Rays per pilot, and the largest number of pilots, whose results must be stored. In tests with 1.5 to 4 rays
 // per pilot, 1.5 to 2 gave the smallest errors on flat and rough seabeds, edges and a sphere.
 constexpr std::int64_t rays_a_pilot = 2, most_pilots = std::int64_t{1} << 20;
@@ -274,11 +274,11 @@ void AdaptiveRays::Source::start_cell() {
   if (pilots_) return;
   points_ = rays_.rays_in(cell_);
   const std::uint64_t scrambling = mixed(~key_ + label);
-  const int bits = std::min(digits, int(std::bit_width(std::uint64_t(points_ - 1))));
-  std::uint32_t direction = 1u << (digits - 1);  // of the second dimension, as in ray_net.cpp
-  std::array<std::uint32_t, digits> column;
+  const int bits = std::min(net_digits, int(std::bit_width(std::uint64_t(points_ - 1))));
+  std::uint32_t direction = 1u << (net_digits - 1);  // of the second dimension, as in ray_net.cpp
+  std::array<std::uint32_t, net_digits> column;
   for (int bit = 0; bit < bits; ++bit, direction ^= direction >> 1) {
-    const std::uint32_t one = 1u << (digits - 1 - bit);
+    const std::uint32_t one = 1u << (net_digits - 1 - bit);
     const std::uint64_t drawn = mixed(scrambling + golden * std::uint64_t(bit + 1));
     column[std::size_t(bit)] = one | (std::uint32_t(drawn) & (one - 1));
     std::uint32_t along = 0;
@@ -331,7 +331,7 @@ bool AdaptiveRays::Source::next(RayPacket& packet) {
         if (points_ > 1) start_cell();
       }
       for (std::size_t d = 0; d < 2; ++d)
-        at_[d] ^= step_[std::size_t(std::countr_zero(std::uint64_t(point_)) % digits)][d];
+        at_[d] ^= step_[std::size_t(std::countr_zero(std::uint64_t(point_)) % net_digits)][d];
     }
     const Grid& grid = rays_.grids_[tube_];
     u[lane] = (double(column_) + (double(at_[0]) + 0.5) * 0x1p-32) * grid.column_width;

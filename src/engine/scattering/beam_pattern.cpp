@@ -9,14 +9,14 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "geometry/numbers/scalars.hpp"
+
 // Evaluates beam patterns: sinc^2 for line arrays, (2 J1(x) / x)^2 for pistons, Gaussian patterns, and tables
 // with monotone cubic interpolation. Also bounds their growth in the complex plane, for error bounds of
 // quadratures.
 
 namespace tubefoot {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 double squared(double x) { return x * x; }
 

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <optional>
 
+#include "geometry/numbers/scalars.hpp"
+
 // Finds the two-way peak of transmit and receive patterns by a search on the sphere. The search visits the
 // peak cones of both patterns and their intersections, and then climbs uphill. Also inverts patterns to
 // ranges of cosines.
@@ -16,7 +18,6 @@ namespace tubefoot {
 namespace {
 
 using Kind = Directivity::Kind;
-constexpr double pi = std::numbers::pi;
 
 double zero_angle(const Directivity& p) {
   return p.from_axis ? 0 : std::asin(std::clamp(p.centre, -1.0, 1.0));

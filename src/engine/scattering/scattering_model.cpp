@@ -8,13 +8,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/numbers/scalars.hpp"
+
 // Evaluates scattering models as sums of analytic terms, converts tables to such terms, and integrates the
 // albedo by Gauss quadrature with seven nodes per panel.
 
 namespace tubefoot {
 namespace {
-
-constexpr double pi = std::numbers::pi, degree = pi / 180;
 
 double from_db(double db) { return std::pow(10, db / 10); }
 

@@ -9,6 +9,7 @@
 
 #include "geometry/integrals/certified_path_wave.hpp"
 #include "geometry/mesh/facet_cone.hpp"
+#include "geometry/numbers/ball_vector.hpp"
 #include "geometry/steps/in_order.hpp"
 
 // Encloses the signals of smooth_signals() in ball arithmetic: closed-form pulses are integrated along the
@@ -18,7 +19,7 @@ namespace tubefoot {
 namespace {
 
 /// Polygons per task. The number determines the order of summation.
-constexpr std::size_t patches_per_task = 16;
+constexpr std::size_t certified_patches_per_task = 16;
 
 /// Marks a missing bound.
 const std::complex<double> open(std::numeric_limits<double>::infinity(),
@@ -105,10 +106,6 @@ std::pair<std::size_t, std::size_t> samples_of(double shortest_m, double longest
           std::size_t(std::clamp(std::ceil(end + margin) + 1, 0.0, count))};
 }
 
-std::array<Ball, 3> between(glm::dvec3 from, glm::dvec3 to) {
-  return {Ball(to.x) - Ball(from.x), Ball(to.y) - Ball(from.y), Ball(to.z) - Ball(from.z)};
-}
-
 /// Polygon as the ends of a channel see it.
 struct ReceivedPolygon {
   CertifiedPathEdges edges;
@@ -122,8 +119,8 @@ std::optional<ReceivedPolygon> received_polygon(const CertifiedSmoothSignals::Se
   FacetCone::make(seen.mesh, patch.facet, seen.apex, cone);
   const CertifiedPolygon polygon =
       certified_polygon(cone, patches.corners(patch), seen.other_apex_m, seen.grid_unit_m);
-  const ApexOverPlane tx = apex_over(polygon, between(patches.origin_m, channel.transmit_m)),
-                      back = apex_over(polygon, between(patches.origin_m, channel.receive_m));
+  const ApexOverPlane tx = apex_over(polygon, vector_between(patches.origin_m, channel.transmit_m)),
+                      back = apex_over(polygon, vector_between(patches.origin_m, channel.receive_m));
   if (!(tx.height.hi() > 0 && back.height.hi() > 0)) return std::nullopt;
   std::vector<CertifiedPolygon::Point> points;
   for (const CertifiedPolygon::Point& p : polygon.points) points.push_back({p.x - tx.x, p.y - tx.y});
@@ -147,10 +144,6 @@ std::pair<double, double> paths_of(const VisiblePolygons& patches, const Visible
   const glm::dvec3 apart = rx - tx;
   const double across2 = std::max(glm::dot(apart, apart) - std::pow(glm::dot(apart, patch.normal), 2), 0.0);
   return {std::max(longest - 4 * reach, heights > 0 ? std::hypot(heights, std::sqrt(across2)) : 0), longest};
-}
-
-double radius_about(const Ball& ball, double middle) {
-  return std::max(ball.hi() - middle, middle - ball.lo()) * (1 + 1e-15);
 }
 
 }  // namespace
@@ -204,14 +197,15 @@ CertifiedSignals CertifiedSmoothSignals::of(const VisiblePolygons& patches,
         part.open[k] = 1;
     }
   };
-  const std::size_t tasks = (patches.patches.size() + patches_per_task - 1) / patches_per_task;
+  const std::size_t tasks =
+      (patches.patches.size() + certified_patches_per_task - 1) / certified_patches_per_task;
   Part sum{std::vector<ComplexBall>(times_.count), std::vector<std::uint8_t>(times_.count)};
   in_order(
       0, channels.size() * tasks, 256 * times_.count,
       [&](std::size_t task) {
         Part part{std::vector<ComplexBall>(times_.count), std::vector<std::uint8_t>(times_.count)};
-        const std::size_t begin = task % tasks * patches_per_task,
-                          end = std::min(begin + patches_per_task, patches.patches.size());
+        const std::size_t begin = task % tasks * certified_patches_per_task,
+                          end = std::min(begin + certified_patches_per_task, patches.patches.size());
         for (std::size_t n = begin; n < end; ++n) add_patch(patches.patches[n], task / tasks, part);
         return part;
       },

@@ -12,6 +12,7 @@
 #include "engine/signal/view_displacement.hpp"
 #include "engine/visibility/far_view.hpp"
 #include "geometry/integrals/certified_waves.hpp"
+#include "geometry/numbers/ball_vector.hpp"
 
 // Encloses backscattering lengths in ball arithmetic. Transforms of the view's triangles are summed, and the
 // displacement of the vertices by the grid is bounded. Source: docs/notes/smooth-surfaces.md, "Target
@@ -19,17 +20,6 @@
 
 namespace tubefoot {
 namespace {
-
-using BallVector = std::array<Ball, 3>;
-
-Ball dot(const BallVector& a, const BallVector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-BallVector cross(const BallVector& a, const BallVector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-BallVector balls(glm::dvec3 p) { return {Ball(p.x), Ball(p.y), Ball(p.z)}; }
-BallVector between(glm::dvec3 from, glm::dvec3 to) {
-  return {Ball(to.x) - Ball(from.x), Ball(to.y) - Ball(from.y), Ball(to.z) - Ball(from.z)};
-}
 
 /// Axes right, up and towards the viewer, equal to those of far_view() except for rounding. The rounding of
 /// far_view()'s axes counts as a displacement of vertices, as that of the grid.
@@ -86,10 +76,6 @@ std::vector<SeenTriangle> triangles_of(const FarView& view, const FarViewGrid& g
   return seen;
 }
 
-double radius_about(const Ball& ball, double middle) {
-  return std::max(ball.hi() - middle, middle - ball.lo()) * (1 + 1e-15);
-}
-
 }  // namespace
 
 struct CertifiedStrength::State {
@@ -102,7 +88,7 @@ struct CertifiedStrength::State {
   Ball sine(std::size_t facet, const BallVector& towards) const {
     const std::array<std::uint32_t, 3>& t = triangles[facet];
     const BallVector normal =
-        cross(between(points_m[t[0]], points_m[t[1]]), between(points_m[t[0]], points_m[t[2]]));
+        cross(vector_between(points_m[t[0]], points_m[t[1]]), vector_between(points_m[t[0]], points_m[t[2]]));
     const Ball square = dot(normal, normal);
     if (!square.surely_positive()) return Ball::between(0, 1);
     const Ball along = dot(normal, towards) / root(square);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 
@@ -13,6 +12,7 @@
 #include "engine/signal/chebyshev_moments.hpp"
 #include "engine/signal/moving_channels.hpp"
 #include "engine/signal/surface_scatterers.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/in_order.hpp"
 
 // Computes signals of a scene-fixed field by moments of its scatterers, independent draws by Gauss nodes,
@@ -21,9 +21,8 @@
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 /// Work per task. The numbers determine the order of summation.
-constexpr std::size_t scatterers_per_task = 4096, patches_per_task = 64;
+constexpr std::size_t scatterers_per_task = 4096, scatterer_patches_per_task = 64;
 
 double wavenumber(const CoherentReceiver& receiver) {
   return 2 * pi * receiver.carrier_hz / receiver.sound_speed_m_s;
@@ -197,7 +196,7 @@ ChannelSignals moving_signals(const VisiblePolygons& patches, const MovingEnds& 
   const SignalExtent extent = extent_of(receiver, model.path, false, tolerance);
   const ChebyshevNodes nodes(tolerance);
   ChannelSignals signals = zero_signals(receiver);
-  in_tasks(patches.patches.size(), patches_per_task, signals.value,
+  in_tasks(patches.patches.size(), scatterer_patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              MovingChannels channels(ends, patches, model, extent, tolerance);
              ScatterersOnPolygon scatterers(patches, receiver, field, nodes);
@@ -247,7 +246,7 @@ ChannelSignals element_signals(const VisiblePolygons& patches, const CoherentRec
   const ChebyshevNodes nodes(tolerance);
   const SmoothPieces pieces(extent, nodes.most_change());
   ChannelSignals signals = zero_signals(receiver);
-  in_tasks(patches.patches.size(), patches_per_task, signals.value,
+  in_tasks(patches.patches.size(), scatterer_patches_per_task, signals.value,
            [&](std::size_t begin, std::size_t end, Values& part) {
              ChannelsOnPolygon channels(patches, receiver, model);
              ScatterersOnPolygon scatterers(patches, receiver, field, nodes);

@@ -19,7 +19,7 @@ namespace tubefoot {
 namespace {
 
 /// Polygons per task. The number determines the order of summation.
-constexpr std::size_t patches_per_task = 32;
+constexpr std::size_t gated_patches_per_task = 32;
 
 bool same(const Directivity& a, const Directivity& b) {
   return a.kind == b.kind && a.axis == b.axis && a.from_axis == b.from_axis && a.centre == b.centre &&
@@ -192,13 +192,14 @@ SampleCovariances gated_covariances(const VisiblePolygons& patches, const Signal
   all.reach =
       same(a, b) ? 0 : int(std::min(std::ceil(apart / 2 / samples.step_m), double(samples.count - 1)));
   all.value.assign(std::size_t(2 * all.reach + 1) * std::size_t(samples.count), 0);
-  const std::size_t count = patches.patches.size(), tasks = (count + patches_per_task - 1) / patches_per_task;
+  const std::size_t count = patches.patches.size(),
+                    tasks = (count + gated_patches_per_task - 1) / gated_patches_per_task;
   std::vector<std::vector<std::complex<double>>> parts(tasks);
   tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
     GatedIntegral integral(patches, a, b, borders, samples.step_m, all.reach, wavenumber_rad_m, model,
                            tolerance);
-    const std::size_t end = std::min((task + 1) * patches_per_task, count);
-    for (std::size_t k = task * patches_per_task; k < end; ++k) integral.add(patches.patches[k]);
+    const std::size_t end = std::min((task + 1) * gated_patches_per_task, count);
+    for (std::size_t k = task * gated_patches_per_task; k < end; ++k) integral.add(patches.patches[k]);
     parts[task].assign(all.value.size(), 0);
     integral.tell(parts[task]);
   });

@@ -22,8 +22,6 @@ constexpr double way_tolerance = 1e-10;
 constexpr double as_fast_as_sound = 0.99;
 /// Smallest range for the choice of time steps.
 constexpr double nearest_of_all_m = 1e-3;
-/// Rate of amplitudes per relative change of range, in rad (smooth_pieces.cpp).
-constexpr double amplitude_rad = 8;
 
 std::size_t known(std::vector<TabulatedMotion>& motions, TabulatedMotion motion) {
   const auto same = std::find(motions.begin(), motions.end(), motion);

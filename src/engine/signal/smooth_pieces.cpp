@@ -19,8 +19,6 @@ namespace {
 /// Radius of a chunk relative to its range.
 constexpr double chunk_rad = 0.1;
 constexpr int most_halvings = 60;
-/// Rate of amplitudes r^-4 with sines of grazing angles, in rad per relative change of range.
-constexpr double amplitude_rad = 8;
 
 }  // namespace
 

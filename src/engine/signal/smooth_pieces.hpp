@@ -16,6 +16,9 @@
 // docs/notes/signals.md, "Pulses".
 namespace tubefoot {
 
+/// Rate of amplitudes r^-4 with sines of grazing angles, in rad per relative change of range.
+constexpr double amplitude_rad = 8;
+
 /// Bounds of the rates at which the channels' responses change over the seabed.
 struct SignalExtent {
   std::vector<glm::dvec3> transmit_m, receive_m;  ///< all ends, local frame

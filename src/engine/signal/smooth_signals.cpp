@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <ranges>
 #include <stdexcept>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "engine/signal/smooth_amplitude.hpp"
 #include "engine/signal/smooth_pieces.hpp"
 #include "geometry/integrals/edge_panels.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/in_order.hpp"
 
 // Computes signals of smooth facets: the pulse is integrated along the edges of visible polygons in the
@@ -21,9 +21,8 @@
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 /// Polygons per task. The number determines the order of summation.
-constexpr std::size_t patches_per_task = 256;
+constexpr std::size_t smooth_patches_per_task = 256;
 constexpr int most_nodes = 24, most_halvings = 40;
 /// Largest change of a pattern's phase over a piece, in rad.
 constexpr double most_pattern_rad = 0.15;
@@ -66,7 +65,7 @@ struct ReceivedPulse {
 
 /// Number of Chebyshev nodes that interpolate e^{i turn x}, |x| <= 1, within an error. The remainder is at
 /// most turn^n / (2^(n-1) n!).
-int nodes_for(double turn_rad, double error) {
+int bessel_nodes_for(double turn_rad, double error) {
   double left = 2;
   for (int n = 1; n < most_nodes; ++n) {
     left *= turn_rad / (2 * n);
@@ -248,7 +247,7 @@ class ChannelOfSmooth {
   void add(const EdgePanels::Panel& panel, std::complex<double>* out) {
     const double c = receiver_.sound_speed_m_s, least = panel.least_path_m(), most = panel.most_path_m(),
                  half = (most - least) / 2, turn = received_pulse_.turn_rad(half);
-    const int count = nodes_for(turn, error_);
+    const int count = bessel_nodes_for(turn, error_);
     const double node_error = error_ / 8;
     path_nodes_.clear();
     edges_.nodes(panel, panel.from, panel.to, turn + count, node_error, path_nodes_);
@@ -420,14 +419,14 @@ ChannelSignals smooth_signals(const VisiblePolygons& patches, const CoherentRece
   signals.value.assign(signals.channels * signals.samples, 0);
   if (smooth.empty()) return signals;
   const ReceivedPulse received(receiver, tolerance);
-  const std::size_t tasks = (smooth.size() + patches_per_task - 1) / patches_per_task;
+  const std::size_t tasks = (smooth.size() + smooth_patches_per_task - 1) / smooth_patches_per_task;
   in_order(
       0, signals.channels * tasks, 16 * signals.samples,
       [&](std::size_t task) {
         std::vector<std::complex<double>> part(signals.samples);
         ChannelOfSmooth channel(receiver.channels[task / tasks], receiver, received, model, tolerance);
-        const std::size_t begin = task % tasks * patches_per_task,
-                          end = std::min(begin + patches_per_task, smooth.size());
+        const std::size_t begin = task % tasks * smooth_patches_per_task,
+                          end = std::min(begin + smooth_patches_per_task, smooth.size());
         for (std::size_t n = begin; n < end; ++n)
           channel.add(patches, *smooth[n].first, *smooth[n].second, part.data());
         return part;

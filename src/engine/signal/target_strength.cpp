@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "geometry/integrals/polygon_transform.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 
@@ -52,7 +53,6 @@ double target_strength_db(std::complex<double> length_m) {
 }
 
 glm::dvec3 sonar_direction(double azimuth_deg, double elevation_deg) {
-  constexpr double degree = std::numbers::pi / 180;
   const double azimuth = azimuth_deg * degree, elevation = elevation_deg * degree;
   return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
           std::sin(elevation)};

@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 // After this time, rank 0 no longer exists.
-constexpr std::chrono::seconds patience_when_interrupted{2};
+constexpr std::chrono::seconds helper_patience_when_interrupted{2};
 
 // Limit of bytes of results that wait for rank 0.
 constexpr std::size_t most_unsent = std::size_t{8} << 20;
@@ -80,7 +80,7 @@ class HelpingRank {
     while (!stopped_) {
       next();
       if (!stop_seen && stop_wanted()) stop_seen = Clock::now();
-      if (stop_seen && Clock::now() - *stop_seen > patience_when_interrupted) return;
+      if (stop_seen && Clock::now() - *stop_seen > helper_patience_when_interrupted) return;
       std::this_thread::sleep_for(link_.pause());
     }
     link_.leave();

@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 // mpirun kills the processes a second after its signal. The message about the checkpoint must be printed
 // before.
-constexpr std::chrono::milliseconds patience_when_interrupted{500};
+constexpr std::chrono::milliseconds lead_patience_when_interrupted{500};
 constexpr std::chrono::seconds patience{5};
 
 /// The pings that no rank has yet, in order.
@@ -128,7 +128,7 @@ void LeadRank::simulate(const Survey& survey, const RunRequest& request, PingSto
       if (units.empty()) workers.close();
       workers.add(units);
     }
-    if (stopped_ && Clock::now() - *stopped_ > patience_when_interrupted) break;
+    if (stopped_ && Clock::now() - *stopped_ > lead_patience_when_interrupted) break;
     if (received < ranks()) workers.rest(link_->pause());
   }
   workers.join();

@@ -17,12 +17,12 @@
 #include "engine/scattering/sediment.hpp"
 #include "files/csv_file.hpp"
 #include "files/input_registry.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "scene/description/scene_description.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
 constexpr std::size_t most_rows = 1000;
 
 double from_db(double db) { return std::pow(10, db / 10); }
