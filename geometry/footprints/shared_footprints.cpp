@@ -11,6 +11,7 @@
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/footprints/plane_lines.hpp"
 #include "geometry/footprints/seen_piece.hpp"
+#include "geometry/numbers/grid_vector.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Finds the facets that both apexes see from the same side and intersects their pieces there. Pieces that
@@ -104,8 +105,7 @@ void FootprintSharer::find_facets() {
 }
 
 glm::dvec3 FootprintSharer::receiver_m() const {
-  const GridPoint &t = transmit_.tubes.apex, &r = receive_.tubes.apex;
-  return glm::dvec3(double(r.x) - t.x, double(r.y) - t.y, double(r.z) - t.z) * unit_m_;
+  return displacement_m(transmit_.tubes.apex, receive_.tubes.apex, unit_m_);
 }
 
 FootprintSharer::OnFacet::OnFacet(const FootprintSharer& sharer, const Both& both)

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "geometry/numbers/grid_vector.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -12,8 +14,7 @@ double longest_edge2(const FacetMesh& mesh, FacetId facet, double unit_m) {
   const auto& f = mesh.facets[facet];
   double longest = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const GridPoint a = mesh.vertices[f[k]], b = mesh.vertices[f[(k + 1) % 3]];
-    const glm::dvec3 d{double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z};
+    const glm::dvec3 d = displacement(mesh.vertices[f[k]], mesh.vertices[f[(k + 1) % 3]]);
     longest = std::max(longest, glm::dot(d, d));
   }
   return longest * unit_m * unit_m;

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "geometry/numbers/grid_vector.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Reflects the ends of the channels in the mirrors of the images, and adds the signals of all scattered
@@ -28,9 +29,7 @@ class ImageFrame {
         unit_m_(images.grid_unit_m()) {}
 
   glm::dvec3 place_m(const Image& image) const {
-    const GridPoint& at = image.windows.apex;
-    return apex_m_ +
-           glm::dvec3(double(at.x) - apex_.x, double(at.y) - apex_.y, double(at.z) - apex_.z) * unit_m_;
+    return apex_m_ + displacement_m(apex_, image.windows.apex, unit_m_);
   }
   glm::dvec3 image_of(glm::dvec3 place_m, const Image& image) const {
     return image_of_place(place_m, image.chain, apex_, apex_m_, unit_m_);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "geometry/numbers/grid_vector.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
@@ -52,10 +53,7 @@ PairModel::PairModel(const Image& sent, const Image& received, GridPoint true_ap
   model.path.rx = received.leg;
   model.path.tx = sent.leg;
   const GridPoint apex = sent.windows.apex;
-  model.path.tx.apex_m =
-      of_apexes.path.tx.apex_m +
-      glm::dvec3(double(apex.x) - true_apex.x, double(apex.y) - true_apex.y, double(apex.z) - true_apex.z) *
-          grid_unit_m;
+  model.path.tx.apex_m = of_apexes.path.tx.apex_m + displacement_m(true_apex, apex, grid_unit_m);
   if (of_apexes.patterns == nullptr) return;
   patterns = *of_apexes.patterns;
   patterns.fan_of_tube = of_windows(received, of_apexes.patterns->fan_of_tube);

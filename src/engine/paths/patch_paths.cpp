@@ -19,6 +19,7 @@
 #include "engine/paths/patches.hpp"
 #include "engine/scattering/density.hpp"
 #include "engine/water/apparent_map.hpp"
+#include "geometry/numbers/grid_vector.hpp"
 #include "geometry/steps/steps.hpp"
 
 // Computes multiple scattering generation by generation. A patch scatters from its centroid to the receivers
@@ -80,7 +81,7 @@ class Generation {
   }
 
   void take(const Source& source, const Link& link) {
-    const glm::dvec3 centre = difference(link.seen_from) + link.patch.lies_m;
+    const glm::dvec3 centre = scene_.from_apex(link.seen_from) + link.patch.lies_m;
     Lit* lit = nullptr;
     for (const Delayed& delayed : source.signal) {
       const double way = delayed.way_m + link.way_m, strength = delayed.strength * link.gain;
@@ -109,7 +110,7 @@ class Generation {
       source.normal = lit.normal;
       source.strength = lit.strength;
       source.at = in_front(scene_.mesh, source.facet, lit.seen_from,
-                           (lit.centre / lit.strength - difference(lit.seen_from)) / scene_.unit_m,
+                           (lit.centre / lit.strength - scene_.from_apex(lit.seen_from)) / scene_.unit_m,
                            lit.normal, scene_.least_lift());
       for (std::size_t k = 0; k < lit.signal.size(); ++k)
         if (lit.signal[k] > 0)
@@ -140,16 +141,11 @@ class Generation {
   };
   using Key = std::array<std::int64_t, 7>;
 
-  glm::dvec3 difference(GridPoint p) const {
-    const GridPoint& o = scene_.apex;
-    return glm::dvec3(double(p.x) - o.x, double(p.y) - o.y, double(p.z) - o.z) * scene_.unit_m;
-  }
-
   Lit& lit_at(std::uint32_t fan, const Link& link) {
     const auto& v = scene_.mesh.facets[link.patch.facet];
-    const glm::dvec3 a = difference(scene_.mesh.vertices[v[0]]);
-    const glm::dvec3 front =
-        glm::cross(difference(scene_.mesh.vertices[v[1]]) - a, difference(scene_.mesh.vertices[v[2]]) - a);
+    const glm::dvec3 a = scene_.from_apex(scene_.mesh.vertices[v[0]]);
+    const glm::dvec3 front = glm::cross(scene_.from_apex(scene_.mesh.vertices[v[1]]) - a,
+                                        scene_.from_apex(scene_.mesh.vertices[v[2]]) - a);
     const auto& cube = link.patch.cube;
     Lit& lit = lit_[Key{link.interactions, fan, link.patch.facet, glm::dot(front, link.patch.normal) > 0,
                         cube[0], cube[1], cube[2]}];
@@ -403,9 +399,7 @@ class PatchPaths {
 
 }  // namespace
 
-glm::dvec3 PathScene::from_apex(GridPoint p) const {
-  return glm::dvec3(double(p.x) - apex.x, double(p.y) - apex.y, double(p.z) - apex.z) * unit_m;
-}
+glm::dvec3 PathScene::from_apex(GridPoint p) const { return displacement_m(apex, p, unit_m); }
 
 ReceiverViews PathScene::received_by(const Image& image) const {
   return {image, from_apex(image.windows.apex), seen_by(image)};

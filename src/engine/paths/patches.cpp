@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "geometry/numbers/grid_vector.hpp"
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/mirror.hpp"
 
@@ -117,8 +118,7 @@ std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, co
     glm::dvec3 corner(std::numeric_limits<double>::infinity());
     for (const VertexId v : mesh.facets[id]) {
       const GridPoint p = mesh.vertices[v];
-      corner = glm::min(
-          corner, glm::dvec3(double(p.x) - apex.x, double(p.y) - apex.y, double(p.z) - apex.z) * unit_m);
+      corner = glm::min(corner, displacement_m(apex, p, unit_m));
     }
     gathered.clear();
     for (const auto& [seen_part, seen_piece] : pieces) {

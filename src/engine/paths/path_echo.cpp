@@ -21,6 +21,7 @@
 #include "engine/paths/patch_paths.hpp"
 #include "engine/rays/shared_hits.hpp"
 #include "engine/visibility/part_label.hpp"
+#include "geometry/numbers/grid_vector.hpp"
 #include "geometry/steps/steps.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 
@@ -30,10 +31,6 @@
 
 namespace tubefoot {
 namespace {
-
-glm::dvec3 difference_m(GridPoint a, GridPoint b, double unit_m) {
-  return glm::dvec3(double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z) * unit_m;
-}
 
 /// Images of both apexes, and the echoes between them.
 class PathTracer {
@@ -294,7 +291,7 @@ class PathTracer {
     const GridPoint to = true_receive_.apex;
     const GridPoint along = to - from;
     if (along == GridPoint{}) return;
-    const glm::dvec3 path_m = difference_m(to, from, unit_m_);
+    const glm::dvec3 path_m = displacement_m(from, to, unit_m_);
     const double length = glm::length(path_m);
     const glm::dvec3 direction = path_m / length;
     arrive(image,
@@ -319,8 +316,7 @@ class PathTracer {
     std::optional<bool> seen;
     for (std::uint32_t window = 0; window < image.own_tube.size(); ++window) {
       stop_if_wanted();
-      const std::uint32_t fan =
-          beams_.fan_of_transmit_tube.empty() ? 0 : beams_.fan_of_transmit_tube[image.own_tube[window]];
+      const std::uint32_t fan = fan_of(beams_.fan_of_transmit_tube, image.own_tube[window]);
       if (arrived_.contains({source, fan}) || !holds(image.windows, window, arrival.along, window_border_rad))
         continue;
       if (!seen) seen = is_in_view();
@@ -361,6 +357,15 @@ class PathTracer {
   std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t receive_tube) const {
     if (model_.patterns != nullptr) return model_.patterns->beams_of_tube[receive_tube];
     return {beams_.of_tube[receive_tube], beams_.of_tube[receive_tube] + 1};
+  }
+  /// Sets the patterns of the beams that receive a tube. Returns these beams.
+  std::pair<std::uint32_t, std::uint32_t> weigh(Arrival& arrival, std::uint32_t receive_tube) const {
+    const auto [first, end] = beams_of(receive_tube);
+    if (model_.patterns != nullptr) {
+      arrival.transmit = &model_.patterns->transmit[model_.patterns->fan_of_tube[receive_tube]];
+      arrival.receive = std::span(model_.patterns->receive).subspan(first, end - first);
+    }
+    return {first, end};
   }
   static std::uint32_t fan_of(std::span<const std::uint32_t> fans, std::uint32_t tube) {
     return fans.empty() ? 0 : fans[tube];
@@ -412,12 +417,8 @@ class PathTracer {
     if (!(image.leg.loss.at(found.ray->sent) > least_)) return;
     Arrival arrival;
     arrival.leg = &image.leg;
-    const auto [first, end] = beams_of(receive_tube);
-    if (model_.patterns != nullptr) {
-      if (first == end) return;
-      arrival.transmit = &model_.patterns->transmit[model_.patterns->fan_of_tube[receive_tube]];
-      arrival.receive = std::span(model_.patterns->receive).subspan(first, end - first);
-    }
+    const auto [first, end] = weigh(arrival, receive_tube);
+    if (first == end) return;
     bool received = false;
     certify_arrival(
         *found.enclosed, arrival, sure, samples_,
@@ -445,21 +446,13 @@ class PathTracer {
 
   void hear_certified(const Image& image, std::uint32_t receive_tube) {
     Arrival arrival{true_receive_.apex - image.windows.apex, unit_m_, model_.absorption_db_per_m, &image.leg};
-    const double length = glm::length(difference_m(true_receive_.apex, image.windows.apex, unit_m_));
-    if (!(image.leg.loss.at(difference_m(true_receive_.apex, image.windows.apex, unit_m_) / length) > least_))
-      return;
-    std::uint32_t first = beams_.of_tube[receive_tube];
-    if (model_.patterns != nullptr) {
-      const BeamPatterns& patterns = *model_.patterns;
-      const auto [begin, end] = patterns.beams_of_tube[receive_tube];
-      if (begin == end) return;
-      first = begin;
-      arrival.transmit = &patterns.transmit[patterns.fan_of_tube[receive_tube]];
-      arrival.receive = std::span(patterns.receive).subspan(begin, end - begin);
-    }
+    const glm::dvec3 path_m = displacement_m(image.windows.apex, true_receive_.apex, unit_m_);
+    if (!(image.leg.loss.at(path_m / glm::length(path_m)) > least_)) return;
+    const auto [first, end] = weigh(arrival, receive_tube);
+    if (first == end) return;
     bool received = false;
     certify_arrival(arrival, samples_,
-                    [&](std::size_t beam, std::size_t sample, double energy, double bound) {
+                    [&, first = first](std::size_t beam, std::size_t sample, double energy, double bound) {
                       received = true;
                       const std::size_t bin = (first + beam) * std::size_t(samples_.count) + sample;
                       take({image.mirrors, bin, energy, bound});
