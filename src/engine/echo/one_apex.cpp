@@ -216,7 +216,7 @@ class OneApex {
           continue;
         }
         const LyingPlane lies = model_.path.tx.lying(facet.facet, facet.plane, frame);
-        cells.cut(polygon_, lies, seabed.texture->cells(), [&](const PlanarPolygon& part) {
+        cells.cut(polygon_, lies, seabed.texture, [&](const PlanarPolygon& part) {
           stop_if_wanted();
           integrator.add(part, facet.plane, frame, tube, lambert_or_one, energy_, seabed.scattering,
                          {seabed.texture, lies});

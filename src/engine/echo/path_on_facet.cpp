@@ -8,43 +8,34 @@
 
 namespace tubefoot {
 
-PathOnFacet::PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 rx_m,
-                         double rx_distance_m, FacetId facet, const EchoModel& model) {
-  tx.over = {plane.distance_m, glm::dvec2(0)};
-  rx.over = {rx_distance_m, frame.project(rx_m)};
+PathOnFacet::PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame,
+                         const PathCutter::Receiver& tx_over, const PathCutter::Receiver& rx_over,
+                         FacetId facet, const EchoModel& model)
+    : seabed(model.seabed(facet)) {
+  tx.over = tx_over;
+  rx.over = rx_over;
   for (EndOverPlane* end : {&tx, &rx}) {
     end->seen.foot_m =
         -end->over.distance * plane.normal - end->over.foot.x * frame.u - end->over.foot.y * frame.v;
     end->seen.u = frame.u;
     end->seen.v = frame.v;
   }
-  seabed = model.seabed(facet);
   if (seabed.texture != nullptr) lies = model.path.tx.lying(facet, plane, frame);
   finish(model);
 }
 
-PathOnFacet::PathOnFacet(const BistaticFacet& bistatic, FacetId facet, const EchoModel& model) {
-  tx = {{bistatic.transmit_distance_m, glm::dvec2(0)}, bistatic.transmit_seen, true};
-  rx = {{bistatic.receive_distance_m, bistatic.receive_foot_m}, bistatic.receive_seen, true};
-  seabed = model.seabed(facet);
+PathOnFacet::PathOnFacet(const BistaticFacet& bistatic, FacetId facet, const EchoModel& model)
+    : tx{{bistatic.transmit_distance_m, glm::dvec2(0)}, bistatic.transmit_seen, true},
+      rx{{bistatic.receive_distance_m, bistatic.receive_foot_m}, bistatic.receive_seen, true},
+      seabed(model.seabed(facet)),
+      lies(bistatic.lies) {
   const double own = bistatic_factor(bistatic, seabed.scattering);
   seabed.factor *= own;
   seabed.mu *= own;
-  lies = bistatic.lies;
   finish(model);
 }
 
-void PathOnFacet::flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic,
-                          PlanarPolygon& polygon) {
-  polygon.distance = bistatic.transmit_distance_m;
-  polygon.first = glm::dvec2(bistatic.to_plane.at(corners_m[0]));
-  polygon.offsets.clear();
-  for (const glm::dvec3& corner : corners_m)
-    polygon.offsets.emplace_back(glm::dvec2(bistatic.to_plane.linear * (corner - corners_m[0])));
-}
-
 void PathOnFacet::finish(const EchoModel& model) {
-  lambert = seabed.mu * tx.over.distance * rx.over.distance;
   beta_per_m = absorption_per_m(model.absorption_db_per_m);
   if (!model.path.tx.loss.none()) tx_loss = &model.path.tx.loss;
   if (!model.path.back().loss.none()) rx_loss = &model.path.back().loss;
@@ -64,15 +55,22 @@ PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, cons
   const SeenFacet facet = visibility[number];
   if (const BistaticFacet* bistatic = visibility.bistatic(number))
     return PathOnFacet(*bistatic, facet.facet, model);
-  return PathOnFacet(facet.plane, frame, visibility.rx_m(), facet.rx_distance_m, facet.facet, model);
+  return PathOnFacet(facet.plane, frame, {facet.plane.distance_m, glm::dvec2(0)},
+                     {facet.rx_distance_m, frame.project(visibility.rx_m())}, facet.facet, model);
 }
 
-void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic, PlanarPolygon& polygon) {
-  polygon.distance = bistatic.transmit_distance_m;
-  polygon.first = glm::dvec2(bistatic.to_plane.at(corners_m[0]));
+PathCutter::Receiver over_plane(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 at_m) {
+  return {plane.distance_m + glm::dot(plane.normal, at_m), frame.project(at_m)};
+}
+
+void assign(PlanarPolygon& polygon, std::span<const glm::dvec3> corners_m, const FacetPlane& plane,
+            const PlaneFrame& frame, const BistaticFacet* bistatic) {
+  if (bistatic == nullptr) return polygon.assign(corners_m, plane, frame);
+  polygon.distance = bistatic->transmit_distance_m;
+  polygon.first = glm::dvec2(bistatic->to_plane.at(corners_m[0]));
   polygon.offsets.clear();
   for (const glm::dvec3& corner : corners_m)
-    polygon.offsets.emplace_back(glm::dvec2(bistatic.to_plane.linear * (corner - corners_m[0])));
+    polygon.offsets.emplace_back(glm::dvec2(bistatic->to_plane.linear * (corner - corners_m[0])));
 }
 
 void Smoothness::take(const SurfaceProperties& seabed) {

@@ -29,43 +29,57 @@ struct EndOverPlane {
   }
 };
 
-/// Path on the plane of one facet, in coordinates of a PlaneFrame whose origin is the foot point of the
-/// transmit leg's apex. Computes the echo of an area element (density.hpp) with all factors except patterns.
+/// Path on the plane of one facet, in coordinates of a PlaneFrame. Its origin is the foot point of the
+/// transmit leg's apex, and for a pair of channels that of the first channel. Computes the echo of an area
+/// element (density.hpp) with all factors except patterns.
 struct PathOnFacet {
   EndOverPlane tx, rx;
   SurfaceProperties seabed;
-  LyingPlane lies;     ///< true plane, for the texture
-  double lambert = 0;  ///< mu times both distances
+  LyingPlane lies;  ///< true plane, for the texture
   double beta_per_m = 0;
   const MirrorLoss *tx_loss = nullptr, *rx_loss = nullptr;  ///< null: no loss
 
   PathOnFacet() = default;
-  /// For a facet at its true position. `rx_m`: apex of the receive leg relative to that of the transmit leg.
-  PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 rx_m, double rx_distance_m,
-              FacetId facet, const EchoModel& model);
+  /// For a facet at its true position. `plane`: as seen from the origin of the frame.
+  PathOnFacet(const FacetPlane& plane, const PlaneFrame& frame, const PathCutter::Receiver& tx_over,
+              const PathCutter::Receiver& rx_over, FacetId facet, const EchoModel& model);
   /// For a facet that both ends see at different apparent positions.
   PathOnFacet(const BistaticFacet& bistatic, FacetId facet, const EchoModel& model);
-  /// Polygon of a part of the facet, in coordinates of the facet's plane.
-  static void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic,
-                      PlanarPolygon& polygon);
 
   /// For a uniform surface without mirrors.
   double density_at(double tx_range_m, double rx_range_m) const {
+    return density_between(tx.over.distance, rx.over.distance, tx_range_m, rx_range_m);
+  }
+  /// The same for apexes at other distances from the plane.
+  double density_between(double tx_distance_m, double rx_distance_m, double tx_range_m,
+                         double rx_range_m) const {
     const auto two_way = TwoWayRange<double>::of(tx_range_m, rx_range_m);
-    if (seabed.scattering == nullptr) return lambert * lambert_density(two_way, beta_per_m);
-    const double sigma = std::sqrt(cross_section(*seabed.scattering, tx.over.distance, tx_range_m) *
-                                   cross_section(*seabed.scattering, rx.over.distance, rx_range_m));
+    if (seabed.scattering == nullptr)
+      return seabed.mu * tx_distance_m * rx_distance_m * lambert_density(two_way, beta_per_m);
+    const double sigma = std::sqrt(cross_section(*seabed.scattering, tx_distance_m, tx_range_m) *
+                                   cross_section(*seabed.scattering, rx_distance_m, rx_range_m));
     return seabed.factor * density(sigma, two_way, beta_per_m);
   }
   double texture_at(glm::dvec2 p) const {
     return seabed.texture == nullptr ? 1 : seabed.texture->factor(lies.at(p));
   }
-  /// Energy factor of the mirrors for these directions of both legs.
-  double passed(glm::dvec3 tx_direction, glm::dvec3 rx_direction) const {
+  /// Unit vectors from both apexes to a point.
+  struct Directions {
+    glm::dvec3 tx{0}, rx{0};
+  };
+  Directions directions(glm::dvec2 p, double tx_range_m, double rx_range_m) const {
+    return {tx.direction(p, tx_range_m), rx.direction(p, rx_range_m)};
+  }
+  /// Energy factor of the mirrors.
+  double passed(const Directions& towards) const {
     double part = 1;
-    if (tx_loss != nullptr) part *= tx_loss->at(tx_direction);
-    if (rx_loss != nullptr) part *= rx_loss->at(rx_direction);
+    if (tx_loss != nullptr) part *= tx_loss->at(towards.tx);
+    if (rx_loss != nullptr) part *= rx_loss->at(towards.rx);
     return part;
+  }
+  /// Energy of 1 m² without patterns. `factor`: texture. Directions are read only over mirrors.
+  double energy(double tx_range_m, double rx_range_m, const Directions& towards, double factor = 1) const {
+    return density_at(tx_range_m, rx_range_m) * factor * passed(towards);
   }
   bool over_mirrors() const { return tx_loss != nullptr || rx_loss != nullptr; }
 
@@ -76,8 +90,13 @@ struct PathOnFacet {
 /// Path on facet `number` of a bistatic visibility. `frame`: frame of the facet's plane.
 PathOnFacet path_on(const CommonVisibility& visibility, std::size_t number, const PlaneFrame& frame,
                     const EchoModel& model);
-/// Polygon that the transmit leg sees of a flattened facet.
-void flatten(std::span<const glm::dvec3> corners_m, const BistaticFacet& bistatic, PlanarPolygon& polygon);
+/// Distance of a point from a plane, and its foot point. `at_m`: position relative to the origin of the
+/// frame.
+PathCutter::Receiver over_plane(const FacetPlane& plane, const PlaneFrame& frame, glm::dvec3 at_m);
+/// Assigns the polygon of a part of a facet that the transmit leg sees. `bistatic`: facet that both ends see
+/// at different apparent positions; null: true position.
+void assign(PlanarPolygon& polygon, std::span<const glm::dvec3> corners_m, const FacetPlane& plane,
+            const PlaneFrame& frame, const BistaticFacet* bistatic);
 
 /// Largest angle, at most 1, for which `growth` of half the angle is at most 3. `growth` describes an
 /// integrand in the complex plane. Rules with few nodes resolve such an angle.

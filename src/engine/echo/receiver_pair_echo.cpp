@@ -5,15 +5,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <complex>
+#include <functional>
+#include <optional>
 #include <stdexcept>
 
-#include "engine/echo/path_on_facet.hpp"
+#include "engine/echo/pair_on_facet.hpp"
+#include "engine/echo/quadratures.hpp"
 #include "engine/echo/texture_cells.hpp"
 #include "engine/surface/facet_flattening.hpp"
 #include "engine/water/apparent_map.hpp"
 #include "geometry/integrals/convex_clip.hpp"
+#include "geometry/numbers/grid_vector.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Integrates energies and mean products of a receiver pair over common visible polygons with PathCutter. The
@@ -42,19 +44,16 @@ class ReceiverPairIntegral {
                        std::array<const EchoModel*, 2> models)
       : history_(history),
         receiver_pair_(receiver_pair),
-        sent_(models[0]->patterns->transmit[fan]),
-        received_(models[0]->patterns->receive[beam]),
-        least_(models[0]->patterns->least.empty() ? 0 : models[0]->patterns->least[beam]),
+        patterns_{models[0]->patterns->transmit[fan].beams, &models[0]->patterns->receive[beam],
+                  models[0]->patterns->least.empty() ? 0 : models[0]->patterns->least[beam]},
         models_(models),
         cutter_(borders) {
     const glm::dvec3 half = receiver_pair.baseline_m / 2 * receiver_pair.axis;
     at_m_ = {history.middle_m + half, history.middle_m - half};
     for (const EchoModel* model : models_)
-      patterns_.angle_rad = std::min(patterns_.angle_rad, smooth_angle_rad(model->path));
-    for (const Directivity& beam_sent : sent_.beams) patterns_.take(beam_sent, received_);
-    patterns_.limited = least_ > 0;
-    weighed_ = received_.kind != Directivity::Kind::uniform || sent_.beams.size() != 1 ||
-               sent_.beams[0].kind != Directivity::Kind::uniform;
+      smooth_everywhere_.angle_rad = std::min(smooth_everywhere_.angle_rad, smooth_angle_rad(model->path));
+    for (const Directivity& sent : patterns_.transmit) smooth_everywhere_.take(sent, *patterns_.receive);
+    smooth_everywhere_.limited = patterns_.least > 0;
     phase_rad_ = resolution_of(
         [&](double y) { return receiver_pair.wavenumber_rad_m * receiver_pair.baseline_m * y; });
     const std::size_t samples = borders.size() - 1;
@@ -64,19 +63,23 @@ class ReceiverPairIntegral {
 
   /// Adds the energies of one receiver.
   void add_energy(std::size_t end, const SharedFacet& facet) {
-    if (!place(end, facet, end, end + 1)) return;
-    const SurfaceProperties& seabed = paths_[end].seabed;
-    if (seabed.scattering == nullptr && seabed.mu == 0) return;
+    place(end, facet);
+    const std::optional<ChannelOnFacet> channel = channel_of(end, facet.facet);
+    if (!channel) return;
+    const PairIntegrand integrand{*channel};
     const SharedFootprints& shared = seen_by(end);
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       assign(polygon_, shared, shared.pieces[facet.first_piece + k]);
-      integrate(std::span(&paths_[end], 1), energy_[end]);
+      integrate(integrand, energy_[end]);
     }
   }
 
   /// Adds the products on the surface that both receivers see. `upper` and `lower` are the same facet.
   void add_product(const SharedFacet& upper, const SharedFacet& lower) {
-    if (!place(0, upper, 0, 2)) return;
+    place(0, upper);
+    const std::optional<ChannelOnFacet> a = channel_of(0, upper.facet), b = channel_of(1, upper.facet);
+    if (!a || !b) return;
+    const PairIntegrand integrand{*a, b, receiver_pair_.wavenumber_rad_m, range_difference()};
     const SharedFootprints &by_upper = history_.by_upper, &by_lower = history_.by_lower;
     PlanarPolygon other;
     for (std::uint32_t k = 0; k < upper.piece_count; ++k) {
@@ -87,7 +90,7 @@ class ReceiverPairIntegral {
         stop_if_wanted();
         assign(polygon_, by_upper, one);
         assign(other, by_lower, two);
-        if (clip_convex(polygon_, other)) integrate(paths_, cross_);
+        if (clip_convex(polygon_, other)) integrate(integrand, cross_);
       }
     }
   }
@@ -101,122 +104,75 @@ class ReceiverPairIntegral {
   }
 
   void assign(PlanarPolygon& polygon, const SharedFootprints& shared, const SharedPiece& piece) const {
-    const auto corners = std::span(shared.corners_m).subspan(piece.first, piece.count);
-    if (bistatic_ == nullptr)
-      polygon.assign(corners, plane_, frame_);
-    else
-      PathOnFacet::flatten(corners, *bistatic_, polygon);
+    tubefoot::assign(polygon, std::span(shared.corners_m).subspan(piece.first, piece.count), plane_, frame_,
+                     bistatic_);
   }
 
-  /// Sets up a facet that receiver `of` shares, for receivers [first, last). Returns false if one of them
-  /// sees the facet edge-on or from behind. This happens only by the half units of the grid.
-  bool place(std::size_t of, const SharedFacet& facet, std::size_t first, std::size_t last) {
+  /// Selects a facet that receiver `of` shares.
+  void place(std::size_t of, const SharedFacet& facet) {
     const std::vector<BistaticFacet>& bistatic = of == 0 ? history_.bistatic_upper : history_.bistatic_lower;
     bistatic_ = bistatic.empty() ? nullptr : &bistatic[std::size_t(&facet - seen_by(of).facets.data())];
-    const bool placed =
-        bistatic_ == nullptr ? place_seen(facet, first, last) : place_bistatic(facet, first, last);
-    smooth_ = patterns_;
-    smooth_.take(paths_[first].seabed);
-    return placed;
-  }
-
-  bool place_seen(const SharedFacet& facet, std::size_t first, std::size_t last) {
     plane_ = {facet.plane_normal, facet.transmit_distance_m};
     frame_ = PlaneFrame(plane_);
-    for (std::size_t end = first; end < last; ++end) {
-      const double distance_m = plane_.distance_m + glm::dot(plane_.normal, at_m_[end]);
-      if (!(distance_m > 0)) return false;
-      paths_[end] = PathOnFacet(plane_, frame_, at_m_[end], distance_m, facet.facet, *models_[end]);
-    }
-    along_ = {glm::dot(frame_.u, receiver_pair_.axis), glm::dot(frame_.v, receiver_pair_.axis),
-              -plane_.distance_m * glm::dot(plane_.normal, receiver_pair_.axis) -
-                  glm::dot(history_.middle_m, receiver_pair_.axis)};
-    return true;
+    smooth_ = smooth_everywhere_;
+    smooth_.take(models_[of]->seabed(facet.facet));
   }
 
-  bool place_bistatic(const SharedFacet& facet, std::size_t first, std::size_t last) {
-    const LyingPlane& seen = bistatic_->receive_seen;
-    for (std::size_t end = first; end < last; ++end) {
+  /// Path over the facet to a receiver. None if the facet returns nothing, or if the receiver sees it edge-on
+  /// or from behind. The latter happens only by the half units of the grid.
+  std::optional<ChannelOnFacet> channel_of(std::size_t end, FacetId facet) const {
+    ChannelOnFacet channel{{}, patterns_};
+    if (bistatic_ != nullptr) {
       BistaticFacet moved = *bistatic_;
-      if (!moved.move_receiver(at_m_[end] - history_.middle_m)) return false;
-      paths_[end] = PathOnFacet(moved, facet.facet, *models_[end]);
+      if (!moved.move_receiver(at_m_[end] - history_.middle_m)) return {};
+      channel.path = PathOnFacet(moved, facet, *models_[end]);
+    } else {
+      const PathCutter::Receiver rx = over_plane(plane_, frame_, at_m_[end]);
+      if (!(rx.distance > 0)) return {};
+      channel.path =
+          PathOnFacet(plane_, frame_, {plane_.distance_m, glm::dvec2(0)}, rx, facet, *models_[end]);
     }
-    along_ = {glm::dot(seen.u, receiver_pair_.axis), glm::dot(seen.v, receiver_pair_.axis),
-              glm::dot(seen.foot_m, receiver_pair_.axis)};
-    return true;
+    if (is_silent(channel.path.seabed)) return {};
+    return channel;
   }
 
-  /// Echo of 1 m² at a receiver, without texture.
-  double even(const PathOnFacet& path, glm::dvec2 p, double tx, double rx) const {
-    double density = path.density_at(tx, rx);
-    if (!weighed_ && !path.over_mirrors()) return density;
-    const glm::dvec3 there = path.tx.direction(p, tx), back = path.rx.direction(p, rx);
-    if (path.over_mirrors()) density *= path.passed(there, back);
-    const double gain = weighed_ ? sent_.gain(there) * received_.gain(back) : 1;
-    return gain >= least_ ? density * gain : 0;
+  RangeDifference range_difference() const {
+    const glm::dvec3 axis = receiver_pair_.axis;
+    if (bistatic_ == nullptr)
+      return RangeDifference::of(plane_, frame_, history_.middle_m, axis, receiver_pair_.baseline_m);
+    const LyingPlane& seen = bistatic_->receive_seen;
+    return {{glm::dot(seen.u, axis), glm::dot(seen.v, axis), glm::dot(seen.foot_m, axis)},
+            receiver_pair_.baseline_m};
   }
 
-  /// With one path: its energies. With two paths: the size of the products, and their real and imaginary
-  /// parts.
-  void integrate(std::span<const PathOnFacet> paths, std::vector<double>& out) {
-    const ReflectivityField* texture = paths[0].seabed.texture;
-    if (texture == nullptr) return integrate_part(polygon_, paths, out);
-    cells_.cut(polygon_, paths[0].lies, texture->cells(),
-               [&](const PlanarPolygon& part) { integrate_part(part, paths, out); });
-  }
-
-  void integrate_part(const PlanarPolygon& part, std::span<const PathOnFacet> paths,
-                      std::vector<double>& out) {
+  void integrate(const PairIntegrand& integrand, std::vector<double>& out) {
+    const PathOnFacet& path = integrand.a.path;
+    std::vector<PathCutter::Receiver> receivers{path.rx.over};
     PathCutter::Work work = smooth_.work(tolerance);
-    if (paths.size() > 1) {
-      work.values = 3;
+    work.values = integrand.values();
+    if (integrand.b) {
+      receivers.push_back(integrand.b->path.rx.over);
       work.resolution_rad = std::min(work.resolution_rad, phase_rad_);
       // If the transmitter is in the middle of the receivers, neither is much nearer than the other.
       work.from_second = !in_the_middle(history_);
     }
-    std::array<PathCutter::Receiver, 2> receivers;
-    for (std::size_t k = 0; k < paths.size(); ++k) receivers[k] = paths[k].rx.over;
-    cutter_.add(
-        part, std::span(receivers).first(paths.size()),
-        [&](glm::dvec2 p, double rt, double rr, std::span<double> values) {
-          values[0] = even(paths[0], p, rt, rr);
-          double other = 0;
-          if (paths.size() > 1) {
-            other = paths[1].rx.range(p);
-            values[0] = std::sqrt(values[0] * even(paths[1], p, rt, other));
-          }
-          values[0] *= paths[0].texture_at(p);
-          if (paths.size() == 1) return;
-          // Difference of the ranges as (upper^2 - lower^2) / (upper + lower), which avoids cancellation for
-          // a short baseline.
-          const double along = along_.x * p.x + along_.y * p.y + along_.z;
-          const double further = -2 * receiver_pair_.baseline_m * along / (rr + other);
-          const std::complex<double> product =
-              std::polar(values[0], receiver_pair_.wavenumber_rad_m * further);
-          values[1] = product.real();
-          values[2] = product.imag();
-        },
-        work, out);
+    cells_.cut(polygon_, path.lies, path.seabed.texture, [&](const PlanarPolygon& part) {
+      cutter_.add(part, receivers, std::cref(integrand), work, out);
+    });
   }
 
   const ReceiverPairHistory& history_;
   const ReceiverBaseline& receiver_pair_;
-  const TransmitPattern& sent_;
-  const Directivity& received_;
-  double least_;                            // smallest two-way gain that counts
+  ChannelPatterns patterns_;
   std::array<const EchoModel*, 2> models_;  // per receiver
   PathCutter cutter_;
-  Smoothness patterns_;
+  Smoothness smooth_everywhere_;  // of patterns and mirror losses
   double phase_rad_ = 1;
-  bool weighed_ = false;
   std::array<glm::dvec3, 2> at_m_;  // receivers, relative to the transmitter
   // Values of the current facet.
   const BistaticFacet* bistatic_ = nullptr;
   FacetPlane plane_;
   PlaneFrame frame_{FacetPlane{}};
-  glm::dvec3 along_{0};  // coefficients of x, y and foot point for the product of the axis and a place from
-                         // the pair's middle
-  std::array<PathOnFacet, 2> paths_;  // path to each receiver
   Smoothness smooth_;
   PlanarPolygon polygon_;
   TextureCells cells_;
@@ -225,6 +181,17 @@ class ReceiverPairIntegral {
 };
 
 }  // namespace
+
+std::vector<FacetOfReceivers> facets_of_receivers(const ReceiverPairHistory& history) {
+  std::vector<FacetOfReceivers> all;
+  const auto &up = history.by_upper.facets, &down = history.by_lower.facets;
+  for (auto u = up.begin(), d = down.begin(); u != up.end() || d != down.end();) {
+    const bool has_upper = u != up.end() && (d == down.end() || u->facet <= d->facet),
+               has_lower = d != down.end() && (u == up.end() || d->facet <= u->facet);
+    all.push_back({has_upper ? &*u++ : nullptr, has_lower ? &*d++ : nullptr});
+  }
+  return all;
+}
 
 TubeSet tubes_of_fan(const TubeSet& tubes, std::span<const std::uint32_t> fan_of_tube, std::uint32_t fan) {
   TubeSet part = tubes;
@@ -244,17 +211,13 @@ TubeSet moved_along(const TubeSet& tubes, const ReceiverBaseline& receiver_pair,
   return moved;
 }
 
-glm::dvec3 way_m(GridPoint from, GridPoint to, double grid_unit_m) {
-  return glm::dvec3(double(to.x) - from.x, double(to.y) - from.y, double(to.z) - from.z) * grid_unit_m;
-}
-
 ReceiverPairHistory trace_receiver_pair(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                                         const VisibilityOptions& options, TubeSet transmit,
                                         const TubeSet& receive, const ReceiverBaseline& receiver_pair) {
   ReceiverPairHistory history;
   history.upper = moved_along(receive, receiver_pair, 1, grid_unit_m);
   history.lower = moved_along(receive, receiver_pair, -1, grid_unit_m);
-  history.middle_m = way_m(transmit.apex, receive.apex, grid_unit_m);
+  history.middle_m = displacement_m(transmit.apex, receive.apex, grid_unit_m);
   history.transmit = std::move(transmit);
   const auto sent = look(mesh, tree, history.transmit, options);
   const auto share = [&](const TubeSet& tubes, SharedFootprints& shared) {
@@ -272,7 +235,7 @@ ReceiverPairHistory trace_receiver_pair(const ApparentPair& pair, const WorldGri
                                         const ApparentMap& transmit_water, const ApparentMap& receive_water,
                                         double reference_absorption_db_per_m) {
   ReceiverPairHistory history;
-  history.middle_m = way_m(transmit.apex, receive.apex, grid.unit_m());
+  history.middle_m = displacement_m(transmit.apex, receive.apex, grid.unit_m());
   history.transmit = std::move(transmit);
   const auto end = [&](double which, TubeSet& tubes, SharedFootprints& shared,
                        std::vector<BistaticFacet>& bistatic) {
@@ -297,16 +260,7 @@ ReceiverPairEcho integrated(const ReceiverPairHistory& history, const ReceiverBa
   if (!(receiver_pair.baseline_m >= 0 &&
         (receiver_pair.baseline_m <= samples.first_m || !in_the_middle(history))))
     throw std::invalid_argument("the baseline of a receiver pair must be at most the nearest range");
-  struct Job {
-    const SharedFacet *upper, *lower;
-  };
-  std::vector<Job> jobs;  // per facet
-  const auto &up = history.by_upper.facets, &down = history.by_lower.facets;
-  for (auto u = up.begin(), d = down.begin(); u != up.end() || d != down.end();) {
-    const bool has_upper = u != up.end() && (d == down.end() || u->facet <= d->facet),
-               has_lower = d != down.end() && (u == up.end() || d->facet <= u->facet);
-    jobs.push_back({has_upper ? &*u++ : nullptr, has_lower ? &*d++ : nullptr});
-  }
+  const std::vector<FacetOfReceivers> jobs = facets_of_receivers(history);
   std::vector<std::optional<ReceiverPairIntegral>> parts((jobs.size() + facets_per_task - 1) /
                                                          facets_per_task);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {

@@ -23,10 +23,15 @@ struct ReceiverPairHistory {
   std::size_t pieces() const { return by_upper.pieces.size() + by_lower.pieces.size(); }
 };
 
+/// A facet as each receiver shares it with the transmitter; null: not shared.
+struct FacetOfReceivers {
+  const SharedFacet *upper, *lower;
+};
+/// Facets that at least one receiver shares with the transmitter, in ascending order.
+std::vector<FacetOfReceivers> facets_of_receivers(const ReceiverPairHistory& history);
+
 /// Tubes of one fan of a set.
 TubeSet tubes_of_fan(const TubeSet& tubes, std::span<const std::uint32_t> fan_of_tube, std::uint32_t fan);
-/// Vector from one apex to another.
-glm::dvec3 way_m(GridPoint from, GridPoint to, double grid_unit_m);
 /// The same tubes, moved along the baseline by half of it up (`end` 1) or down (-1), on the grid.
 TubeSet moved_along(const TubeSet& tubes, const ReceiverBaseline& receiver_pair, double end,
                     double grid_unit_m);

@@ -32,9 +32,11 @@ void split(const PlanarPolygon& polygon, glm::dvec2 across, double level, Planar
 }  // namespace
 
 void TextureCells::cut(const PlanarPolygon& polygon, const LyingPlane& plane,
-                       std::span<const CellPlanes> cells,
+                       const ReflectivityField* texture,
                        const std::function<void(const PlanarPolygon&)>& take) {
+  if (texture == nullptr) return take(polygon);
   if (polygon.offsets.size() < 3) return;
+  const std::span<const CellPlanes> cells = texture->cells();
   plane_ = plane;
   take_ = &take;
   if (levels_.size() < cells.size()) levels_.resize(cells.size());

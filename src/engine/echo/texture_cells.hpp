@@ -16,9 +16,9 @@ namespace tubefoot {
 class TextureCells {
  public:
   /// Calls `take` for each part of a convex polygon on a facet that lies in one cell. A polygon within one
-  /// cell is passed unchanged. The time is proportional to the number of cells that the polygon meets, and
-  /// the memory to its corners.
-  void cut(const PlanarPolygon& polygon, const LyingPlane& plane, std::span<const CellPlanes> cells,
+  /// cell, or without texture (null), is passed unchanged. The time is proportional to the number of cells
+  /// that the polygon meets, and the memory to its corners.
+  void cut(const PlanarPolygon& polygon, const LyingPlane& plane, const ReflectivityField* texture,
            const std::function<void(const PlanarPolygon&)>& take);
 
  private:

@@ -3,7 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "engine/echo/path_on_facet.hpp"
@@ -36,7 +36,6 @@ class FacetEcho {
   /// `number`: index of the facet in the common visibility.
   void add(std::size_t number, std::vector<Part<double>>& parts) {
     const SeenFacet facet = visibility_[number];
-    const BistaticFacet* bistatic = visibility_.bistatic(number);
     const PlaneFrame frame(facet.plane);
     path_ = path_on(visibility_, number, frame, model_);
     if (is_silent(path_.seabed)) return;
@@ -45,19 +44,11 @@ class FacetEcho {
     for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
       const SeenPart seen = visibility_.part(number, facet.first_piece + k);
       if (!beams_.in_one_fan(seen.tx_tube, seen.rx_tube)) continue;
-      if (bistatic == nullptr)
-        polygon_.assign(seen.corners_m, facet.plane, frame);
-      else
-        flatten(seen.corners_m, *bistatic, polygon_);
-      const auto add_part = [&](const PlanarPolygon& part) {
+      assign(polygon_, seen.corners_m, facet.plane, frame, visibility_.bistatic(number));
+      cells_.cut(polygon_, path_.lies, path_.seabed.texture, [&](const PlanarPolygon& part) {
         const Part<double> owned{0, 0, 0, std::uint32_t(number), seen.tx_tube};
-        model_.patterns == nullptr ? add_plain(part, seen, owned, parts)
-                                   : add_weighed(part, seen, owned, parts);
-      };
-      if (path_.seabed.texture == nullptr)
-        add_part(polygon_);
-      else
-        cells_.cut(polygon_, path_.lies, path_.seabed.texture->cells(), add_part);
+        add(part, seen, owned, parts);
+      });
     }
   }
 
@@ -80,40 +71,34 @@ class FacetEcho {
       }
   }
 
-  void add_plain(const PlanarPolygon& polygon, const SeenPart& seen, const Part<double>& owned,
-                 std::vector<Part<double>>& parts) {
-    integrate(
-        polygon,
-        [&](glm::dvec2 p, double tx, double rx, std::span<double> values) {
-          values[0] = path_.density_at(tx, rx) * path_.texture_at(p);
-          if (path_.over_mirrors())
-            values[0] *= path_.passed(path_.tx.direction(p, tx), path_.rx.direction(p, rx));
-        },
-        smooth_.work(tolerance_), beams_.of_tube[seen.rx_tube], owned, parts);
-  }
-
-  void add_weighed(const PlanarPolygon& polygon, const SeenPart& seen, const Part<double>& owned,
-                   std::vector<Part<double>>& parts) {
-    const BeamPatterns& patterns = *model_.patterns;
-    const auto [first, end] = patterns.beams_of_tube[seen.rx_tube];
-    if (first == end) return;
-    const TransmitPattern& transmit = patterns.transmit[patterns.fan_of_tube[seen.rx_tube]];
+  /// With patterns, the first value is the energy without them, and the others are those of the beams.
+  void add(const PlanarPolygon& polygon, const SeenPart& seen, const Part<double>& owned,
+           std::vector<Part<double>>& parts) {
+    const BeamPatterns* patterns = model_.patterns;
+    std::uint32_t first = beams_.of_tube[seen.rx_tube], end = first;
+    const TransmitPattern* transmit = nullptr;
     Smoothness smooth = smooth_;
-    for (const Directivity& sent : transmit.beams)
-      for (std::uint32_t beam = first; beam < end; ++beam) smooth.take(sent, patterns.receive[beam]);
-    smooth.limited = !patterns.least.empty();
+    if (patterns != nullptr) {
+      std::tie(first, end) = patterns->beams_of_tube[seen.rx_tube];
+      if (first == end) return;
+      transmit = &patterns->transmit[patterns->fan_of_tube[seen.rx_tube]];
+      for (const Directivity& sent : transmit->beams)
+        for (std::uint32_t beam = first; beam < end; ++beam) smooth.take(sent, patterns->receive[beam]);
+      smooth.limited = !patterns->least.empty();
+    }
     PathCutter::Work work = smooth.work(tolerance_);
     work.values = 1 + end - first;
     integrate(
         polygon,
-        [&, first = first, end = end](glm::dvec2 p, double tx, double rx, std::span<double> values) {
-          const glm::dvec3 there = path_.tx.direction(p, tx), back = path_.rx.direction(p, rx);
-          values[0] = path_.density_at(tx, rx) * path_.texture_at(p);
-          if (path_.over_mirrors()) values[0] *= path_.passed(there, back);
-          const double sent = transmit.gain(there), energy_sent = values[0] * sent;
+        [&](glm::dvec2 p, double tx, double rx, std::span<double> values) {
+          PathOnFacet::Directions towards;
+          if (patterns != nullptr || path_.over_mirrors()) towards = path_.directions(p, tx, rx);
+          values[0] = path_.energy(tx, rx, towards, path_.texture_at(p));
+          if (patterns == nullptr) return;
+          const double sent = transmit->gain(towards.tx), energy_sent = values[0] * sent;
           for (std::uint32_t beam = first; beam < end; ++beam) {
-            const double received = patterns.receive[beam].gain(back);
-            values[1 + beam - first] = patterns.receives(beam, sent * received) ? energy_sent * received : 0;
+            const double received = patterns->receive[beam].gain(towards.rx);
+            values[1 + beam - first] = patterns->receives(beam, sent * received) ? energy_sent * received : 0;
           }
         },
         work, first, owned, parts);

@@ -30,7 +30,7 @@ class PlacedEcho {
         for (; k < facet_.piece_count; ++k) {
           const SeenPart part = visibility_.part(number, facet_.first_piece + k);
           if (part.tx_tube != first.tx_tube || part.rx_tube != first.rx_tube) break;
-          assign(part);
+          assign(polygon_, part.corners_m, facet_.plane, frame_, bistatic_);
           sum.add(polygon_, path_.rx.over);
         }
         if (!(sum.area > 0)) continue;
@@ -88,32 +88,21 @@ class PlacedEcho {
     }
   }
 
-  void assign(const SeenPart& part) {
-    if (bistatic_ == nullptr)
-      polygon_.assign(part.corners_m, facet_.plane, frame_);
-    else
-      flatten(part.corners_m, *bistatic_, polygon_);
-  }
-
   /// Adds the echo of an area at a place, uniformly over the half paths near to far.
   void add(glm::dvec2 at, double area_m2, std::uint32_t tx_tube, std::uint32_t rx_tube, double near_m,
            double far_m) {
     if (!beams_.in_one_fan(tx_tube, rx_tube)) return;
     const double tx = path_.tx.range(at), rx = path_.rx.range(at);
-    double energy = path_.density_at(tx, rx) * path_.texture_at(at) * area_m2;
-    glm::dvec3 there{0}, back{0};
-    if (path_.over_mirrors() || model_.patterns != nullptr) {
-      there = path_.tx.direction(at, tx);
-      back = path_.rx.direction(at, rx);
-      energy *= path_.passed(there, back);
-    }
+    PathOnFacet::Directions towards;
+    if (path_.over_mirrors() || model_.patterns != nullptr) towards = path_.directions(at, tx, rx);
+    double energy = path_.density_at(tx, rx) * path_.texture_at(at) * area_m2 * path_.passed(towards);
     if (model_.patterns == nullptr) return spread(beams_.of_tube[rx_tube], energy, tx_tube, near_m, far_m);
     const BeamPatterns& patterns = *model_.patterns;
-    const double sent = patterns.transmit[patterns.fan_of_tube[rx_tube]].gain(there);
+    const double sent = patterns.transmit[patterns.fan_of_tube[rx_tube]].gain(towards.tx);
     energy *= sent;
     const auto [first, end] = patterns.beams_of_tube[rx_tube];
     for (std::uint32_t beam = first; beam < end; ++beam) {
-      const double received = patterns.receive[beam].gain(back);
+      const double received = patterns.receive[beam].gain(towards.rx);
       if (patterns.receives(beam, sent * received)) spread(beam, energy * received, tx_tube, near_m, far_m);
     }
   }

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "engine/scattering/density.hpp"
+#include "engine/scattering/pair_density.hpp"
 #include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -282,15 +283,13 @@ double PatchEcho::gain_of(std::size_t beam, glm::dvec3 true_back) const {
 void PatchEcho::take_product(double sample, glm::dvec2 p, double upper, double lower) {
   LyingPlane seen = rx_[0].seen();
   seen.foot_m += received_->receives.ends().front().apex_m;
-  // Difference of the ranges as (upper^2 - lower^2) / (upper + lower), which avoids cancellation for a short
-  // receiver pair.
-  const double further =
-      -2 * glm::dot(seen.at(p) - received_->middle_m, received_->arm_m) / (rx_[0].range(p) + rx_[1].range(p));
-  double size = std::sqrt(upper * lower);
-  if (borders_m_ > 0) size *= std::max(1 - std::abs(further) / 2 / borders_m_, 0.0);
+  const double further = range_difference(glm::dot(seen.at(p) - received_->middle_m, received_->arm_m),
+                                          rx_[0].range(p) + rx_[1].range(p)),
+               in_both = borders_m_ > 0 ? std::max(1 - std::abs(further) / 2 / borders_m_, 0.0) : 1;
+  const auto product = PairDensity::of(upper, lower, received_->wavenumber_rad_m * further, in_both);
   const std::size_t bin = std::size_t(*received_->row) * std::size_t(samples_.count) + std::size_t(sample);
-  energy_->add(bin, size * std::cos(received_->wavenumber_rad_m * further));
-  energy_->add(bin + std::size_t(samples_.count), size * std::sin(received_->wavenumber_rad_m * further));
+  energy_->add(bin, product.real);
+  energy_->add(bin + std::size_t(samples_.count), product.imag);
 }
 
 }  // namespace tubefoot

@@ -17,6 +17,8 @@
 #include "engine/certified/receiver_pair_reference.hpp"
 #include "engine/paths/image_pairs.hpp"
 #include "engine/paths/patch_paths.hpp"
+#include "engine/scattering/pair_density.hpp"
+#include "geometry/numbers/grid_vector.hpp"
 #include "geometry/steps/steps.hpp"
 
 // Computes energies and mean products of a receiver pair per order. A product combines the two receivers'
@@ -37,10 +39,10 @@ glm::dvec3 image_m(GridPoint place, std::span<const MirrorPlane> chain, GridPoin
     const glm::dvec3 normal = plane.unit_normal(),
                      whole(double(plane.normal.x), double(plane.normal.y), double(plane.normal.z));
     const double before = double(plane.side(place)) / glm::length(whole) + glm::dot(normal, beside);
-    beside += way_m(next, place, 1) - 2 * before * normal;
+    beside += displacement(next, place) - 2 * before * normal;
     place = next;
   }
-  return way_m(to, place, unit_m) + beside * unit_m;
+  return displacement_m(to, place, unit_m) + beside * unit_m;
 }
 
 /// Receiver pair with the baseline scaled for the apparent seabed from its middle. Phases depend on the
@@ -203,7 +205,7 @@ class ReceiverPairTracer {
     EchoModel by_upper = model_;
     if (refracted_) by_upper.material = refracted_->seabed().material;
     by_upper.path.tx = sent.leg;
-    by_upper.path.tx.apex_m = model_.path.tx.apex_m + way_m(apex_, sent.windows.apex, unit_m_);
+    by_upper.path.tx.apex_m = model_.path.tx.apex_m + displacement_m(apex_, sent.windows.apex, unit_m_);
     EchoModel by_lower = by_upper;
     by_upper.path.rx = upper.leg;
     by_lower.path.rx = lower.leg;
@@ -240,7 +242,7 @@ class ReceiverPairTracer {
     const auto apart = [](const ArrivedEnergy& a, const ArrivedEnergy& b) {
       if (!(a.from == b.from) || a.chain != b.chain || a.order != b.order)
         return std::numeric_limits<double>::infinity();
-      return glm::length(way_m(a.displacement, b.displacement, 1));
+      return glm::length(displacement(a.displacement, b.displacement));
     };
     std::array<std::vector<double>, 2> nearest;
     for (std::size_t end = 0; end < 2; ++end)
@@ -259,14 +261,16 @@ class ReceiverPairTracer {
           add(upper.order, upper.bin, real, imag);
           continue;
         }
-        const glm::dvec3 way = (way_m({}, upper.displacement, unit_m_) +
-                                way_m({}, lower.displacement, unit_m_)) /
+        // The middle of the receivers from the image, and from there to the upper receiver.
+        const glm::dvec3 way = (displacement_m({}, upper.displacement, unit_m_) +
+                                displacement_m({}, lower.displacement, unit_m_)) /
                                2.0,
                          half = receiver_pair_.baseline_m / 2 * receiver_pair_.axis;
-        const double further = 4 * glm::dot(way, half) / (glm::length(way + half) + glm::length(way - half));
-        add(upper.order, upper.bin,
-            std::polar(std::sqrt(upper.energy_j * lower.energy_j),
-                       receiver_pair_.wavenumber_rad_m * further));
+        const double further =
+            range_difference(glm::dot(-way, 2.0 * half), glm::length(way + half) + glm::length(way - half));
+        const auto product =
+            PairDensity::of(upper.energy_j, lower.energy_j, receiver_pair_.wavenumber_rad_m * further);
+        add(upper.order, upper.bin, {product.real, product.imag});
       }
   }
 

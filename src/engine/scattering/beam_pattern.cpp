@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "engine/scattering/pair_density.hpp"
 #include "geometry/numbers/scalars.hpp"
 
 // Evaluates beam patterns: sinc^2 for line arrays, (2 J1(x) / x)^2 for pistons, Gaussian patterns, and tables
@@ -110,9 +111,9 @@ double TransmitPattern::gain(glm::dvec3 direction) const {
 }
 
 double ReceiverBaseline::path_difference(double range_m, double cosine) const {
-  // (upper^2 - lower^2) / (upper + lower) has no cancellation for a short baseline.
   const double level = range_m * range_m + baseline_m * baseline_m / 4, tilt = range_m * baseline_m * cosine;
-  return -2 * tilt / (std::sqrt(std::max(level - tilt, 0.0)) + std::sqrt(std::max(level + tilt, 0.0)));
+  return range_difference(tilt,
+                          std::sqrt(std::max(level - tilt, 0.0)) + std::sqrt(std::max(level + tilt, 0.0)));
 }
 
 double ReceiverBaseline::range_from(double end, double range_m, double cosine) const {

@@ -5,9 +5,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
+#include <utility>
 
+#include "engine/echo/pair_on_facet.hpp"
 #include "engine/echo/quadratures.hpp"
 #include "engine/echo/texture_cells.hpp"
 #include "geometry/steps/stop.hpp"
@@ -30,6 +34,11 @@ bool same(const SignalChannel& a, const SignalChannel& b) {
          same(a.receive, b.receive);
 }
 
+/// Largest difference of the path lengths of two channels.
+double apart_m(const SignalChannel& a, const SignalChannel& b) {
+  return glm::distance(a.transmit_m, b.transmit_m) + glm::distance(a.receive_m, b.receive_m);
+}
+
 /// Sums over the polygons of a task.
 class GatedIntegral {
  public:
@@ -37,8 +46,7 @@ class GatedIntegral {
                 std::span<const double> borders, double step_m, int reach, double wavenumber,
                 const EchoModel& model, double tolerance)
       : seen_(seen),
-        a_(a),
-        b_(b),
+        channels_{&a, &b},
         samples_(int(borders.size()) - 1),
         reach_(reach),
         step_m_(step_m),
@@ -48,23 +56,37 @@ class GatedIntegral {
         one_(same(a, b)),
         cutter_(borders),
         sums_(std::size_t(2 * reach + 1)) {
-    patterns_.take(a.transmit, a.receive);
-    if (!one_) patterns_.take(b.transmit, b.receive);
-    const double apart = glm::distance(a.transmit_m, b.transmit_m) + glm::distance(a.receive_m, b.receive_m);
-    if (!one_) phase_rad_ = resolution_of([&](double y) { return wavenumber_ * apart * y; });
+    for (const SignalChannel* channel : channels_)
+      smooth_everywhere_.take(channel->transmit, channel->receive);
+    if (!one_) phase_rad_ = resolution_of([&](double y) { return wavenumber_ * apart_m(a, b) * y; });
     for (auto& sum : sums_) sum.assign(std::size_t(samples_) * values(), 0);
   }
 
   void add(const VisiblePolygon& patch) {
-    const ChannelOnPolygon a(a_, seen_, patch, model_), b(b_, seen_, patch, model_);
-    if (!a.faces() || !b.faces() || is_silent(a.path().seabed)) return;
+    // Places are relative to the transmitter of channel a.
+    const auto& [a, b] = channels_;
+    const glm::dvec3 from_seen = a->transmit_m - seen_.origin_m;
+    const FacetPlane plane{patch.normal, patch.distance_m + glm::dot(patch.normal, from_seen)};
+    const PlaneFrame frame(plane);
+    std::array<ChannelOnFacet, 2> on;
+    for (std::size_t c = 0; c < 2; ++c) {
+      const PathCutter::Receiver tx = over_plane(plane, frame, channels_[c]->transmit_m - a->transmit_m),
+                                 rx = over_plane(plane, frame, channels_[c]->receive_m - a->transmit_m);
+      if (!(tx.distance > 0 && rx.distance > 0)) return;
+      on[c] = {PathOnFacet(plane, frame, tx, rx, patch.facet, model_),
+               {std::span(&channels_[c]->transmit, 1), &channels_[c]->receive, 0, true}};
+      on[c].path.lies = LyingPlane(plane, frame, a->transmit_m);
+    }
+    if (is_silent(on[0].path.seabed)) return;
     corners_.clear();
-    for (const glm::dvec3& corner : seen_.corners(patch)) corners_.push_back(corner - a.transmit_m());
-    polygon_.assign(corners_, a.plane(), a.frame());
-    const ReflectivityField* texture = a.path().seabed.texture;
-    if (texture == nullptr) return add(polygon_, a, b);
-    cells_.cut(polygon_, LyingPlane(a.plane(), a.frame(), a_.transmit_m), texture->cells(),
-               [&](const PlanarPolygon& part) { add(part, a, b); });
+    for (const glm::dvec3& corner : seen_.corners(patch)) corners_.push_back(corner - from_seen);
+    polygon_.assign(corners_, plane, frame);
+    if (one_) return add(PairIntegrand{on[0]});
+    const auto difference = [&](glm::dvec3 one_m, glm::dvec3 other_m) {
+      return RangeDifference::of(plane, frame, (one_m + other_m) / 2.0 - a->transmit_m, one_m - other_m, 1);
+    };
+    add(PairIntegrand{on[0], on[1], wavenumber_, difference(a->receive_m, b->receive_m),
+                      difference(a->transmit_m, b->transmit_m)});
   }
 
   /// Adds the sums to covariances.
@@ -80,79 +102,34 @@ class GatedIntegral {
  private:
   std::size_t values() const { return one_ ? 1 : 3; }
 
-  void add(const PlanarPolygon& polygon, const ChannelOnPolygon& a, const ChannelOnPolygon& b) {
-    stop_if_wanted();
-    Smoothness smooth = patterns_;
-    smooth.take(a.path().seabed);
+  void add(const PairIntegrand& integrand) {
+    const PathOnFacet& a = integrand.a.path;
+    Smoothness smooth = smooth_everywhere_;
+    smooth.take(a.seabed);
     PathCutter::Work work = smooth.work(tolerance_);
     work.values = values();
     work.resolution_rad = std::min(work.resolution_rad, phase_rad_);
     work.from_second = !one_;
-    const glm::dvec3 foot = -a.plane().distance_m * a.plane().normal;
-    const auto pattern = [](const ChannelOnPolygon& on, glm::dvec3 there, glm::dvec3 back) {
-      return amplitude_pattern(on.channel().transmit, there) * amplitude_pattern(on.channel().receive, back);
-    };
-    const PathCutter::Receiver& rx = a.path().rx.over;
-    if (one_)
-      return cutter_.add(
-          polygon, rx,
-          [&](glm::dvec2 p, double tx, double back, std::span<double> values) {
-            values[0] = a.path().density_at(tx, back) * texture(a, p);
-            if (!a.weighed()) return;
-            values[0] *= a_.transmit.gain(a.path().tx.direction(p, tx)) *
-                         a_.receive.gain(a.path().rx.direction(p, back));
-          },
-          work, sums_[std::size_t(reach_)]);
-    // Both ends of channel b above the plane, in the coordinates of channel a.
-    const auto over = [&](glm::dvec3 place_m) {
-      const glm::dvec3 from_a = place_m - a.transmit_m();
-      return PathCutter::Receiver{a.plane().distance_m + glm::dot(a.plane().normal, from_a),
-                                  a.frame().project(from_a)};
-    };
-    PathCutter::SecondRange second{over(b.transmit_m()), over(b.receive_m())};
-    const bool weighed = a.weighed() || b.weighed();
-    const PathCutter::Integrand integrand = [&](glm::dvec2 p, double tx, double back,
-                                                std::span<double> values) {
-      const auto range = [p](const PathCutter::Receiver& end) {
-        return std::hypot(end.distance, p.x - end.foot.x, p.y - end.foot.y);
-      };
-      const double b_out = range(second.transmit), b_back = range(second.receive);
-      double size =
-          std::sqrt(a.path().density_at(tx, back) * b.path().density_at(b_out, b_back)) * texture(a, p);
-      if (weighed) {
-        const glm::dvec3 place = foot + p.x * a.frame().u + p.y * a.frame().v + a.transmit_m();
-        const glm::dvec3 b_there = (place - b.transmit_m()) / b_out,
-                         b_from = (place - b.receive_m()) / b_back;
-        size *= pattern(a, a.path().tx.direction(p, tx), a.path().rx.direction(p, back)) *
-                pattern(b, b_there, b_from);
+    cells_.cut(polygon_, a.lies, a.seabed.texture, [&](const PlanarPolygon& part) {
+      stop_if_wanted();
+      if (one_) return cutter_.add(part, a.rx.over, std::cref(integrand), work, sums_[std::size_t(reach_)]);
+      PathCutter::SecondRange second{integrand.b->path.tx.over, integrand.b->path.rx.over};
+      for (int band = -reach_; band <= reach_; ++band) {
+        second.later_m = band * step_m_;
+        cutter_.add(part, a.rx.over, second, std::cref(integrand), work, sums_[std::size_t(band + reach_)]);
       }
-      values[0] = std::abs(size);
-      const std::complex<double> product =
-          std::polar(1.0, wavenumber_ * ((tx - b_out) + (back - b_back))) * size;
-      values[1] = product.real();
-      values[2] = product.imag();
-    };
-    for (int band = -reach_; band <= reach_; ++band) {
-      second.later_m = band * step_m_;
-      cutter_.add(polygon, rx, second, integrand, work, sums_[std::size_t(band + reach_)]);
-    }
-  }
-
-  double texture(const ChannelOnPolygon& a, glm::dvec2 p) const {
-    if (a.path().seabed.texture == nullptr) return 1;
-    return a.path().seabed.texture->factor(a_.transmit_m - a.plane().distance_m * a.plane().normal +
-                                           p.x * a.frame().u + p.y * a.frame().v);
+    });
   }
 
   const VisiblePolygons& seen_;
-  const SignalChannel &a_, &b_;
+  std::array<const SignalChannel*, 2> channels_;
   int samples_, reach_;
   double step_m_, wavenumber_;
   const EchoModel& model_;
   double tolerance_;
   bool one_;
   PathCutter cutter_;
-  Smoothness patterns_;
+  Smoothness smooth_everywhere_;  // of patterns
   double phase_rad_ = 1;
   std::vector<glm::dvec3> corners_;
   PlanarPolygon polygon_;
@@ -188,9 +165,9 @@ SampleCovariances gated_covariances(const VisiblePolygons& patches, const Signal
   SampleCovariances all;
   all.samples = samples.count;
   // Half paths of the two channels differ by at most half of the distances between their ends.
-  const double apart = glm::distance(a.transmit_m, b.transmit_m) + glm::distance(a.receive_m, b.receive_m);
-  all.reach =
-      same(a, b) ? 0 : int(std::min(std::ceil(apart / 2 / samples.step_m), double(samples.count - 1)));
+  all.reach = same(a, b)
+                  ? 0
+                  : int(std::min(std::ceil(apart_m(a, b) / 2 / samples.step_m), double(samples.count - 1)));
   all.value.assign(std::size_t(2 * all.reach + 1) * std::size_t(samples.count), 0);
   const std::size_t count = patches.patches.size(),
                     tasks = (count + gated_patches_per_task - 1) / gated_patches_per_task;

@@ -39,7 +39,7 @@ class ChannelOnPolygon {
                    const EchoModel& model);
 
   /// Whether both ends lie on the visible side. Otherwise the channel receives nothing from the polygon.
-  bool faces() const { return transmit_.distance_m > 0 && receive_distance_m_ > 0; }
+  bool faces() const { return path_.tx.over.distance > 0 && path_.rx.over.distance > 0; }
 
   struct Reception {
     double path_m = 0;     ///< transmit leg plus receive leg
@@ -49,33 +49,29 @@ class ChannelOnPolygon {
   Reception at(glm::dvec3 place_m) const {
     const glm::dvec3 there = place_m - transmit_m_, back = place_m - receive_m_;
     const double tx = glm::length(there), rx = glm::length(back);
-    double amplitude = std::sqrt(path_.density_at(tx, rx));
-    if (weighed_)
-      amplitude *=
-          amplitude_pattern(channel_->transmit, there / tx) * amplitude_pattern(channel_->receive, back / rx);
-    if (path_.over_mirrors()) amplitude *= std::sqrt(path_.passed(there / tx, back / rx));
-    return {tx + rx, amplitude};
+    return {tx + rx, amplitude(path_.density_at(tx, rx), there, back, tx, rx)};
   }
   /// Amplitude for other positions of the ends, with their distances from the place. 0 behind the plane.
   double amplitude_from(glm::dvec3 place_m, glm::dvec3 transmit_m, glm::dvec3 receive_m, double tx_m,
                         double rx_m) const;
 
   const PathOnFacet& path() const { return path_; }
-  /// As the transmitter sees it.
-  const FacetPlane& plane() const { return transmit_; }
-  const PlaneFrame& frame() const { return frame_; }
-  /// Relative to the polygons' origin.
-  glm::dvec3 transmit_m() const { return transmit_m_; }
-  glm::dvec3 receive_m() const { return receive_m_; }
-  const SignalChannel& channel() const { return *channel_; }
-  bool weighed() const { return weighed_; }
 
  private:
+  /// `there_m`, `back_m`: vectors from both ends to the place, whose lengths are the ranges.
+  double amplitude(double density, glm::dvec3 there_m, glm::dvec3 back_m, double tx_m, double rx_m) const {
+    double size = std::sqrt(density);
+    if (!weighed_ && !path_.over_mirrors()) return size;
+    const PathOnFacet::Directions towards{there_m / tx_m, back_m / rx_m};
+    if (weighed_)
+      size *= amplitude_pattern(channel_->transmit, towards.tx) *
+              amplitude_pattern(channel_->receive, towards.rx);
+    return path_.over_mirrors() ? size * std::sqrt(path_.passed(towards)) : size;
+  }
+
   const SignalChannel* channel_;
-  glm::dvec3 transmit_m_, receive_m_;
-  FacetPlane transmit_;
-  double receive_distance_m_;
-  PlaneFrame frame_;
+  glm::dvec3 transmit_m_, receive_m_;  // relative to the polygons' origin
+  glm::dvec3 normal_;
   PathOnFacet path_;
   bool weighed_;
 };
