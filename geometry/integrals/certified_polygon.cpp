@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "geometry/arithmetic/wide_direction.hpp"
+#include "geometry/integrals/polar_numbers.hpp"
 
 namespace tubefoot {
 namespace {
@@ -37,48 +38,6 @@ Ball dot(const BallVector& a, const BallVector& b) { return a[0] * b[0] + a[1] *
 
 BallVector scaled(const BallVector& a, const Ball& factor) {
   return {a[0] * factor, a[1] * factor, a[2] * factor};
-}
-
-RangeEnclosure enclosure(const Ball& x) { return {x.fine_lo(), x.fine_hi()}; }
-
-int sign(const Ball& x) { return x.surely_positive() ? 1 : x.surely_negative() ? -1 : 0; }
-
-/// Angle of a vector. The result for a ball around pi stays in one piece; it is not split into pi and -pi.
-Ball angle_of(const Ball& x, const Ball& y) {
-  if (x.surely_negative()) return Ball::pi() + atan2(-y, -x);
-  return atan2(y, x);
-}
-
-/// Computes edges and ranges from the points.
-void finish(CertifiedPolygon& polygon) {
-  const std::vector<CertifiedPolygon::Point>& points = polygon.points;
-  const std::size_t n = points.size();
-  const Ball distance2 = squared(polygon.distance);
-  std::vector<RangeEnclosure> range(n);
-  for (std::size_t i = 0; i < n; ++i)
-    range[i] = enclosure(root(distance2 + squared(points[i].x) + squared(points[i].y)));
-
-  bool maybe_inside = true;
-  polygon.foot_inside = true;
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t next = i + 1 == n ? 0 : i + 1;
-    const Ball x = points[next].x - points[i].x, y = points[next].y - points[i].y;
-    const Ball length = root(squared(x) + squared(y));
-    polygon.perimeter += length;
-    if (!length.surely_positive()) continue;
-    const Ball ax = x / length, ay = y / length;
-    CertifiedPolygon::Edge edge;
-    edge.angle = angle_of(ax, ay);
-    edge.height = points[i].x * ay - points[i].y * ax;
-    edge.nearest2 = distance2 + squared(edge.height);
-    polygon.ranges.push_back({range[i], range[next], enclosure(root(edge.nearest2)),
-                              sign(points[i].x * ax + points[i].y * ay),
-                              sign(points[next].x * ax + points[next].y * ay)});
-    polygon.foot_inside = polygon.foot_inside && edge.height.surely_positive();
-    maybe_inside = maybe_inside && !edge.height.surely_negative();
-    polygon.edges.push_back(std::move(edge));
-  }
-  if (maybe_inside) polygon.foot = enclosure(polygon.distance);
 }
 
 /// Frame of the facet's plane, and the apex's distance from it.
@@ -116,7 +75,7 @@ CertifiedPolygon certified_polygon(const NameContext& context, const std::vector
     const BallVector p = scaled(balls(d), ball(offset) / ball(tubefoot::dot(d, normal)) * Ball(unit_m));
     points[i] = {dot(p, polygon.u), dot(p, polygon.v)};
   }
-  finish(polygon);
+  finish<BallNumbers>(polygon);
   return polygon;
 }
 
@@ -133,7 +92,7 @@ CertifiedPolygon certified_polygon(const FacetCone& facet, std::span<const glm::
     }
     polygon.points.push_back({dot(p, polygon.u), dot(p, polygon.v)});
   }
-  finish(polygon);
+  finish<BallNumbers>(polygon);
   return polygon;
 }
 
@@ -144,7 +103,7 @@ CertifiedPolygon part_of(const CertifiedPolygon& whole, std::vector<CertifiedPol
   part.v = whole.v;
   part.away = whole.away;
   part.points = std::move(points);
-  finish(part);
+  finish<BallNumbers>(part);
   return part;
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/arithmetic/exact_corner.hpp"
-#include "geometry/integrals/polar_slabs.hpp"
+#include "geometry/integrals/polar_polygon.hpp"
 #include "geometry/numbers/ball.hpp"
 #include "geometry/visibility/visibility.hpp"
 
@@ -16,24 +16,9 @@ namespace tubefoot {
 /// A visible polygon in the plane of its facet, with every coordinate enclosed in a ball. The enclosures
 /// follow from the exact integers that the corners' names denote, without earlier rounding. Lengths are in
 /// metres.
-struct CertifiedPolygon {
-  struct Point {
-    Ball x, y;  ///< along u and v, from the foot point
-  };
-  struct Edge {
-    Ball angle;     ///< angle of the edge's direction in the plane, from u to v
-    Ball height;    ///< height of the foot point to the left of the edge
-    Ball nearest2;  ///< squared range of the nearest point of the edge's line
-  };
-  Ball distance;                   ///< of the apex from the plane
+struct CertifiedPolygon : PolarPolygon<Ball, Ball> {
   std::array<Ball, 3> u, v, away;  ///< frame of the plane; visible polygons turn from u to v; `away` points
                                    ///< away from the apex
-  std::vector<Point> points;
-  std::vector<Edge> edges;
-  Ball perimeter;
-  std::vector<EdgeRanges> ranges;      ///< by edge
-  std::optional<RangeEnclosure> foot;  ///< see PolarSlabs::cut
-  bool foot_inside = false;
 };
 
 /// Encloses a visible polygon. `unit_m` is a power of two. An edge whose two corners cannot be resolved is

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "geometry/arithmetic/wide_direction.hpp"
+#include "geometry/integrals/polar_numbers.hpp"
 
 namespace tubefoot {
 namespace {
@@ -62,45 +63,6 @@ std::pair<FineVector, FineInterval> ray_of(const NameContext& context, const Cor
   return {FineVector{fine(d[0]), fine(d[1]), fine(d[2])}, fine(tubefoot::dot(d, widen(normal)))};
 }
 
-RangeEnclosure enclosure(const FineInterval& x) { return {x.lo, x.hi}; }
-
-int sign(const FineInterval& x) { return x.surely_positive() ? 1 : x.surely_negative() ? -1 : 0; }
-
-/// Computes edges and ranges from the points.
-bool finish(IntervalPolygon& polygon) {
-  const std::vector<IntervalPolygon::Point>& points = polygon.points;
-  const std::size_t n = points.size();
-  const FineInterval distance2 = squared(polygon.distance);
-  polygon.edges.clear();
-  polygon.ranges.clear();
-  polygon.foot.reset();
-  polygon.perimeter = FineInterval();
-  bool maybe_inside = true;
-  polygon.foot_inside = true;
-  const auto range_of = [&](const IntervalPolygon::Point& p) {
-    return enclosure(root(distance2 + squared(p.x) + squared(p.y)));
-  };
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t next = i + 1 == n ? 0 : i + 1;
-    const FineInterval x = points[next].x - points[i].x, y = points[next].y - points[i].y;
-    const FineInterval length = root(squared(x) + squared(y));
-    if (!length.surely_positive()) return false;
-    polygon.perimeter += length;
-    const FineInterval per_length = FineInterval(1.0) / length, ax = x * per_length, ay = y * per_length;
-    const FineInterval height = points[i].x * ay - points[i].y * ax;
-    const FineInterval nearest2 = distance2 + squared(height);
-    polygon.edges.push_back({angle_of(ax.in_doubles(), ay.in_doubles()), height.in_doubles(), nearest2});
-    polygon.ranges.push_back({i == 0 ? range_of(points[i]) : polygon.ranges.back().to,
-                              next == 0 ? polygon.ranges.front().from : range_of(points[next]),
-                              enclosure(root(nearest2)), sign(points[i].x * ax + points[i].y * ay),
-                              sign(points[next].x * ax + points[next].y * ay)});
-    polygon.foot_inside = polygon.foot_inside && height.surely_positive();
-    maybe_inside = maybe_inside && !height.surely_negative();
-  }
-  if (maybe_inside) polygon.foot = enclosure(polygon.distance);
-  return true;
-}
-
 }  // namespace
 
 Interval angle_of(const Interval& x, const Interval& y) {
@@ -135,7 +97,7 @@ bool enclose_in_intervals(const NameContext& context, const std::vector<CornerNa
     const FineInterval stretch = offset / along_normal;
     polygon.points.push_back({dot(d, u) * stretch, dot(d, v) * stretch});
   }
-  return finish(polygon);
+  return finish<IntervalNumbers>(polygon);
 }
 
 }  // namespace tubefoot

@@ -1,35 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "geometry/arithmetic/exact_corner.hpp"
-#include "geometry/integrals/polar_slabs.hpp"
+#include "geometry/integrals/polar_polygon.hpp"
 #include "geometry/numbers/fine_interval.hpp"
 #include "geometry/visibility/visibility.hpp"
 
 namespace tubefoot {
 
 /// The same data as CertifiedPolygon, in intervals of long doubles instead of balls. The computation is much
-/// faster, and accurate to some 1e-18 of the range. Lengths are in metres.
-struct IntervalPolygon {
-  struct Point {
-    FineInterval x, y;
-  };
-  struct Edge {
-    Interval angle;         ///< angle of the edge's direction in the plane, up to whole turns
-    Interval height;        ///< height of the foot point to the left of the edge
-    FineInterval nearest2;  ///< squared range of the nearest point of the edge's line
-  };
-  FineInterval distance;  ///< of the apex from the plane
-  std::vector<Point> points;
-  std::vector<Edge> edges;
-  FineInterval perimeter;
-  std::vector<EdgeRanges> ranges;      ///< by edge
-  std::optional<RangeEnclosure> foot;  ///< see PolarSlabs::cut
-  bool foot_inside = false;
-};
+/// faster, and accurate to some 1e-18 of the range.
+using IntervalPolygon = PolarPolygon<FineInterval, Interval>;
 
 /// Encloses a visible polygon. Returns false if two neighbouring corners cannot be resolved; such a polygon
 /// needs ball arithmetic. `unit_m` is a power of two. The function overwrites `polygon` and reuses its

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/certified/certified_scattering.hpp"
-#include "engine/scattering/density.hpp"
 #include "geometry/integrals/certified_rule.hpp"
 #include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
@@ -19,21 +17,10 @@ namespace {
 constexpr std::size_t most_halvings = 500, most_halvings_with_table = 20000;  // per slab
 constexpr int deepest = 90;
 
-/// atan(height / s) for s > 0, by the formula that is not near a pole.
-template <class N>
-N turn_at(const Ball& height, const N& s, double size_of_s) {
-  if (std::abs(height.middle()) <= size_of_s || height.may_be_zero()) return atan(N(height) / s);
-  const N quarter = N(Ball::pi() / Ball(height.surely_positive() ? 2 : -2));
-  return quarter - atan(s / N(height));
-}
-
-double size_of(const Ball& x) { return std::abs(x.middle()); }
-double size_of(const ComplexBall& x) { return std::abs(x.real().middle()); }
-
 }  // namespace
 
 CertifiedIntegrator::CertifiedIntegrator(std::span<const double> borders_m, const Ball& beta_per_m)
-    : borders_(borders_m), beta_(beta_per_m) {}
+    : PolarIntegrand(beta_per_m), borders_(borders_m) {}
 
 void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t beam, const Allowance& allowance,
                               const Sink<Ball>& sink, const CertifiedCell* texture) {
@@ -43,9 +30,8 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t bea
   largest_gain_ = Ball(1);
   if (texture != nullptr) {
     static const Directivity even;
-    polygon_ = &polygon;
-    transmit_.assign(1, cosine_of(even));
-    receive_.assign(1, cosine_of(even));
+    transmit_.assign(1, cosine_of(even, polygon));
+    receive_.assign(1, cosine_of(even, polygon));
     largest_gain_ = Ball(texture->texture->range().hi());
   }
   add(polygon, beam, beam + 1, allowance, sink);
@@ -54,8 +40,7 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t bea
 void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t first_beam,
                               std::uint32_t end_beam, const Allowance& allowance, const Sink<Ball>& sink) {
   if (polygon.edges.size() < 3) return;  // as thin as a line, even with this number of bits
-  polygon_ = &polygon;
-  distance2_ = squared(polygon.distance);
+  take_polygon(polygon);
   slabs_.cut(polygon.ranges, polygon.foot, polygon.foot_inside, borders_);
   corners_.clear();
   for (const PolarSlabs::Slab& slab : slabs_.slabs()) {
@@ -86,115 +71,18 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
   for (const PolarSlabs::Gap& gap : corners_) enclose_gap(gap);
 }
 
-/// A model is analytic in each of its pieces. The pieces meet at irrational ranges. Enclosures of these
-/// ranges are omitted here and recorded in corners_.
 void CertifiedIntegrator::integrate_slab(const PolarSlabs::Slab& slab, bool clear, double relative) {
-  const auto part = [&](long double lo, long double hi) {
-    if (!(hi > lo)) return;
-    const Ball t0 = root(squared(Ball(lo)) - q2_), t1 = root(squared(Ball(hi)) - q2_);
+  if (model_ != nullptr)
+    for (Part& p : parts_) p.allowed /= double(model_->pieces().size());
+  each_piece(slab, [&](long double lo, long double hi) {
+    if (!(hi > lo)) return true;
+    const Ball t0 = t_at(Ball(lo)), t1 = t_at(Ball(hi));
     if (clear)
       integrate(t0, t1, relative);
     else
       enclose({t0, t1, 0});
-  };
-  model_piece_ = nullptr;
-  if (model_ == nullptr) return part(slab.lo, slab.hi);
-  const auto& pieces = model_->pieces();
-  for (Part& p : parts_) p.allowed /= double(pieces.size());
-  long double from = slab.lo;
-  for (const ScatteringModel::Piece& piece : pieces) {
-    model_piece_ = &piece;
-    if (&piece == &pieces.back()) return part(from, slab.hi);
-    Ball sine, cosine;
-    sin_cos(Ball(piece.to), sine, cosine);
-    const Ball corner = polygon_->distance / cosine;
-    const long double lo = corner.fine_lo(), hi = corner.fine_hi();
-    if (!(hi > from)) continue;
-    part(from, std::min(lo, slab.hi));
-    if (!(lo < slab.hi)) return;
-    from = std::max(from, lo);
-    corners_.push_back({from, std::min(hi, slab.hi), slab.sample, slab.sample + 1});
-    if (!(hi < slab.hi)) return;
-    from = hi;
-  }
-}
-
-/// Cross-section over a ball of ranges, whatever pieces of the model they meet.
-Ball CertifiedIntegrator::scattered_over(const Ball& r) const {
-  return cross_section_over(*model_, atan2(root(squared(r) - distance2_), polygon_->distance),
-                            polygon_->distance / r);
-}
-
-/// Upper bound of the density from `nearest` on, up to the far end of the ranges `over`.
-Ball CertifiedIntegrator::most_density(const Ball& nearest, const Ball& over) const {
-  const auto two_way = TwoWayRange<Ball>::of(nearest);
-  if (model_ == nullptr) return lambert_density(two_way, beta_);
-  return density(Ball(scattered_over(over).hi()), two_way, beta_);
-}
-
-/// Chooses q and pairs the arcs. Returns false if the pairs are not certain.
-bool CertifiedIntegrator::prepare(std::span<const Crossing> crossings, const PolarSlabs::Slab& slab) {
-  full_circle_ = crossings.empty();
-  q2_ = distance2_;
-  q_edge_ = std::uint32_t(polygon_->edges.size());
-  arcs_.clear();
-  if (full_circle_) return true;
-  double largest = -1;
-  for (const Crossing& c : crossings)
-    if (const double n2 = polygon_->edges[c.edge].nearest2.middle(); n2 > largest) {
-      largest = n2;
-      q_edge_ = c.edge;
-    }
-  q2_ = polygon_->edges[q_edge_].nearest2;
-  beyond2_.resize(polygon_->edges.size());
-  for (const Crossing& c : crossings) beyond2_[c.edge] = q2_ - polygon_->edges[c.edge].nearest2;
-  return find_arcs(crossings, root(squared(Ball(slab.lo + (slab.hi - slab.lo) / 2)) - q2_));
-}
-
-template <class N>
-N CertifiedIntegrator::angle_at(const Crossing& crossing, const N& t, const N& t2) const {
-  const CertifiedPolygon::Edge& edge = polygon_->edges[crossing.edge];
-  const N s = crossing.edge == q_edge_ ? t : root(t2 + N(beyond2_[crossing.edge]));
-  const N turn = turn_at(edge.height, s, size_of(s));
-  return crossing.rising ? N(edge.angle) - turn : N(edge.angle + Ball::pi()) + turn;
-}
-
-/// Pairs each point where the polygon begins with the next point where it ends, on a circle in the middle of
-/// a slab. The pairs hold in the whole slab.
-bool CertifiedIntegrator::find_arcs(std::span<const Crossing> crossings, const Ball& t) {
-  const Ball t2 = squared(t), two_pi = Ball(2) * Ball::pi();
-  std::vector<std::pair<Ball, Crossing>> sorted;
-  std::size_t rising = 0;
-  for (const Crossing& c : crossings) {
-    const Ball angle = angle_at(c, t, t2);
-    if (!angle.is_finite()) return false;
-    sorted.emplace_back(angle - two_pi * Ball(std::floor(angle.middle() / 6.283185307179586)), c);
-    rising += c.rising;
-  }
-  if (2 * rising != sorted.size()) return false;
-  std::sort(sorted.begin(), sorted.end(),
-            [](const auto& a, const auto& b) { return a.first.middle() < b.first.middle(); });
-  // With a single arc no confusion is possible. Otherwise the order must be certain.
-  if (sorted.size() > 2)
-    for (std::size_t k = 0; k + 1 < sorted.size(); ++k)
-      if (!(sorted[k + 1].first - sorted[k].first).surely_positive() ||
-          sorted[k].second.rising == sorted[k + 1].second.rising)
-        return false;
-  if (sorted.size() > 2 && !(sorted.front().first + two_pi - sorted.back().first).surely_positive())
-    return false;
-  for (std::size_t i = 0; i < sorted.size(); ++i) {
-    if (!sorted[i].second.rising) continue;
-    const Crossing begin = sorted[i].second, end = sorted[(i + 1) % sorted.size()].second;
-    const Ball length = angle_at(end, t, t2) - angle_at(begin, t, t2);
-    const double least = polygon_->foot_inside ? 0 : -1.5;
-    const double turns = -std::floor((length.middle() - least) / 6.283185307179586);
-    const Ball arc = length + two_pi * Ball(turns);
-    // About a foot point outside of the polygon, an arc is at most half a circle, so a thin arc cannot be a
-    // whole turn. About a foot point inside, the arc must certainly be neither empty nor a whole turn.
-    if (polygon_->foot_inside && !(arc.surely_positive() && (two_pi - arc).surely_positive())) return false;
-    arcs_.push_back({begin, end, two_pi * Ball(turns)});
-  }
-  return true;
+    return true;
+  });
 }
 
 double CertifiedIntegrator::nearest_singularity() const {
@@ -205,25 +93,6 @@ double CertifiedIntegrator::nearest_singularity() const {
     for (const std::uint32_t e : {arc.begin.edge, arc.end.edge})
       if (e != q_edge_) nearest2 = std::min(nearest2, beyond2_[e].middle());
   return std::sqrt(std::max(nearest2, 0.0));
-}
-
-/// t times the density, because the integral over t then equals the integral of density times r over r.
-template <class N>
-N CertifiedIntegrator::radial(const N& t, const N& r) const {
-  const auto two_way = TwoWayRange<N>::of(r);
-  const N beta(beta_);
-  if (model_piece_ == nullptr) return t * lambert_density(two_way, beta);
-  const N rho = full_circle_ ? t : root(N(q2_ - distance2_) + squared(t));
-  const N incidence = N(Ball::pi() / Ball(2)) - turn_at(polygon_->distance, rho, size_of(rho));
-  return t * density(cross_section_in(*model_piece_, incidence, N(N(polygon_->distance) / r)), two_way, beta);
-}
-
-template <class N>
-N CertifiedIntegrator::arcs_length(const N& t, const N& t2) const {
-  if (full_circle_) return N(Ball(2) * Ball::pi());
-  N sum;
-  for (const Arc& arc : arcs_) sum += angle_at(arc.end, t, t2) - angle_at(arc.begin, t, t2) + N(arc.turns);
-  return sum;
 }
 
 void CertifiedIntegrator::integrate(const Ball& t0, const Ball& t1, double relative) {
@@ -278,11 +147,6 @@ void CertifiedIntegrator::enclose(const Interval& interval) {
 
 bool CertifiedIntegrator::try_interval(const Interval& interval, const Ball& whole, double relative) {
   const Ball half = (interval.to - interval.from) / Ball(2), middle = interval.from + half;
-  const auto value = [&](const auto& t) {
-    const auto t2 = squared(t);
-    const auto r = root(decltype(t2)(q2_) + t2);
-    return radial(t, r) * arcs_length(t, t2);
-  };
   const double width = half.hi();
   if (!(width > 0)) return true;  // certainly empty
   const double typical = std::abs(value(middle).middle()) * 2 * width;
@@ -297,9 +161,7 @@ bool CertifiedIntegrator::try_interval(const Interval& interval, const Ball& who
     const int n = nodes_for(rho, std::log(m) + std::log(width), allowed);
     if (n > most_certified_nodes) continue;
     const CertifiedRule& rule = certified_rule(n);
-    Ball sum;
-    for (int i = 0; i < n; ++i) sum += rule.weight[i] * value(middle + half * rule.node[i]);
-    sum = sum * half;
+    Ball sum = by_rule(middle, half, rule.node, rule.weight);
     sum.add_error(Ball(m) * half * exp(Ball(log_error(rho, n))));
     if (!sum.is_finite()) continue;
     part.sum += sum;
@@ -307,12 +169,5 @@ bool CertifiedIntegrator::try_interval(const Interval& interval, const Ball& who
   }
   return false;
 }
-
-// Instantiations for the code with patterns.
-template Ball CertifiedIntegrator::angle_at(const Crossing&, const Ball&, const Ball&) const;
-template ComplexBall CertifiedIntegrator::angle_at(const Crossing&, const ComplexBall&,
-                                                   const ComplexBall&) const;
-template Ball CertifiedIntegrator::radial(const Ball&, const Ball&) const;
-template ComplexBall CertifiedIntegrator::radial(const ComplexBall&, const ComplexBall&) const;
 
 }  // namespace tubefoot

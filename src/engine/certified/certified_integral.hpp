@@ -7,10 +7,12 @@
 
 #include "engine/certified/certified_cells.hpp"
 #include "engine/certified/certified_gain.hpp"
+#include "engine/certified/polar_integrand.hpp"
 #include "engine/echo/sink.hpp"
 #include "engine/scattering/beam_pattern.hpp"
 #include "engine/scattering/scattering_model.hpp"
 #include "geometry/integrals/certified_polygon.hpp"
+#include "geometry/integrals/polar_numbers.hpp"
 
 // Encloses integrals of the monostatic echo density over polygons, split into range samples, in ball
 // arithmetic. Optional factors are beam patterns and micro-texture. See docs/notes/certified-energies.md.
@@ -28,7 +30,7 @@ namespace tubefoot {
 ///
 /// Intervals are halved until the error is within the allowance. The largest value of the integrand bounds
 /// the intervals that remain at the work limit, and the gaps between slabs.
-class CertifiedIntegrator {
+class CertifiedIntegrator : private PolarIntegrand<BallNumbers> {
  public:
   /// Permitted error of a piece's part of a bin.
   struct Allowance {
@@ -40,9 +42,7 @@ class CertifiedIntegrator {
   /// `beta_per_m`: one-way absorption.
   CertifiedIntegrator(std::span<const double> borders_m, const Ball& beta_per_m);
 
-  /// Sets the scattering model of the following polygons. With null, the integrand contains r^-2 instead,
-  /// which is Lambert's law up to a constant factor.
-  void take_model(const ScatteringModel* model) { model_ = model; }
+  using PolarIntegrand::take_model;
 
   /// Integrates without patterns; all parts belong to `beam`. With a texture, the polygon must lie in its
   /// cell.
@@ -56,10 +56,6 @@ class CertifiedIntegrator {
   std::size_t given_up() const { return given_up_; }
 
  private:
-  struct Arc {
-    Crossing begin, end;
-    Ball turns;  // added to end - begin
-  };
   /// Direction cosine over a polygon: cosine = (away distance + rho (u cos + v sin)) / r.
   struct Cosine : CertifiedGain {
     Ball away, u, v;  // the pattern's axis in the polygon's frame
@@ -77,30 +73,19 @@ class CertifiedIntegrator {
 
   void add(const CertifiedPolygon& polygon, std::uint32_t first_beam, std::uint32_t end_beam,
            const Allowance& allowance, const Sink<Ball>& sink);
-  bool prepare(std::span<const Crossing> crossings, const PolarSlabs::Slab& slab);
-  bool find_arcs(std::span<const Crossing> crossings, const Ball& t);
   void integrate_slab(const PolarSlabs::Slab& slab, bool clear, double relative);
   void integrate(const Ball& t0, const Ball& t1, double relative);
-  Ball scattered_over(const Ball& r) const;
-  Ball most_density(const Ball& nearest, const Ball& over) const;
   bool try_interval(const Interval& interval, const Ball& whole, double relative);
   void halve(const Interval& interval);
   void enclose(const Interval& interval);
   double nearest_singularity() const;
-
-  template <class N>
-  N angle_at(const Crossing& crossing, const N& t, const N& t2) const;
-  template <class N>
-  N radial(const N& t, const N& r) const;
-  template <class N>
-  N arcs_length(const N& t, const N& t2) const;
 
   // The following functions are for patterns or a texture.
   template <class N>
   std::pair<N, N> ends_of(const Arc* arc, const N& t, const N& t2) const;
   template <class N>
   N cosine_at(const Cosine& cosine, const N& distance_over_r, const N& rho_over_r, const N& angle) const;
-  Cosine cosine_of(const Directivity& pattern) const;
+  static Cosine cosine_of(const Directivity& pattern, const CertifiedPolygon& polygon);
   double log_bound(const Arc* arc, const ComplexBall& t, const ComplexBall& v,
                    std::vector<double>& by_beam) const;
   Ball gain(const Cosine& cosine, const Ball& w) const { return cosine.at(w, by_segment_, largest_gain_); }
@@ -112,19 +97,10 @@ class CertifiedIntegrator {
                            const std::vector<Ball>& weight) const;
 
   std::span<const double> borders_;
-  Ball beta_, distance2_, largest_gain_;
+  Ball largest_gain_;
   std::size_t given_up_ = 0;
 
-  const ScatteringModel* model_ = nullptr;
-  const ScatteringModel::Piece* model_piece_ = nullptr;  // of the current interval
-  std::vector<PolarSlabs::Gap> corners_;  // ranges at which the model's pieces meet, as gaps in slabs
-  const CertifiedPolygon* polygon_ = nullptr;
   PolarSlabs slabs_;
-  Ball q2_;
-  std::uint32_t q_edge_ = 0;
-  bool full_circle_ = false;
-  std::vector<Ball> beyond2_;  // q^2 - nearest2 of each edge
-  std::vector<Arc> arcs_;
   std::vector<Part> parts_;  // by beam, from the first
   std::vector<Interval> work_;
   bool weighed_ = false;  // by patterns, a texture or both

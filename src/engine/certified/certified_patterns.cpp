@@ -12,14 +12,12 @@
 #include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
-namespace {}  // namespace
 
 void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPatterns& patterns,
                               std::uint32_t tube, const Allowance& allowance, const Sink<Ball>& sink,
                               const CertifiedCell* texture) {
   const auto [first_beam, end_beam] = patterns.beams_of_tube[tube];
   if (first_beam == end_beam) return;
-  polygon_ = &polygon;
   weighed_ = true;
   texture_ = texture;
   transmit_.clear();
@@ -27,12 +25,12 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPattern
   tabulated_ = false;
   Ball sent, received(1);
   for (const Directivity& beam : patterns.transmit[patterns.fan_of_tube[tube]].beams) {
-    transmit_.push_back(cosine_of(beam));
+    transmit_.push_back(cosine_of(beam, polygon));
     tabulated_ = tabulated_ || transmit_.back().is_table();
     sent += transmit_.back().largest();
   }
   for (std::uint32_t beam = first_beam; beam < end_beam; ++beam) {
-    receive_.push_back(cosine_of(patterns.receive[beam]));
+    receive_.push_back(cosine_of(patterns.receive[beam], polygon));
     tabulated_ = tabulated_ || receive_.back().is_table();
     const Ball largest = receive_.back().largest();
     if (beam == first_beam || largest.hi() > received.hi()) received = largest;
@@ -42,14 +40,15 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, const BeamPattern
   add(polygon, first_beam, end_beam, allowance, sink);
 }
 
-CertifiedIntegrator::Cosine CertifiedIntegrator::cosine_of(const Directivity& pattern) const {
+CertifiedIntegrator::Cosine CertifiedIntegrator::cosine_of(const Directivity& pattern,
+                                                           const CertifiedPolygon& polygon) {
   Cosine cosine{CertifiedGain(pattern), {}, {}, {}};
   const auto along = [&](const std::array<Ball, 3>& e) {
     return Ball(pattern.axis.x) * e[0] + Ball(pattern.axis.y) * e[1] + Ball(pattern.axis.z) * e[2];
   };
-  cosine.away = along(polygon_->away);
-  cosine.u = along(polygon_->u);
-  cosine.v = along(polygon_->v);
+  cosine.away = along(polygon.away);
+  cosine.u = along(polygon.u);
+  cosine.v = along(polygon.v);
   return cosine;
 }
 
@@ -80,19 +79,19 @@ std::vector<double> CertifiedIntegrator::take_segments(const Arc* arc, const Bal
 template <class N>
 std::pair<N, N> CertifiedIntegrator::ends_of(const Arc* arc, const N& t, const N& t2) const {
   if (arc == nullptr) return {N(), N(Ball::pi())};
-  const N begin = angle_at(arc->begin, t, t2), end = angle_at(arc->end, t, t2) + N(arc->turns);
+  const N begin = angle_at(arc->begin, t, t2), end = angle_at(arc->end, t, t2) + N(arc->constant);
   return {(begin + end) * N(0.5), (end - begin) * N(0.5)};
 }
 
 /// Bounds log |integrand| by beam over t times v. Returns the largest bound.
 double CertifiedIntegrator::log_bound(const Arc* arc, const ComplexBall& t, const ComplexBall& v,
                                       std::vector<double>& by_beam) const {
-  const ComplexBall t2 = squared(t), r = root(ComplexBall(q2_) + t2);
+  const ComplexBall t2 = squared(t), r2 = ComplexBall(q2_) + t2, r = root(r2);
   const ComplexBall rho = root(ComplexBall(q2_ - distance2_) + t2) / r,
                     down = ComplexBall(polygon_->distance) / r;
   const auto [middle, half] = ends_of(arc, t, t2);
   const ComplexBall angle = middle + half * v;
-  double geometry = std::log((radial(t, r) * half).largest());
+  double geometry = std::log((radial(t, r2, r) * half).largest());
   if (texture_ != nullptr) geometry += std::log(texture_->largest(rho * r, angle)) + 1e-9;
   const auto bound = [&](const Cosine& cosine) {
     if (cosine.is_uniform()) return 0.0;
@@ -118,10 +117,10 @@ double CertifiedIntegrator::log_bound(const Arc* arc, const ComplexBall& t, cons
 /// Returns, by beam, the sum of weight times integrand over the nodes v of an arc.
 std::vector<Ball> CertifiedIntegrator::values(const Arc* arc, const Ball& t, const std::vector<Ball>& v,
                                               const std::vector<Ball>& weight) const {
-  const Ball t2 = squared(t), r = root(q2_ + t2), rho = root(q2_ - distance2_ + t2) / r;
+  const Ball t2 = squared(t), r2 = q2_ + t2, r = root(r2), rho = root(q2_ - distance2_ + t2) / r;
   const Ball down = polygon_->distance / r;
   const auto [middle, half] = ends_of(arc, t, t2);
-  const Ball factor = radial(t, r) * half;
+  const Ball factor = radial(t, r2, r) * half;
   std::vector<Ball> sums(parts_.size());
   for (std::size_t i = 0; i < v.size(); ++i) {
     const Ball angle = middle + half * v[i];

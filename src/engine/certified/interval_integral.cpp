@@ -3,10 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "engine/certified/certified_scattering.hpp"
-#include "engine/scattering/density.hpp"
 #include "geometry/integrals/certified_rule.hpp"
 #include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
@@ -22,8 +19,6 @@ constexpr std::size_t most_halvings = 60;  // per slab; ball arithmetic has a hi
 /// rounding.
 constexpr double more = 1 + 1e-9, less = 1 - 1e-9;
 
-const Interval interval_pi = outwards(std::numbers::pi, std::numbers::pi), two_pi = 2.0 * interval_pi;
-
 /// Lower bound of the distance between a real t and the zeros of s^2 = t^2 + b.
 double from_zeros(double t, const Interval& b) {
   return b.lo >= 0 ? std::sqrt(t * t + b.lo) * less : t * less - std::sqrt(-b.lo) * more;
@@ -34,8 +29,7 @@ double from_zeros(double t, const Interval& b) {
 bool IntervalIntegrator::enclose(const IntervalPolygon& polygon, std::uint32_t beam,
                                  const Allowance& allowance, std::vector<SamplePart>& parts) {
   parts.clear();
-  polygon_ = &polygon;
-  distance_ = polygon.distance.in_doubles();
+  take_polygon(polygon);
   if (!(distance_.lo > 0) || !(beta_.lo >= 0)) return false;
   slabs_.cut(polygon.ranges, polygon.foot, polygon.foot_inside, borders_);
   corners_.clear();
@@ -44,7 +38,7 @@ bool IntervalIntegrator::enclose(const IntervalPolygon& polygon, std::uint32_t b
     stop_if_wanted();
     const Allowed allowed{allowance.relative, allowance.absolute(beam, slab.sample)};
     sum_ = Interval();
-    if (!prepare(slab) || !add_slab(slab, allowed)) return false;
+    if (!prepare_slab(slab) || !add_slab(slab, allowed)) return false;
     sum_.lo = std::max(sum_.lo, 0.0);  // all parts are non-negative
     // The factor allows a quarter more than the error of the rule, for rounding.
     if (!(sum_.width() / 2 <= 1.25 * (allowed.relative * sum_.lo + allowed.absolute))) return false;
@@ -53,7 +47,7 @@ bool IntervalIntegrator::enclose(const IntervalPolygon& polygon, std::uint32_t b
   const auto enclose_gap = [&](const PolarSlabs::Gap& gap) {
     // Density times the area between the two circles, as in CertifiedIntegrator.
     const double area = double(gap.hi - gap.lo) * double(gap.hi) * most_turn(gap.lo),
-                 most = area * most_density(FineInterval(gap.lo, gap.hi).in_doubles()) * more;
+                 most = area * most_density_over(FineInterval(gap.lo, gap.hi).in_doubles()) * more;
     for (std::uint32_t sample = gap.first_sample; sample < gap.end_sample; ++sample) {
       if (!(most <= allowance.absolute(beam, sample))) return false;
       parts.push_back({sample, {0, most}});
@@ -64,28 +58,10 @@ bool IntervalIntegrator::enclose(const IntervalPolygon& polygon, std::uint32_t b
          std::all_of(corners_.begin(), corners_.end(), enclose_gap);
 }
 
-/// As CertifiedIntegrator::integrate_slab().
 bool IntervalIntegrator::add_slab(const PolarSlabs::Slab& slab, const Allowed& allowed) {
-  model_piece_ = nullptr;
-  if (model_ == nullptr) return add_ranges(slab.lo, slab.hi, allowed);
-  const auto& pieces = model_->pieces();
-  const Allowed each{allowed.relative, allowed.absolute / double(pieces.size())};
-  long double from = slab.lo;
-  for (const ScatteringModel::Piece& piece : pieces) {
-    model_piece_ = &piece;
-    if (&piece == &pieces.back()) return add_ranges(from, slab.hi, each);
-    const double cosine = std::cos(piece.to);
-    const Interval corner = distance_ / outwards(cosine, cosine, library_units);
-    const long double lo = corner.lo, hi = corner.hi;
-    if (!(hi > from)) continue;
-    if (!add_ranges(from, std::min(lo, slab.hi), each)) return false;
-    if (!(lo < slab.hi)) return true;
-    from = std::max(from, lo);
-    corners_.push_back({from, std::min(hi, slab.hi), slab.sample, slab.sample + 1});
-    if (!(hi < slab.hi)) return true;
-    from = hi;
-  }
-  return true;
+  Allowed each = allowed;
+  if (model_ != nullptr) each.absolute /= double(model_->pieces().size());
+  return each_piece(slab, [&](long double lo, long double hi) { return add_ranges(lo, hi, each); });
 }
 
 /// Integrates between two values of t that are doubles and certainly within the ranges. The rest contributes
@@ -99,7 +75,7 @@ bool IntervalIntegrator::add_ranges(long double lo, long double hi, const Allowe
   const FineInterval outside =
       within ? squared(FineInterval(from)) - t2_from + t2_to - squared(FineInterval(to)) : t2_to - t2_from;
   const double area = static_cast<double>(std::max(outside.hi, 0.0L)) / 2 * most_turn(lo),
-               most = area * most_density(FineInterval(lo, hi).in_doubles()) * more;
+               most = area * most_density_over(FineInterval(lo, hi).in_doubles()) * more;
   sum_ += Interval(0, most);
   return !within || integrate(from, to, allowed);
 }
@@ -110,112 +86,20 @@ double IntervalIntegrator::most_turn(long double range) const {
   const FineInterval rho = root(squared(FineInterval(range)) - squared(polygon_->distance));
   const double least = std::max(rho.in_doubles().lo, 0.0),  // rounded outwards, possibly below 0
       by_perimeter = polygon_->perimeter.in_doubles().hi / least * more;
-  return by_perimeter < two_pi.hi ? by_perimeter : two_pi.hi;
-}
-
-/// Upper bound of the density over an interval of ranges.
-double IntervalIntegrator::most_density(const Interval& range) const {
-  const auto nearest = TwoWayRange<Interval>::of(Interval(range.lo));
-  if (model_ == nullptr) return lambert_density(nearest, beta_).hi;
-  const Interval rho = root(squared(range) - squared(distance_));
-  const Interval sigma = cross_section_over(*model_, angle_of(distance_, rho), distance_ / range);
-  return density(Interval(sigma.hi), nearest, beta_).hi;
+  const double whole = IntervalNumbers::two_pi().hi;
+  return by_perimeter < whole ? by_perimeter : whole;  // also if the value is not a number
 }
 
 double IntervalIntegrator::most_in(const Stretch& stretch) const {
   const Interval range = root(range_q2_ + squared(Interval(stretch.from, stretch.to)));
   const double area = (stretch.to - stretch.from) * stretch.to * most_turn(range.lo);
-  return area * most_density(range) * more;
+  return area * most_density_over(range) * more;
 }
 
-/// Chooses q and pairs the arcs. Returns false if the pairs are not certain.
-bool IntervalIntegrator::prepare(const PolarSlabs::Slab& slab) {
+bool IntervalIntegrator::prepare_slab(const PolarSlabs::Slab& slab) {
   if (prepared_ == std::pair(slab.first, slab.count)) return true;
   prepared_ = {slab.first, slab.count};
-  const std::span<const Crossing> crossings = slabs_.crossings(slab);
-  const auto& edges = polygon_->edges;
-  full_circle_ = crossings.empty();
-  arcs_.clear();
-  q_edge_ = std::uint32_t(edges.size());
-  q2_ = squared(polygon_->distance);
-  rho_q2_ = Interval();
-  if (!full_circle_) {
-    q_edge_ = crossings.front().edge;
-    for (const Crossing& c : crossings)
-      if (edges[c.edge].nearest2.middle() > edges[q_edge_].nearest2.middle()) q_edge_ = c.edge;
-    q2_ = edges[q_edge_].nearest2;
-    rho_q2_ = squared(edges[q_edge_].height);
-    beyond2_.resize(edges.size());
-    for (const Crossing& c : crossings) beyond2_[c.edge] = (q2_ - edges[c.edge].nearest2).in_doubles();
-  }
-  range_q2_ = q2_.in_doubles();
-  const FineInterval middle(slab.lo + (slab.hi - slab.lo) / 2);
-  return full_circle_ || find_arcs(crossings, root(squared(middle) - q2_).in_doubles());
-}
-
-/// atan(height / s) for s >= 0.
-Interval IntervalIntegrator::turn(std::uint32_t edge, const Interval& t, const Interval& t2) const {
-  return angle_of(edge == q_edge_ ? t : root(t2 + beyond2_[edge]), polygon_->edges[edge].height);
-}
-
-Interval IntervalIntegrator::angle_at(const Crossing& c, const Interval& t, const Interval& t2) const {
-  const Interval direction = polygon_->edges[c.edge].angle, turned = turn(c.edge, t, t2);
-  return c.rising ? direction - turned : direction + interval_pi + turned;
-}
-
-/// As CertifiedIntegrator::find_arcs().
-bool IntervalIntegrator::find_arcs(std::span<const Crossing> crossings, const Interval& t) {
-  const Interval t2 = squared(t);
-  const auto turns_in = [](double angle) { return std::floor(angle / (2 * std::numbers::pi)); };
-  sorted_.clear();
-  std::size_t rising = 0;
-  for (const Crossing& c : crossings) {
-    const Interval angle = angle_at(c, t, t2);
-    if (!(angle.width() < 0.5)) return false;
-    sorted_.emplace_back(angle - two_pi * turns_in(angle.middle()), c);
-    rising += c.rising;
-  }
-  if (2 * rising != sorted_.size()) return false;
-  std::sort(sorted_.begin(), sorted_.end(),
-            [](const auto& a, const auto& b) { return a.first.middle() < b.first.middle(); });
-  if (sorted_.size() > 2) {
-    for (std::size_t k = 0; k + 1 < sorted_.size(); ++k)
-      if (!(sorted_[k + 1].first - sorted_[k].first).surely_positive() ||
-          sorted_[k].second.rising == sorted_[k + 1].second.rising)
-        return false;
-    if (!(sorted_.front().first + two_pi - sorted_.back().first).surely_positive()) return false;
-  }
-  for (std::size_t i = 0; i < sorted_.size(); ++i) {
-    if (!sorted_[i].second.rising) continue;
-    const Crossing begin = sorted_[i].second, end = sorted_[(i + 1) % sorted_.size()].second;
-    const Interval length = angle_at(end, t, t2) - angle_at(begin, t, t2);
-    const double least = polygon_->foot_inside ? 0 : -1.5;
-    const Interval turns = two_pi * -turns_in(length.middle() - least), arc = length + turns;
-    if (polygon_->foot_inside && !(arc.surely_positive() && (two_pi - arc).surely_positive())) return false;
-    const auto& edges = polygon_->edges;
-    arcs_.push_back({begin, end, edges[end.edge].angle - edges[begin.edge].angle + interval_pi + turns});
-  }
-  return true;
-}
-
-Interval IntervalIntegrator::arcs_length(const Interval& t, const Interval& t2) const {
-  if (full_circle_) return two_pi;
-  Interval sum;
-  for (const Arc& arc : arcs_) sum += arc.base + (turn(arc.begin.edge, t, t2) + turn(arc.end.edge, t, t2));
-  return sum;
-}
-
-Interval IntervalIntegrator::rho_at(const Interval& t, const Interval& t2) const {
-  return full_circle_ ? t : root(rho_q2_ + t2);
-}
-
-/// t times the density, because the integral over t then equals the integral of density times r over r.
-Interval IntervalIntegrator::radial(const Interval& t, const Interval& t2) const {
-  const Interval r2 = range_q2_ + t2, r = root(r2);
-  const TwoWayRange<Interval> two_way{r2, r + r};
-  if (model_piece_ == nullptr) return t * lambert_density(two_way, beta_);
-  const Interval incidence = angle_of(distance_, rho_at(t, t2));
-  return t * density(cross_section_in(*model_piece_, incidence, distance_ / r), two_way, beta_);
+  return prepare(slabs_.crossings(slab), slab);
 }
 
 bool IntervalIntegrator::integrate(double from, double to, const Allowed& allowed) {
@@ -251,7 +135,7 @@ IntervalIntegrator::Place IntervalIntegrator::place_at(double t, const Interval&
   if (full_circle_) return place;
   place.rho_zeros = from_zeros(t, rho_q2_);
   place.nearest_zeros = std::min(place.nearest_zeros, place.rho_zeros);
-  for (const Arc& arc : arcs_)
+  for (const PolarArcs::Arc& arc : arcs_)
     for (const std::uint32_t e : {arc.begin.edge, arc.end.edge}) {
       const double height = polygon_->edges[e].height.largest();
       if (e == q_edge_) {
@@ -306,9 +190,10 @@ bool IntervalIntegrator::try_rule(const Stretch& stretch, const Allowed& allowed
   // The distance of t from the true middle is less than the excess of `reach` over half the stretch.
   const double t = stretch.from + (stretch.to - stretch.from) / 2,
                reach = std::max(stretch.to - t, t - stretch.from) * more;
-  const Interval t2 = squared(Interval(t)), arcs = arcs_length(t, t2);
+  const Interval t2 = squared(Interval(t)), arcs = arcs_length(Interval(t), t2);
   const Place place = place_at(t, arcs);
-  const double typical = (radial(t, t2) * arcs).middle() * 2 * reach;
+  const Interval r2 = range_q2_ + t2;
+  const double typical = (radial(Interval(t), r2, root(r2)) * arcs).middle() * 2 * reach;
   const double error_allowed = allowed.relative * std::abs(typical) + allowed.absolute * share;
 
   int nodes = most_certified_nodes + 1;
@@ -324,12 +209,7 @@ bool IntervalIntegrator::try_rule(const Stretch& stretch, const Allowed& allowed
   }
   if (nodes > most_certified_nodes) return false;
   const CertifiedRule& rule = certified_rule(nodes);
-  Interval sum;
-  for (int i = 0; i < nodes; ++i) {
-    const Interval at = middle + half * rule.node_in_doubles[i], at2 = squared(at);
-    sum += rule.weight_in_doubles[i] * (radial(at, at2) * arcs_length(at, at2));
-  }
-  sum = sum * half;
+  Interval sum = by_rule(middle, half, rule.node_in_doubles, rule.weight_in_doubles);
   const double error = most * reach * std::exp(log_error(rho, nodes)) * more;
   sum = outwards(sum.lo - error, sum.hi + error);
   if (!sum.is_finite()) return false;

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "engine/certified/certified_integral.hpp"
+#include "engine/certified/polar_integrand.hpp"
 #include "geometry/integrals/interval_polygon.hpp"
+#include "geometry/integrals/polar_numbers.hpp"
 
 // Encloses the integral of CertifiedIntegrator in intervals of doubles. With r^2 = q^2 + t^2, Gauss-Legendre
 // quadrature runs over t. Its error bound uses closed-form bounds of the integrand on a disk around the
@@ -22,7 +24,7 @@ namespace tubefoot {
 /// Slabs, quadrature rule and error bound are the same. M comes from closed forms. In a disk about the
 /// middle of an interval, a function changes by at most the radius times its largest slope. All slopes
 /// consist of moduli whose zeros are known.
-class IntervalIntegrator {
+class IntervalIntegrator : private PolarIntegrand<IntervalNumbers> {
  public:
   using Allowance = CertifiedIntegrator::Allowance;
   struct SamplePart {
@@ -32,10 +34,9 @@ class IntervalIntegrator {
 
   /// `beta_per_m`: one-way absorption.
   IntervalIntegrator(std::span<const double> borders_m, const Interval& beta_per_m)
-      : borders_(borders_m), beta_(beta_per_m) {}
+      : PolarIntegrand(beta_per_m), borders_(borders_m) {}
 
-  /// As in CertifiedIntegrator.
-  void take_model(const ScatteringModel* model) { model_ = model; }
+  using PolarIntegrand::take_model;
 
   /// Encloses the polygon's integral in each sample, in `parts`. Returns false if the enclosure of some part
   /// misses the allowance for `beam`; `parts` is then invalid.
@@ -43,10 +44,6 @@ class IntervalIntegrator {
                std::vector<SamplePart>& parts);
 
  private:
-  struct Arc {
-    Crossing begin, end;
-    Interval base;  // length of the arc without the turns of its two ends
-  };
   /// Interval of t.
   struct Stretch {
     double from = 0, to = 0;
@@ -67,46 +64,25 @@ class IntervalIntegrator {
     Interval range, incidence;
   };
 
-  bool prepare(const PolarSlabs::Slab& slab);
-  bool find_arcs(std::span<const Crossing> crossings, const Interval& t);
+  bool prepare_slab(const PolarSlabs::Slab& slab);
   bool add_slab(const PolarSlabs::Slab& slab, const Allowed& allowed);
   bool add_ranges(long double lo, long double hi, const Allowed& allowed);
   bool integrate(double from, double to, const Allowed& allowed);
   bool try_rule(const Stretch& stretch, const Allowed& allowed, double share);
 
   double most_turn(long double range) const;
-  double most_density(const Interval& range) const;
+  double most_density_over(const Interval& range) const { return most_density(range.lo, range).hi; }
   double most_in(const Stretch& stretch) const;
   Place place_at(double t, const Interval& arcs);
   double most_within(const Place& place, double radius) const;
   double most_scattered(const Place& place, double radius) const;
 
-  Interval turn(std::uint32_t edge, const Interval& t, const Interval& t2) const;
-  Interval angle_at(const Crossing& crossing, const Interval& t, const Interval& t2) const;
-  Interval arcs_length(const Interval& t, const Interval& t2) const;
-  Interval rho_at(const Interval& t, const Interval& t2) const;
-  Interval radial(const Interval& t, const Interval& t2) const;
-
   std::span<const double> borders_;
-  Interval beta_;
-  const ScatteringModel* model_ = nullptr;
-  const ScatteringModel::Piece* model_piece_ = nullptr;  // of the current ranges
-
-  const IntervalPolygon* polygon_ = nullptr;
   PolarSlabs slabs_;
-  std::vector<PolarSlabs::Gap> corners_;  // ranges at which the model's pieces meet, as gaps in slabs
-  Interval distance_;
   Interval sum_;  // of the current slab
   // First crossing and number of crossings for which arcs were prepared. All circles between two events have
   // the same crossings.
   std::optional<std::pair<std::uint32_t, std::uint32_t>> prepared_;
-  bool full_circle_ = false;
-  std::uint32_t q_edge_ = 0;
-  FineInterval q2_;
-  Interval range_q2_, rho_q2_;     // q^2 in doubles, and squared distance of the edge from the foot point
-  std::vector<Interval> beyond2_;  // q^2 - nearest2 of each edge
-  std::vector<Arc> arcs_;
-  std::vector<std::pair<Interval, Crossing>> sorted_;
   std::vector<End> ends_;  // of the arcs, at the current place
   std::vector<Stretch> work_;
 };

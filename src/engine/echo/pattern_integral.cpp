@@ -7,6 +7,7 @@
 
 #include "engine/echo/scattering_cut.hpp"
 #include "engine/scattering/density.hpp"
+#include "geometry/integrals/polar_arcs.hpp"
 #include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -286,12 +287,10 @@ void PatternIntegrator::find_arcs(std::span<const Crossing> crossings, double t)
     sorted_.emplace_back(std::atan2(p.y, p.x), c);
   }
   std::sort(sorted_.begin(), sorted_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (std::size_t i = 0; i < sorted_.size(); ++i) {
-    if (!sorted_[i].second.rising) continue;
-    std::size_t k = (i + 1) % sorted_.size();
-    while (sorted_[k].second.rising) k = (k + 1) % sorted_.size();
-    arcs_.push_back({sorted_[i].second, sorted_[k].second});
-  }
+  pair_crossings<double>(sorted_, [&](const Crossing& begin, const Crossing& end) {
+    arcs_.push_back({begin, end});
+    return true;
+  });
 }
 
 /// Distance of the nearest singularities from the origin of t. They lie on the imaginary axis, at circles
