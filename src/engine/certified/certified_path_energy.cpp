@@ -354,34 +354,18 @@ CertifiedPathGains::CertifiedPathGains(const CertifiedEnd& tx, const CertifiedEn
   for (const Directivity& beam : receive) add(beam, rx, receive_);
 }
 
-void CertifiedPathGains::weigh(const PlanePlace<Ball>& p, const Ball& tx_range, const Ball& rx_range,
-                               std::vector<Ball>& values) const {
-  if (!any_) return;
-  const auto gain = [&](const Gain& g, const Ball& range) {
-    if (g.is_uniform()) return Ball(1);
-    const Ball w = CertifiedEnd::cosine(g.trace, p, range);
-    const Ball value = g.at(w, by_segment_, g.most);
-    const bool beyond = !value.is_finite() || (!by_segment_ && value.hi() > g.most.hi());
-    return beyond ? g.most * Ball::between(0, 1) : value;
-  };
-  Ball sent;
-  for (const Gain& beam : transmit_) sent += gain(beam, tx_range);
-  for (std::size_t b = 0; b < receive_.size(); ++b)
-    values[b] = values[b] * sent * gain(receive_[b], rx_range);
+Ball CertifiedPathGains::gain_at(const Gain& gain, const PlanePlace<Ball>& p, const Ball& range) const {
+  if (gain.is_uniform()) return Ball(1);
+  const Ball w = CertifiedEnd::cosine(gain.trace, p, range);
+  const Ball value = gain.at(w, by_segment_, gain.most);
+  const bool beyond = !value.is_finite() || (!by_segment_ && value.hi() > gain.most.hi());
+  return beyond ? gain.most * Ball::between(0, 1) : value;
 }
 
-void CertifiedPathGains::weigh(const PlanePlace<Interval>& p, const Interval& tx_range,
-                               const Interval& rx_range, std::vector<Interval>& values) const {
-  if (!any_) return;
-  const auto gain = [&](const Gain& g, const Interval& range) {
-    return g.is_uniform()
-               ? Interval(1)
-               : g.at(CertifiedEnd::cosine(g.trace_in_doubles, p, range), by_segment_, g.most_in_doubles);
-  };
-  Interval sent;
-  for (const Gain& beam : transmit_) sent += gain(beam, tx_range);
-  for (std::size_t b = 0; b < receive_.size(); ++b)
-    values[b] = values[b] * sent * gain(receive_[b], rx_range);
+Interval CertifiedPathGains::gain_at(const Gain& gain, const PlanePlace<Interval>& p,
+                                     const Interval& range) const {
+  if (gain.is_uniform()) return 1;
+  return gain.at(CertifiedEnd::cosine(gain.trace_in_doubles, p, range), by_segment_, gain.most_in_doubles);
 }
 
 /// The rectangle of the cosine is (f + u x + v y) / range, computed term by term.
@@ -435,23 +419,6 @@ bool CertifiedPathGains::has_no_zero(const PlanePlace<Ball>& box, const Ball& rx
 
 double CertifiedPathIntegrand::scale_m(const PlanePlace<Ball>& place) const {
   return energy_.scale_m(place) * gains_.smooth_rad();
-}
-
-void CertifiedPathIntegrand::at(const PlanePlace<Ball>& place, std::vector<Ball>& values) const {
-  const Ball tx = energy_.tx().range(place), rx = energy_.rx().range(place);
-  Ball value = energy_.density_at(place, tx, rx);
-  if (texture_ != nullptr) value = value * texture_->factor_at(place.x, place.y);
-  values.assign(gains_.beams(), value);
-  gains_.weigh(place, tx, rx, values);
-}
-
-bool CertifiedPathIntegrand::at(const PlanePlace<Interval>& place, std::vector<Interval>& values) const {
-  const Interval tx = energy_.tx().range(place), rx = energy_.rx().range(place);
-  Interval value = energy_.density_at(place, tx, rx);
-  if (texture_ != nullptr) value = value * texture_->factor_at(place.x, place.y);
-  values.assign(gains_.beams(), value);
-  gains_.weigh(place, tx, rx, values);
-  return true;
 }
 
 bool CertifiedPathIntegrand::take(const PlanePlace<Ball>& box, std::vector<double>& off) {

@@ -143,11 +143,15 @@ class CertifiedPathGains {
                      std::span<const Directivity> receive);
 
   std::size_t beams() const { return any_ ? receive_.size() : 1; }
-  /// Multiplies the value of each beam by its pattern.
-  void weigh(const PlanePlace<Ball>& p, const Ball& tx_range, const Ball& rx_range,
-             std::vector<Ball>& values) const;
-  void weigh(const PlanePlace<Interval>& p, const Interval& tx_range, const Interval& rx_range,
-             std::vector<Interval>& values) const;
+  /// Multiplies the value of each beam by its pattern, in balls or in intervals of doubles.
+  template <class N>
+  void weigh(const PlanePlace<N>& p, const N& tx_range, const N& rx_range, std::vector<N>& values) const {
+    if (!any_) return;
+    N sent;
+    for (const Gain& beam : transmit_) sent += gain_at(beam, p, tx_range);
+    for (std::size_t b = 0; b < receive_.size(); ++b)
+      values[b] = values[b] * sent * gain_at(receive_[b], p, rx_range);
+  }
   /// Adds the logarithm of each beam's pattern bound to `bounds`.
   void weigh(const PlanePlace<ComplexBall>& p, const CertifiedEnd::Bound& tx, const CertifiedEnd::Bound& rx,
              std::vector<double>& bounds) const;
@@ -167,6 +171,8 @@ class CertifiedPathGains {
     CertifiedEnd::IntervalTrace trace_in_doubles;
     double most_in_doubles = 1;
   };
+  Ball gain_at(const Gain& gain, const PlanePlace<Ball>& p, const Ball& range) const;
+  Interval gain_at(const Gain& gain, const PlanePlace<Interval>& p, const Interval& range) const;
   double log_bound(const Gain& gain, const PlanePlace<ComplexRange>& p, const ComplexRange& per_range) const;
   bool any_ = false, tables_ = false, by_segment_ = false;
   std::vector<Gain> transmit_, receive_;
@@ -181,13 +187,25 @@ class CertifiedPathIntegrand : public CertifiedIntegrand {
 
   std::size_t values() const override { return gains_.beams(); }
   double scale_m(const PlanePlace<Ball>& place) const override;
-  void at(const PlanePlace<Ball>& place, std::vector<Ball>& values) const override;
-  bool at(const PlanePlace<Interval>& place, std::vector<Interval>& values) const override;
+  void at(const PlanePlace<Ball>& place, std::vector<Ball>& values) const override { enclose(place, values); }
+  bool at(const PlanePlace<Interval>& place, std::vector<Interval>& values) const override {
+    enclose(place, values);
+    return true;
+  }
   bool take(const PlanePlace<Ball>& box, std::vector<double>& off) override;
   void take_whole() override;
   void log_bounds(const PlanePlace<ComplexBall>& place, std::vector<double>& bounds) const override;
 
  private:
+  template <class N>
+  void enclose(const PlanePlace<N>& place, std::vector<N>& values) const {
+    const N tx = energy_.tx().range(place), rx = energy_.rx().range(place);
+    N value = energy_.density_at(place, tx, rx);
+    if (texture_ != nullptr) value = value * texture_->factor_at(place.x, place.y);
+    values.assign(gains_.beams(), value);
+    gains_.weigh(place, tx, rx, values);
+  }
+
   CertifiedPathEnergy energy_;
   CertifiedPathGains gains_;
   const CertifiedCell* texture_;
