@@ -24,6 +24,17 @@ Ball dot(const Ball& ax, const Ball& ay, const Ball& bx, const Ball& by) { retur
 Ball cross(const Ball& ax, const Ball& ay, const Ball& bx, const Ball& by) { return ax * by - ay * bx; }
 Ball size2(const Ball& x, const Ball& y) { return squared(x) + squared(y); }
 
+/// The narrowest enclosure of x / y for each number type, and that of the root.
+Ball quotient(const Ball& x, const Ball& y) { return x / y; }
+Interval quotient(const Interval& x, const Interval& y) { return x / y; }
+ComplexBall quotient(const ComplexBall& x, const ComplexBall& y) { return x * tight_inverse(y); }
+Ball narrow_root(const Ball& x) { return root(x); }
+Interval narrow_root(const Interval& x) { return root(x); }
+ComplexBall narrow_root(const ComplexBall& x) { return tight_root(x); }
+double middle_of(const Ball& x) { return x.middle(); }
+double middle_of(const Interval& x) { return x.middle(); }
+double middle_of(const ComplexBall& x) { return x.real().middle(); }
+
 /// Hull of two balls.
 Ball both(const Ball& a, const Ball& b) {
   Ball all;
@@ -54,6 +65,7 @@ ApexOverPlane apex_over(const CertifiedPolygon& polygon, const std::array<Ball, 
   return {polygon.distance - along(polygon.away), along(polygon.u), along(polygon.v)};
 }
 
+template <>
 PathCurve PathCurve::line(const Ball& x, const Ball& y, const Ball& dx, const Ball& dy) {
   PathCurve curve;
   curve.kind_ = Kind::line;
@@ -67,6 +79,7 @@ PathCurve PathCurve::line(const Ball& x, const Ball& y, const Ball& dx, const Ba
 /// let r_rx^2 have the same form. Then
 ///   4 P^2 r_tx^2 = (P^2 + r_tx^2 - r_rx^2)^2
 /// is a quadratic equation in X.
+template <>
 PathCurve PathCurve::ellipse(const RayFrame& frame, const ApexOverPlane& tx, const ApexOverPlane& rx,
                              const Ball& path) {
   const Ball ox = frame.x_of({tx.x, tx.y}), oy = frame.y_of({tx.x, tx.y}), hx = frame.x_of({rx.x, rx.y}),
@@ -87,38 +100,37 @@ PathCurve PathCurve::ellipse(const RayFrame& frame, const ApexOverPlane& tx, con
 
 /// Solves a X^2 + 2 b X + c = 0 with c < 0. The sign of b selects the form of the root in which nothing
 /// cancels.
-Ball PathCurve::at(const Ball& t) const {
+template <class N>
+template <class M>
+M PathCurveIn<N>::at(const M& t) const {
   if (kind_ == Kind::centre) return {};
-  if (kind_ == Kind::line) return k_ / (dy_ - t * dx_);
-  const Ball a = a0_ + t * (a1_ + t * a2_), b = b0_ + t * b1_, far = root(b * b - a * k_);
-  return b.middle() > 0 ? -k_ / (b + far) : (far - b) / a;
+  if (kind_ == Kind::line) return quotient(M(k_), M(dy_) - t * M(dx_));
+  const M a = M(a0_) + t * (M(a1_) + t * M(a2_)), b = M(b0_) + t * M(b1_),
+          far = narrow_root(squared(b) - a * M(k_));
+  return middle_of(b) > 0 ? quotient(-M(k_), b + far) : quotient(far - b, a);
+}
+template Ball PathCurve::at(const Ball&) const;
+template ComplexBall PathCurve::at(const ComplexBall&) const;
+template Interval IntervalCurve::at(const Interval&) const;
+
+template <>
+IntervalCurve PathCurve::in_doubles() const {
+  IntervalCurve curve;
+  curve.kind_ = IntervalCurve::Kind(kind_);
+  curve.k_ = interval_of(k_);
+  curve.dx_ = interval_of(dx_);
+  curve.dy_ = interval_of(dy_);
+  curve.a0_ = interval_of(a0_);
+  curve.a1_ = interval_of(a1_);
+  curve.a2_ = interval_of(a2_);
+  curve.b0_ = interval_of(b0_);
+  curve.b1_ = interval_of(b1_);
+  return curve;
 }
 
-ComplexBall PathCurve::at(const ComplexBall& t) const {
-  if (kind_ == Kind::centre) return {};
-  if (kind_ == Kind::line) return ComplexBall(k_) * tight_inverse(ComplexBall(dy_) - t * ComplexBall(dx_));
-  const ComplexBall a = ComplexBall(a0_) + t * (ComplexBall(a1_) + t * ComplexBall(a2_)),
-                    b = ComplexBall(b0_) + t * ComplexBall(b1_),
-                    far = tight_root(b * b - a * ComplexBall(k_));
-  return b.real().middle() > 0 ? ComplexBall(-k_) * tight_inverse(b + far) : (far - b) * tight_inverse(a);
-}
-
-IntervalCurve::IntervalCurve(const PathCurve& curve)
-    : kind_(curve.kind_),
-      k_(interval_of(curve.k_)),
-      dx_(interval_of(curve.dx_)),
-      dy_(interval_of(curve.dy_)),
-      a0_(interval_of(curve.a0_)),
-      a1_(interval_of(curve.a1_)),
-      a2_(interval_of(curve.a2_)),
-      b0_(interval_of(curve.b0_)),
-      b1_(interval_of(curve.b1_)) {}
-
-Interval IntervalCurve::at(const Interval& t) const {
-  if (kind_ == PathCurve::Kind::centre) return {};
-  if (kind_ == PathCurve::Kind::line) return k_ / (dy_ - t * dx_);
-  const Interval a = a0_ + t * (a1_ + t * a2_), b = b0_ + t * b1_, far = root(squared(b) - a * k_);
-  return b.middle() > 0 ? -k_ / (b + far) : (far - b) / a;
+IntervalFrame in_doubles(const RayFrame& frame) {
+  return {interval_of(frame.centre_x), interval_of(frame.centre_y), interval_of(frame.along_x),
+          interval_of(frame.along_y)};
 }
 
 CertifiedPathCutter::CertifiedPathCutter(std::span<const double> half_path_borders_m)

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "geometry/integrals/certified_polygon.hpp"
-#include "geometry/numbers/interval.hpp"
+#include "geometry/integrals/plane_function.hpp"
 
 namespace tubefoot {
 
@@ -22,77 +22,55 @@ struct ApexOverPlane {
 /// `place_m` is relative to the polygon's own apex.
 ApexOverPlane apex_over(const CertifiedPolygon& polygon, const std::array<Ball, 3>& place_m);
 
-/// Rounds the enclosure outwards to doubles.
-inline Interval interval_of(const Ball& x) { return {x.lo(), x.hi()}; }
-
 /// Rays from a centre. Each t selects one ray, with the points centre + X (along + t across) for X > 0. The
 /// area element is X dX dt.
-struct RayFrame {
-  Ball centre_x, centre_y;
-  Ball along_x, along_y;  ///< unit vector; across is `along` after a quarter turn
+template <class N>
+struct RayFrameIn {
+  N centre_x, centre_y;
+  N along_x, along_y;  ///< unit vector; across is `along` after a quarter turn
 
-  Ball x_of(const CertifiedPolygon::Point& p) const {
-    return (p.x - centre_x) * along_x + (p.y - centre_y) * along_y;
-  }
-  Ball y_of(const CertifiedPolygon::Point& p) const {
-    return (p.y - centre_y) * along_x - (p.x - centre_x) * along_y;
-  }
-  template <class N>
-  std::pair<N, N> place(const N& far, const N& t) const {
-    const N ax(along_x), ay(along_y);
-    return {N(centre_x) + far * (ax - t * ay), N(centre_y) + far * (ay + t * ax)};
+  using Point = typename PolarPolygon<N, N>::Point;
+  N x_of(const Point& p) const { return (p.x - centre_x) * along_x + (p.y - centre_y) * along_y; }
+  N y_of(const Point& p) const { return (p.y - centre_y) * along_x - (p.x - centre_x) * along_y; }
+  /// `M` is N, or a complex type about it.
+  template <class M>
+  std::pair<M, M> place(const M& far, const M& t) const {
+    const M ax(along_x), ay(along_y);
+    return {M(centre_x) + far * (ax - t * ay), M(centre_y) + far * (ay + t * ax)};
   }
 };
-/// The same frame in intervals of doubles.
-struct IntervalFrame {
-  Interval centre_x, centre_y, along_x, along_y;
-
-  IntervalFrame() = default;
-  explicit IntervalFrame(const RayFrame& frame)
-      : centre_x(interval_of(frame.centre_x)),
-        centre_y(interval_of(frame.centre_y)),
-        along_x(interval_of(frame.along_x)),
-        along_y(interval_of(frame.along_y)) {}
-  std::pair<Interval, Interval> place(const Interval& far, const Interval& t) const {
-    return {centre_x + far * (along_x - t * along_y), centre_y + far * (along_y + t * along_x)};
-  }
-};
+using RayFrame = RayFrameIn<Ball>;
+using IntervalFrame = RayFrameIn<Interval>;
+IntervalFrame in_doubles(const RayFrame& frame);
 
 /// Intersection of the rays of a frame with a straight line or with an ellipse of constant path. X is an
 /// analytic function of t.
-class PathCurve {
+template <class N>
+class PathCurveIn {
  public:
   /// The centre itself, with X = 0.
-  PathCurve() = default;
+  PathCurveIn() = default;
   /// A line through the point (x, y) of the frame in the direction (dx, dy).
-  static PathCurve line(const Ball& x, const Ball& y, const Ball& dx, const Ball& dy);
+  static PathCurveIn line(const Ball& x, const Ball& y, const Ball& dx, const Ball& dy);
   /// An ellipse that contains the centre.
-  static PathCurve ellipse(const RayFrame& frame, const ApexOverPlane& tx, const ApexOverPlane& rx,
-                           const Ball& path);
+  static PathCurveIn ellipse(const RayFrame& frame, const ApexOverPlane& tx, const ApexOverPlane& rx,
+                             const Ball& path);
 
-  Ball at(const Ball& t) const;
-  /// The result is not finite where the function is not analytic.
-  ComplexBall at(const ComplexBall& t) const;
+  /// `M` is N, or a complex type about it. The result is not finite where the function is not analytic.
+  template <class M>
+  M at(const M& t) const;
+  PathCurveIn<Interval> in_doubles() const;
 
  private:
-  friend class IntervalCurve;
+  template <class>
+  friend class PathCurveIn;
   enum class Kind { centre, line, ellipse };
   Kind kind_ = Kind::centre;
-  Ball k_, dx_, dy_;             // for an ellipse, k is the coefficient c
-  Ball a0_, a1_, a2_, b0_, b1_;  // coefficients of an ellipse
+  N k_, dx_, dy_;             // for an ellipse, k is the coefficient c
+  N a0_, a1_, a2_, b0_, b1_;  // coefficients of an ellipse
 };
-
-/// The same curve in intervals of doubles.
-class IntervalCurve {
- public:
-  IntervalCurve() = default;
-  explicit IntervalCurve(const PathCurve& curve);
-  Interval at(const Interval& t) const;
-
- private:
-  PathCurve::Kind kind_ = PathCurve::Kind::centre;
-  Interval k_, dx_, dy_, a0_, a1_, a2_, b0_, b1_;
-};
+using PathCurve = PathCurveIn<Ball>;
+using IntervalCurve = PathCurveIn<Interval>;
 
 /// Cuts convex polygons into cells and gaps. A cell { t between two numbers, X between two curves } belongs
 /// to one sample. A gap is the rest that a sample may contain; only a bound of its area is known.

@@ -47,10 +47,7 @@ class Cutter {
       };
       cell_.traces.push_back(
           {along(at) + along(away) * polygon.distance + axis.origin - along(from), along(u), along(v)});
-      const CertifiedCell::Trace& trace = cell_.traces.back();
-      const auto rounded = [](const Ball& x) { return Interval(x.lo(), x.hi()); };
-      cell_.traces_in_doubles.push_back(
-          {rounded(trace.at_foot), rounded(trace.along_u), rounded(trace.along_v)});
+      cell_.traces_in_doubles.push_back(in_doubles(cell_.traces.back()));
     }
     cell_.cell.resize(cell_.traces.size());
   }
@@ -62,10 +59,8 @@ class Cutter {
 
  private:
   std::vector<Ball> coordinates(const Points& points, std::size_t axis) const {
-    const CertifiedCell::Trace& trace = cell_.traces[axis];
     std::vector<Ball> q;
-    for (const CertifiedPolygon::Point& p : points)
-      q.push_back(trace.at_foot + trace.along_u * p.x + trace.along_v * p.y);
+    for (const CertifiedPolygon::Point& p : points) q.push_back(cell_.traces[axis].at(p.x, p.y));
     return q;
   }
 
@@ -125,11 +120,10 @@ class Cutter {
   bool failed_ = false;
 };
 
-template <class N>
-std::vector<N> coordinates_at(const CertifiedCell& cell, const N& x, const N& y) {
+template <class Trace, class N>
+std::vector<N> coordinates_at(const std::vector<Trace>& traces, const N& x, const N& y) {
   std::vector<N> q;
-  for (const CertifiedCell::Trace& trace : cell.traces)
-    q.push_back(N(trace.at_foot) + N(trace.along_u) * x + N(trace.along_v) * y);
+  for (const Trace& trace : traces) q.push_back(trace.at(x, y));
   return q;
 }
 
@@ -148,18 +142,15 @@ double CertifiedCell::largest(const ComplexBall& rho, const ComplexBall& angle) 
 }
 
 Ball CertifiedCell::factor_at(const Ball& x, const Ball& y) const {
-  return texture->factor(cell, coordinates_at(*this, x, y)) + slack;
+  return texture->factor(cell, coordinates_at(traces, x, y)) + slack;
 }
 
 Interval CertifiedCell::factor_at(const Interval& x, const Interval& y) const {
-  std::vector<Interval> q;
-  for (const IntervalTrace& trace : traces_in_doubles)
-    q.push_back(trace.at_foot + trace.along_u * x + trace.along_v * y);
-  return texture->factor(cell, q) + Interval(slack.lo(), slack.hi());
+  return texture->factor(cell, coordinates_at(traces_in_doubles, x, y)) + interval_of(slack);
 }
 
 double CertifiedCell::largest_at(const ComplexBall& x, const ComplexBall& y) const {
-  return std::max(texture->largest(cell, coordinates_at(*this, x, y)), least_bound);
+  return std::max(texture->largest(cell, coordinates_at(traces, x, y)), least_bound);
 }
 
 std::size_t cut_by_cells(const CertifiedPolygon& polygon, const CertifiedTexture& texture,

@@ -10,21 +10,16 @@
 #include "engine/certified/certified_texture.hpp"
 #include "engine/scattering/facet_map.hpp"
 #include "geometry/integrals/certified_polygon.hpp"
+#include "geometry/integrals/plane_function.hpp"
 
 namespace tubefoot {
 
 /// One cell of a texture on the plane of a polygon.
 struct CertifiedCell {
   const CertifiedTexture* texture = nullptr;
-  /// Texture coordinate of one axis: q = at_foot + along_u x + along_v y.
-  struct Trace {
-    Ball at_foot, along_u, along_v;
-  };
-  std::vector<Trace> traces;
-  struct IntervalTrace {
-    Interval at_foot, along_u, along_v;
-  };
-  std::vector<IntervalTrace> traces_in_doubles;
+  /// Texture coordinate by axis.
+  std::vector<PlaneFunction<Ball>> traces;
+  std::vector<PlaneFunction<Interval>> traces_in_doubles;
   std::vector<std::int64_t> cell;
   /// Allowance that is added to factors. Corners of the polygon may lie outside of the cell by their
   /// rounding, or in a plane between two cells. The cell's polynomial may be wrong there by this amount.

@@ -88,12 +88,12 @@ void CertifiedEnd::take_loss(const MirrorLoss& loss) {
   rough_in_doubles_.clear();
   for (const glm::dvec3& normal : loss.rough_normals) {
     rough_.push_back(trace(normal));
-    rough_in_doubles_.emplace_back(rough_.back());
+    rough_in_doubles_.push_back(in_doubles(rough_.back()));
   }
 }
 
 Ball CertifiedEnd::cosine(const Trace& trace, const PlanePlace<Ball>& p, const Ball& range) {
-  const Ball w = trace.at(p) / range;
+  const Ball w = trace.at(p.x, p.y) / range;
   if (w.lo() >= -1 && w.hi() <= 1) return w;
   const auto in = [](double x, double otherwise) {  // no cosine is beyond this
     return std::isnan(x) ? otherwise : std::clamp(x, -1.0, 1.0);
@@ -103,7 +103,7 @@ Ball CertifiedEnd::cosine(const Trace& trace, const PlanePlace<Ball>& p, const B
 
 Interval CertifiedEnd::cosine(const IntervalTrace& trace, const PlanePlace<Interval>& p,
                               const Interval& range) {
-  const Interval w = trace.at(p) / range;
+  const Interval w = trace.at(p.x, p.y) / range;
   return {std::clamp(w.lo, -1.0, 1.0), std::clamp(w.hi, -1.0, 1.0)};  // no cosine is beyond this
 }
 
@@ -343,7 +343,7 @@ CertifiedPathGains::CertifiedPathGains(const CertifiedEnd& tx, const CertifiedEn
     : any_(true) {
   const auto add = [&](const Directivity& pattern, const CertifiedEnd& end, std::vector<Gain>& gains) {
     gains.push_back({CertifiedGain(pattern), end.trace(pattern.axis), Ball(1), {}, 1});
-    gains.back().trace_in_doubles = CertifiedEnd::IntervalTrace(gains.back().trace);
+    gains.back().trace_in_doubles = in_doubles(gains.back().trace);
     // Values above 1 cover the patterns' own rounding.
     gains.back().most_in_doubles = gains.back().largest().hi();
     gains.back().most = Ball(gains.back().most_in_doubles);
@@ -375,7 +375,7 @@ double CertifiedPathGains::log_bound(const Gain& gain, const PlanePlace<ComplexR
   const auto re = [](const ComplexRange& z) { return Interval(z.re_lo, z.re_hi); };
   const auto im = [](const ComplexRange& z) { return Interval(z.im_lo, z.im_hi); };
   const CertifiedEnd::IntervalTrace& trace = gain.trace_in_doubles;
-  const Interval along = trace.at({re(p.x), re(p.y)}),
+  const Interval along = trace.at(re(p.x), re(p.y)),
                  across = trace.along_u * im(p.x) + trace.along_v * im(p.y),
                  w_re = along * re(per_range) - across * im(per_range),
                  w_im = along * im(per_range) + across * re(per_range);

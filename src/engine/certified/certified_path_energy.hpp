@@ -26,26 +26,10 @@ class CertifiedEnd {
   const ApexOverPlane& over() const { return over_; }
 
   /// Cosine between the direction to a point and an axis, times the range.
-  struct Trace {
-    Ball at_foot, along_u, along_v;
-    template <class N>
-    N at(const PlanePlace<N>& p) const {
-      return N(at_foot) + N(along_u) * p.x + N(along_v) * p.y;
-    }
-  };
+  using Trace = PlaneFunction<Ball>;
+  using IntervalTrace = PlaneFunction<Interval>;
   Trace trace(const glm::dvec3& axis) const;
   static Ball cosine(const Trace& trace, const PlanePlace<Ball>& p, const Ball& range);
-  /// The same in intervals of doubles.
-  struct IntervalTrace {
-    Interval at_foot, along_u, along_v;
-
-    IntervalTrace() = default;
-    explicit IntervalTrace(const Trace& trace)
-        : at_foot(interval_of(trace.at_foot)),
-          along_u(interval_of(trace.along_u)),
-          along_v(interval_of(trace.along_v)) {}
-    Interval at(const PlanePlace<Interval>& p) const { return at_foot + along_u * p.x + along_v * p.y; }
-  };
   static Interval cosine(const IntervalTrace& trace, const PlanePlace<Interval>& p, const Interval& range);
 
   Ball range(const PlanePlace<Ball>& p) const;
@@ -77,7 +61,7 @@ class CertifiedEnd {
   /// Returns false where the factors are not analytic.
   bool bound(const ScatteringModel* model, const PlanePlace<ComplexBall>& p, Bound& bound) const;
   static ComplexBall cosine(const Trace& trace, const PlanePlace<ComplexBall>& p, const Bound& bound) {
-    return trace.at(p) * bound.per_range;
+    return trace.at(p.x, p.y) * bound.per_range;
   }
 
  private:

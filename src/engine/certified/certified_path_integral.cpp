@@ -180,9 +180,9 @@ void CertifiedPathIntegrator::add(const CertifiedPolygon& polygon, const ApexOve
 void CertifiedPathIntegrator::integrate(const CertifiedPathCutter::Cell& cell) {
   cell_ = &cell;
   frame_ = &cutter_.frames()[cell.frame];
-  own_frame_ = IntervalFrame(*frame_);
-  near_ = IntervalCurve(cell.near);
-  far_ = IntervalCurve(cell.far);
+  own_frame_ = in_doubles(*frame_);
+  near_ = cell.near.in_doubles();
+  far_ = cell.far.in_doubles();
   sum_.assign(most_.size(), Ball());
   work_.assign(1, {cell.from, cell.to, 0, 1, 0});
   std::size_t halved = 0;

@@ -68,7 +68,7 @@ void ReceiverPairIntegrand::at(const PlanePlace<Ball>& p, std::vector<Ball>& val
   Ball size = root(one[0] * other[0]);
   if (texture_ != nullptr) size = size * texture_->factor_at(p.x, p.y);
   Ball sine, cosine;
-  sin_cos(phase_.turn * phase_.along.at(p) / (up + down), sine, cosine);
+  sin_cos(phase_.turn * phase_.along.at(p.x, p.y) / (up + down), sine, cosine);
   values = {size, size * cosine, size * sine};
   if (with_energies_)
     for (const Ball& energy : {one[0], other[0]})
@@ -108,7 +108,7 @@ void ReceiverPairIntegrand::log_bounds(const PlanePlace<ComplexBall>& p, std::ve
   // |cos z| and |sin z| are at most e^|Im z|.
   const ComplexBall ranges =
       tight_root(upper_.energy.rx().range2(p)) + tight_root(lower_.energy.rx().range2(p));
-  const ComplexRange phase(ComplexBall(phase_.turn) * phase_.along.at(p) * tight_inverse(ranges));
+  const ComplexRange phase(ComplexBall(phase_.turn) * phase_.along.at(p.x, p.y) * tight_inverse(ranges));
   if (std::isnan(size) || !phase.is_finite()) return;
   const double turned = size + phase.most_im() * (1 + 1e-12) + 1e-9;
   bounds = {size, turned, turned};
