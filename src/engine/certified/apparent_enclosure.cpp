@@ -23,11 +23,6 @@ namespace tubefoot {
 namespace {
 
 constexpr double slack = enclosure_slack;
-/// Scattering of a facet.
-struct Surface {
-  const ScatteringModel* model = nullptr;  ///< none: Lambert's law with mu = 1
-  double most = 1;                         ///< largest mu, or 1 with a scattering model, times the texture
-};
 
 class Encloser {
  public:
@@ -38,7 +33,7 @@ class Encloser {
         beta_(outwards(std::numbers::ln10 / 5, std::numbers::ln10 / 5, 4)) {}
 
   FacetEnclosure enclose(const FacetCorners& base, const FacetCorners& truth, const FacetCorners& seen,
-                         double pad_m, const Surface& surface) const {
+                         double pad_m, const FacetScattering& surface) const {
     FacetEnclosure facet;
     facet.seen = truth;
     facet.nearest_m = nearest_of(truth) * rays_.least_stretch();
@@ -197,64 +192,55 @@ class Encloser {
 
   bool gather(const FlatFacet& flat, const glm::dvec3& normal, bool alone, const ScatteringModel* model,
               int parts, Gathered& all) const {
-    const auto [least, most] = box_of(flat);
-    const glm::dvec2 step = (most - least) / double(parts);
     bool first = true;
-    for (int i = 0; i < parts; ++i)
-      for (int j = 0; j < parts; ++j) {
-        const glm::dvec2 from = least + step * glm::dvec2(i, j), to = least + step * glm::dvec2(i + 1, j + 1);
-        if (beside(flat, from, to)) continue;
-        const Interval a(from.x, to.x), b(from.y, to.y);
-        const auto rays = rays_.over(flat.padded(flat.centre_m), flat.u, flat.v, a, b, alone);
-        if (!rays) return false;
-        const std::array<Jet, 2> at = places(flat, a, b);
-        const Jet sine = sine_of(flat, *rays, at);
-        const Jet beyond = rays->absorption_db - Jet(absorption_ * speed_) * rays->time_s;
-        const Interval lost = exp(-(beta_ * rays->absorption_db.v)), ratio = rays->area_ratio_per_sr.v;
-        const Interval distance = rays->time_s.v / rays->slowness_s_per_m.v, area = ratio * squared(distance);
-        const Interval size(0, (sine.v / distance).largest());
-        Gathered own;
-        own.bends = bends_of(*rays, normal);
-        own.sine = sine.v;
-        Interval scattered = squared(size), by_sine = size;
-        if (model != nullptr) {
-          const Interval along = sine.v / distance;
-          const double flattest = along.may_be_zero() ? 0 : std::min(std::abs(along.lo), std::abs(along.hi));
-          own.grazing.push_back(grazing(flat, normal, *rays, at));
-          scattered = Interval(0, largest_cross_section(*model, {flattest, size.hi}));
-          by_sine = Interval(0, scattered.hi / flattest);
-        }
-        own.per_sr = by_sine * lost / area;
-        // The areas per steradian in the two directions differ by the ratio of the squared sound speeds.
-        own.per_area = scattered * lost / squared(area * rays_.least_area_ratio());
-        const auto slope = [&](const Interval& of_sine, const Interval& of_time, const Interval& of_area,
-                               const Interval& of_db) {
-          return of_sine / sine.v + 3.0 * (of_time / rays->slowness_s_per_m.v) - of_area / ratio -
-                 beta_ * of_db;
-        };
-        own.level_a = slope(sine.a, rays->slowness_s_per_m.a, rays->area_ratio_per_sr.a, beyond.a);
-        own.level_b = slope(sine.b, rays->slowness_s_per_m.b, rays->area_ratio_per_sr.b, beyond.b);
-        if (first) {
-          all = own;
-          first = false;
-          continue;
-        }
-        all.grazing.insert(all.grazing.end(), own.grazing.begin(), own.grazing.end());
-        all.bends.all = std::max(all.bends.all, own.bends.all);
-        all.bends.across = std::max(all.bends.across, own.bends.across);
-        for (Interval Gathered::*part : {&Gathered::level_a, &Gathered::level_b, &Gathered::per_sr,
-                                         &Gathered::per_area, &Gathered::sine})
-          all.*part = hull(all.*part, own.*part);
+    for (const auto& [a, b] : boxes_of(flat, parts)) {
+      const auto rays = rays_.over(flat.padded(flat.centre_m), flat.u, flat.v, a, b, alone);
+      if (!rays) return false;
+      const std::array<Jet, 2> at = places(flat, a, b);
+      const Jet sine = sine_of(flat, *rays, at);
+      const Jet beyond = rays->absorption_db - Jet(absorption_ * speed_) * rays->time_s;
+      const Interval lost = exp(-(beta_ * rays->absorption_db.v)), ratio = rays->area_ratio_per_sr.v;
+      const Interval distance = rays->time_s.v / rays->slowness_s_per_m.v, area = ratio * squared(distance);
+      const Interval size(0, (sine.v / distance).largest());
+      Gathered own;
+      own.bends = bends_of(*rays, normal);
+      own.sine = sine.v;
+      Interval scattered = squared(size), by_sine = size;
+      if (model != nullptr) {
+        const Interval along = sine.v / distance;
+        const double flattest = along.may_be_zero() ? 0 : std::min(std::abs(along.lo), std::abs(along.hi));
+        own.grazing.push_back(grazing(flat, normal, *rays, at));
+        scattered = Interval(0, largest_cross_section(*model, {flattest, size.hi}));
+        by_sine = Interval(0, scattered.hi / flattest);
       }
+      own.per_sr = by_sine * lost / area;
+      // The areas per steradian in the two directions differ by the ratio of the squared sound speeds.
+      own.per_area = scattered * lost / squared(area * rays_.least_area_ratio());
+      const auto slope = [&](const Interval& of_sine, const Interval& of_time, const Interval& of_area,
+                             const Interval& of_db) {
+        return of_sine / sine.v + 3.0 * (of_time / rays->slowness_s_per_m.v) - of_area / ratio -
+               beta_ * of_db;
+      };
+      own.level_a = slope(sine.a, rays->slowness_s_per_m.a, rays->area_ratio_per_sr.a, beyond.a);
+      own.level_b = slope(sine.b, rays->slowness_s_per_m.b, rays->area_ratio_per_sr.b, beyond.b);
+      if (first) {
+        all = own;
+        first = false;
+        continue;
+      }
+      all.grazing.insert(all.grazing.end(), own.grazing.begin(), own.grazing.end());
+      all.bends.all = std::max(all.bends.all, own.bends.all);
+      all.bends.across = std::max(all.bends.across, own.bends.across);
+      for (Interval Gathered::*part :
+           {&Gathered::level_a, &Gathered::level_b, &Gathered::per_sr, &Gathered::per_area, &Gathered::sine})
+        all.*part = hull(all.*part, own.*part);
+    }
     return !first;
   }
 
   /// Smallest stretch of the affine map from the facet to its apparent facet.
   static double least_stretch(const FlatFacet& flat, const FacetCorners& seen) {
-    const glm::dvec2 p = flat.at[1] - flat.at[0], q = flat.at[2] - flat.at[0];
-    const double det = cross(p, q);
-    const glm::dvec3 s = seen[1] - seen[0], t = seen[2] - seen[0];
-    const glm::dvec3 along_u = (s * q.y - t * p.y) / det, along_v = (t * p.x - s * q.x) / det;
+    const auto [along_u, along_v] = flat.slopes_to(seen);
     const double a = glm::dot(along_u, along_u), b = glm::dot(along_u, along_v),
                  c = glm::dot(along_v, along_v);
     const double least = (a + c) / 2 - std::sqrt((a - c) * (a - c) / 4 + b * b);
@@ -272,15 +258,7 @@ ApparentEnclosures enclose(const MappedSeabed& seabed, const RayEnclosure& rays,
   const FacetMesh& mesh = seabed.mesh();
   const Encloser encloser(rays, model.absorption_db_per_m);
   const glm::dvec3 apex = rays.apex_m();
-  const auto textures = certified_textures(model);
-  std::vector<Surface> surfaces;
-  for (std::size_t material = 0; material < model.material_mu.size(); ++material) {
-    Surface surface{model.scattering.empty() ? nullptr : model.scattering[material].get(),
-                    model.material_mu[material]};
-    if (surface.model != nullptr) surface.most = 1;
-    if (textures[material] != nullptr) surface.most *= textures[material]->range().hi();
-    surfaces.push_back(surface);
-  }
+  const std::vector<FacetScattering> surfaces = facet_scattering(model);
   ApparentEnclosures all;
   all.facets.resize(mesh.facets.size());
   Steps steps("facets", mesh.facets.size());

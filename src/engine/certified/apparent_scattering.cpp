@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/certified/reference.hpp"
 #include "geometry/numbers/scalars.hpp"
 
 // Fits the angle of incidence phi on the true facet as an affine function of the apparent angle psi. The
@@ -202,6 +203,19 @@ std::optional<ApparentScattering> apparent_scattering(
       *remainder + symmetric(change_at_breakpoints(model, phi, residual.largest()) + 1e-12);
   if (!result.log_remainder.is_finite()) return std::nullopt;
   return result;
+}
+
+std::vector<FacetScattering> facet_scattering(const EchoModel& model) {
+  const auto textures = certified_textures(model);
+  std::vector<FacetScattering> by_material;
+  for (std::size_t material = 0; material < model.material_mu.size(); ++material) {
+    FacetScattering own{model.scattering.empty() ? nullptr : model.scattering[material].get(),
+                        model.material_mu[material]};
+    if (own.model != nullptr) own.most = 1;
+    if (textures[material] != nullptr) own.most *= textures[material]->range().hi();
+    by_material.push_back(own);
+  }
+  return by_material;
 }
 
 double largest_cross_section(const ScatteringModel& model, const Interval& sine) {

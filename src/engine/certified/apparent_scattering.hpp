@@ -4,7 +4,9 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
+#include "engine/scattering/echo_model.hpp"
 #include "engine/scattering/scattering_model.hpp"
 #include "geometry/numbers/interval.hpp"
 
@@ -43,6 +45,14 @@ std::optional<ApparentScattering> apparent_scattering(
     const ScatteringModel& model, const GrazingPatch& middle, const Interval& log_ratio,
     std::span<const GrazingPatch> patches,
     const std::function<Interval(const Interval& a, const Interval& b)>& largest_change);
+
+/// Scattering of a facet.
+struct FacetScattering {
+  const ScatteringModel* model = nullptr;  ///< null: Lambert's law with mu = 1
+  double most = 1;                         ///< largest mu, or 1 with a scattering model, times the texture
+};
+/// Returns the scattering by material. Throws the errors of certified_textures().
+std::vector<FacetScattering> facet_scattering(const EchoModel& model);
 
 /// Returns an upper bound of a model's cross-section over all grazing angles whose sine is in an interval.
 double largest_cross_section(const ScatteringModel& model, const Interval& sine);

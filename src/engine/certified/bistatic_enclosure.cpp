@@ -42,25 +42,13 @@ double bend_of(const Jet& x) {
   return std::sqrt((squared(x.aa) + 2.0 * squared(x.ab) + squared(x.bb)).hi) * (1 + slack);
 }
 
-/// Scattering of a facet.
-struct Surface {
-  const ScatteringModel* model = nullptr;
-  double most = 1;  ///< largest mu, or 1 with a scattering model, times the texture
-};
-
 class BistaticEncloser {
  public:
   BistaticEncloser(const BistaticSurface& seabed, const EchoModel& model)
-      : seabed_(seabed), model_(model), beta_(outwards(std::numbers::ln10 / 10, std::numbers::ln10 / 10, 4)) {
-    const auto textures = certified_textures(model);
-    for (std::size_t material = 0; material < model.material_mu.size(); ++material) {
-      Surface surface{model.scattering.empty() ? nullptr : model.scattering[material].get(),
-                      model.material_mu[material]};
-      if (surface.model != nullptr) surface.most = 1;
-      if (textures[material] != nullptr) surface.most *= textures[material]->range().hi();
-      surfaces_.push_back(surface);
-    }
-  }
+      : seabed_(seabed),
+        model_(model),
+        beta_(outwards(std::numbers::ln10 / 10, std::numbers::ln10 / 10, 4)),
+        surfaces_(facet_scattering(model)) {}
 
   struct Found {
     std::array<FacetEnclosure, 2> end;
@@ -111,7 +99,7 @@ class BistaticEncloser {
       beside.end.emplace(*seabed_.beside, flat, lies, pad_m, seen_there);
       if (!beside.end->valid()) beside.end.reset();
     }
-    const Surface& surface = surfaces_[seabed_.mesh.material[f]];
+    const FacetScattering& surface = surfaces_[seabed_.mesh.material[f]];
 
     // Covers the facet by boxes. The boxes are halved until each end has one proven ray per box, and further
     // while this improves the bounds.
@@ -167,13 +155,7 @@ class BistaticEncloser {
   Gathered gather(const FlatFacet& flat, const std::array<std::optional<EndOfFacet>, 2>& ends,
                   const Beside& other, const ScatteringModel* model, int parts) const {
     Gathered all;
-    const auto [least, most] = box_of(flat);
-    const glm::dvec2 step = (most - least) / double(parts);
-    for (int i = 0; i < parts; ++i)
-      for (int j = 0; j < parts; ++j) {
-        const glm::dvec2 from = least + step * glm::dvec2(i, j), to = least + step * glm::dvec2(i + 1, j + 1);
-        if (!beside(flat, from, to)) all.boxes.push_back({{from.x, to.x}, {from.y, to.y}});
-      }
+    all.boxes = boxes_of(flat, parts);
     for (std::size_t e = 0; e < 2; ++e) {
       all.whole[e] = ends[e].has_value();
       for (std::size_t k = 0; k < all.boxes.size() && all.whole[e]; ++k) {
@@ -267,7 +249,7 @@ class BistaticEncloser {
   }
 
   void finish_end(const FlatFacet& flat, const EndOfFacet& end, const Gathered& all, std::size_t e,
-                  const FacetCorners& seen, double pad_m, const Surface& surface,
+                  const FacetCorners& seen, double pad_m, const FacetScattering& surface,
                   FacetEnclosure& facet) const {
     const glm::dvec3 apex = seabed_.end(int(e)).water.apex_m();
     const double off = 1.1 * end.off_m() * (1 + slack) +
@@ -383,7 +365,7 @@ class BistaticEncloser {
   void finish_pair(const FlatFacet& flat, const BistaticFacet& bistatic,
                    const std::array<const EndOfFacet*, 2>& ends, const Gathered& all,
                    const std::array<FacetCorners, 2>& seen, double pad_m, double edge_pad_part,
-                   const Surface& surface, Found& found) const {
+                   const FacetScattering& surface, Found& found) const {
     BistaticEnclosure& pair = found.pair;
     std::array<glm::dvec2, 3> corner;
     for (std::size_t k = 0; k < 3; ++k) corner[k] = glm::dvec2(bistatic.to_plane.at(seen[0][k]));
@@ -493,10 +475,7 @@ class BistaticEncloser {
     pair.turn_rad[e] = 1.1 * facet.travel_path_error_m / facet.nearest_m + slack * slack;
     // The difference between squared apparent distances and squared flattened distances is a polynomial of
     // second degree.
-    const glm::dvec2 p = flat.at[1] - flat.at[0], q = flat.at[2] - flat.at[0];
-    const glm::dvec3 s = seen[1] - seen[0], t = seen[2] - seen[0];
-    const double det = cross(p, q);
-    const glm::dvec3 a = (s * q.y - t * p.y) / det, b = (t * p.x - s * q.x) / det;
+    const auto [a, b] = flat.slopes_to(seen);
     const double aa = 2 * (glm::dot(a, a) - glm::dot(flattened.along_a, flattened.along_a)),
                  ab = 2 * (glm::dot(a, b) - glm::dot(flattened.along_a, flattened.along_b)),
                  bb = 2 * (glm::dot(b, b) - glm::dot(flattened.along_b, flattened.along_b));
@@ -512,7 +491,7 @@ class BistaticEncloser {
   const BistaticSurface& seabed_;
   const EchoModel& model_;
   Interval beta_;
-  std::vector<Surface> surfaces_;
+  std::vector<FacetScattering> surfaces_;
 };
 
 }  // namespace

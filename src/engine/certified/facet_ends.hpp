@@ -5,6 +5,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <tuple>
 
 #include "engine/certified/bistatic_enclosure.hpp"
 #include "engine/certified/flat_facet.hpp"
@@ -85,11 +86,7 @@ struct Flattened {
   Flattened(const FlatFacet& flat, const std::array<glm::dvec2, 3>& corner, const glm::dvec2& foot,
             double above)
       : height(above) {
-    const glm::dvec2 p = flat.at[1] - flat.at[0], q = flat.at[2] - flat.at[0], s = corner[1] - corner[0],
-                     t = corner[2] - corner[0];
-    const double det = cross(p, q);
-    along_a = (s * q.y - t * p.y) / det;
-    along_b = (t * p.x - s * q.x) / det;
+    std::tie(along_a, along_b) = flat.slopes_to(corner);
     middle = (corner[0] + corner[1] + corner[2]) / 3.0 - foot;
   }
   /// Squared flattened ranges.

@@ -8,6 +8,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "engine/water/ray_enclosure.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
@@ -73,6 +75,15 @@ class FlatFacet {
     return box;
   }
 
+  /// Slopes along u and v of the affine map from the corners to other places.
+  template <class Place>
+  std::pair<Place, Place> slopes_to(const std::array<Place, 3>& corner) const {
+    const glm::dvec2 p = at[1] - at[0], q = at[2] - at[0];
+    const double det = cross(p, q);
+    const Place s = corner[1] - corner[0], t = corner[2] - corner[0];
+    return {(s * q.y - t * p.y) / det, (t * p.x - s * q.x) / det};
+  }
+
   glm::dvec3 normal{0}, u{0}, v{0}, centre_m{0};
   std::array<glm::dvec2, 3> at{};  // corners relative to the centre
   double longest_m = 0, height_m = 0, area_m2 = 0, radius_m = 0;
@@ -121,6 +132,20 @@ inline bool beside(const FlatFacet& flat, const glm::dvec2& from, const glm::dve
     if (most < -1.01 * flat.margin_m - enclosure_slack) return true;
   }
   return false;
+}
+
+/// Divides the box around a facet into `parts` intervals along each axis. Returns the boxes that meet the
+/// facet.
+inline std::vector<std::pair<Interval, Interval>> boxes_of(const FlatFacet& flat, int parts) {
+  std::vector<std::pair<Interval, Interval>> boxes;
+  const auto [least, most] = box_of(flat);
+  const glm::dvec2 step = (most - least) / double(parts);
+  for (int i = 0; i < parts; ++i)
+    for (int j = 0; j < parts; ++j) {
+      const glm::dvec2 from = least + step * glm::dvec2(i, j), to = least + step * glm::dvec2(i + 1, j + 1);
+      if (!beside(flat, from, to)) boxes.push_back({{from.x, to.x}, {from.y, to.y}});
+    }
+  return boxes;
 }
 
 }  // namespace tubefoot
