@@ -1,23 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/certified/bistatic_reference.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
 #include <stdexcept>
 
-#include "engine/certified/bistatic_pieces.hpp"
-#include "engine/certified/certified_cells.hpp"
+#include "engine/certified/flattened_pieces.hpp"
+#include "engine/certified/pattern_ambiguity.hpp"
 #include "engine/certified/uncertain_edges.hpp"
 #include "engine/visibility/bistatic_history.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/numbers/scalars.hpp"
-#include "geometry/steps/steps.hpp"
 
 // Computes reference energies of bistatic paths in stratified water. It adds the certain energies of proven
 // shared facets and the ambiguities at both ends: tube walls, occluding edges, close facets and unproven
@@ -28,8 +24,6 @@ namespace {
 constexpr double slack = enclosure_slack;
 constexpr FacetId none = std::numeric_limits<FacetId>::max();
 using State = FacetEnclosure::State;
-/// Facets of a run are usually neighbours, with the same bins.
-constexpr std::size_t facets_in_run = 32;
 
 /// Sector of a single tube.
 Sector sector_of(const TubeSet& tubes, std::uint32_t tube, double unit_m) {
@@ -71,11 +65,9 @@ class BistaticReference {
                     const EchoModel& model, const Echo& ordinary, double tolerance)
       : seabed_(seabed),
         beams_(beams),
-        model_(model),
         off_rad_(tubes.off_rad),
         unit_m_(seabed.grid.unit_m()),
-        borders_(sample_borders_m(samples)),
-        pieces_(model, borders_, samples.step_m, reference_targets(ordinary, tolerance), tolerance) {
+        request_(model, samples, tolerance, reference_targets(ordinary, tolerance)) {
     // Facets beyond the reach may have images within it. If sound is faster than the reference speed, the
     // two ends are effectively farther apart. The margin covers both.
     const double reach_m = std::max(tubes.tx.reach, tubes.rx.reach) * unit_m_,
@@ -104,7 +96,7 @@ class BistaticReference {
         {looks_[1].tubes, looks_[1].seen, &seabed_.rx.surface_mesh.refined.mesh, seabed_.rx.origin}, unit_m_);
     shared_ = sharer.all();
     bistatic_ = flatten(shared_);
-    enclosures_ = enclose(seabed_, shared_.facets, bistatic_, model_);
+    enclosures_ = enclose(seabed_, shared_.facets, bistatic_, request_.model);
     for (std::size_t e = 0; e < 2; ++e)
       for (FacetEnclosure& facet : enclosures_.ends[e].facets)
         if (facet.state == State::proven && 4 * facet.travel_path_error_m > margin_m_)
@@ -122,31 +114,12 @@ class BistaticReference {
              end_of(1, facet)->state == State::proven;
     };
 
-    const std::size_t runs = (shared.facets.size() + facets_in_run - 1) / facets_in_run;
     BistaticParts found;
     std::vector<BinIntervals>& bins = found.bins;
-    bins.resize(runs);
-    Steps steps("facets", shared.facets.size());
-    const auto add_pieces = [&](std::size_t number, BinIntervals& own) {
-      if (!is_proven(number)) return;
-      const SharedFacet& facet = shared.facets[number];
-      BistaticPieces::OnFacet on = pieces_.on(facet.facet, bistatic_[number], enclosures_.facets[number]);
-      for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
-        stop_if_wanted();
-        const SharedPiece& piece = shared.pieces[facet.first_piece + k];
-        if (!in_one_fan(piece.transmit_tube, piece.receive_tube)) continue;
-        pieces_.add(on, std::span(shared.corners_m).subspan(piece.first, piece.count), shared.receiver_m,
-                    piece.receive_tube, beams_of(piece.receive_tube), own);
-      }
-    };
-    tbb::parallel_for(std::size_t{0}, runs, [&](std::size_t run) {
-      const std::size_t first = run * facets_in_run;
-      for (std::size_t number = first; number < std::min(first + facets_in_run, shared.facets.size());
-           ++number) {
-        steps.done();
-        add_pieces(number, bins[run]);
-      }
-    });
+    bins = enclose_tasks("facets", shared.facets.size(), facets_in_run, BinIntervals(),
+                         [&](std::size_t number, BinIntervals& own) {
+                           if (is_proven(number)) add_pieces(number, own);
+                         });
     // Facets for which only an upper bound of the return is known.
     found.conservative = bins.size();
     BinIntervals& conservative = bins.emplace_back();
@@ -178,13 +151,25 @@ class BistaticReference {
     const FacetId own = looks_[e].apparent_of[facet];
     return own == none ? nullptr : &enclosures_.ends[e].facets[own];
   }
-  bool in_one_fan(std::uint32_t tx_tube, std::uint32_t rx_tube) const {
-    return beams_.fan_of_transmit_tube.empty() ||
-           beams_.fan_of_transmit_tube[tx_tube] == beams_.fan_of_receive_tube[rx_tube];
-  }
   std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t rx_tube) const {
-    if (model_.patterns != nullptr) return model_.patterns->beams_of_tube[rx_tube];
-    return {beams_.of_tube[rx_tube], beams_.of_tube[rx_tube] + 1};
+    return request_.beams_of(rx_tube, beams_.of_tube);
+  }
+  /// Adds the pieces of a proven facet.
+  void add_pieces(std::size_t number, BinIntervals& bins) const {
+    const SharedFacet& facet = shared_.facets[number];
+    FlattenedPieces pieces(request_, facet.facet, {bistatic_[number], enclosures_.facets[number]});
+    each_received(request_, beams_, shared_, facet, [&](const SharedPiece& piece, const auto& received) {
+      pieces.add_energies({shared_, piece}, piece.receive_tube, received, bins);
+    });
+  }
+  /// Returns an upper bound of the product of mirror losses and patterns in these directions.
+  double most_of(std::uint32_t transmit, std::uint32_t beam, const Towards& tx, const Towards& rx) const {
+    const EchoModel& model = request_.model;
+    const double passes =
+        tubefoot::most_of(model.path.tx.loss, tx) * tubefoot::most_of(model.path.back().loss, rx);
+    if (model.patterns == nullptr) return passes;
+    return passes * tubefoot::most_of(model.patterns->transmit[transmit], tx) *
+           tubefoot::most_of(model.patterns->receive[beam], rx);
   }
   /// Tubes that are received by the same beams and patterns have equal labels.
   std::array<std::uint32_t, 4> label_of(std::size_t e, std::uint32_t tube) const {
@@ -192,7 +177,8 @@ class BistaticReference {
     const std::uint32_t fan = fans.empty() ? 0 : fans[tube];
     if (e == 0) return {fan, 0, 0, 0};
     const auto [first, end] = beams_of(tube);
-    return {fan, first, end, model_.patterns != nullptr ? model_.patterns->fan_of_tube[tube] : 0};
+    return {fan, first, end,
+            request_.model.patterns != nullptr ? request_.model.patterns->fan_of_tube[tube] : 0};
   }
 
   /// Returns the walls of each tube beyond which the receiving beams or patterns change.
@@ -230,10 +216,8 @@ class BistaticReference {
     const ApparentEnclosures& other = enclosures_.ends[1 - e];
     for (const auto* list : {&other.facets, &other.unproven})
       for (const FacetEnclosure& facet : *list) nearest_other = std::min(nearest_other, facet.nearest_m);
-    std::vector<BinIntervals> by_tube(look.tubes.tubes.size());
-    Steps steps("tubes", by_tube.size());
-    tbb::parallel_for(std::uint32_t{0}, std::uint32_t(by_tube.size()), [&](std::uint32_t tube) {
-      steps.done();
+    const auto enclose_tube = [&](std::size_t number, BinIntervals& own_bins) {
+      const auto tube = std::uint32_t(number);
       const TubeVisibility& seen = look.seen[tube];
       const NameContext context{mesh, look.tubes.apex, seen.rays};
       std::vector<AmbiguousPiece> pieces;
@@ -242,34 +226,28 @@ class BistaticReference {
         pieces.push_back(seen_piece(piece, certified_polygon(context, seen.corners, piece, unit_m_)));
       }
       const std::vector<FacetId> nearby = looked.in(look.sectors[tube], end.tree);
-      const AmbiguitySink sink = [&](const Ambiguity& ambiguity) { add(ambiguity, e, true, by_tube[tube]); };
+      const AmbiguitySink sink = [&](const Ambiguity& ambiguity) { add(ambiguity, e, true, own_bins); };
       edges.add_ambiguities(context, seen, pieces, nearby, sink);
       edges.add_walls(walls[tube], off_rad_[e], looked.in(look.sectors[tube], end.tree, 2 * off_rad_[e]),
                       sink);
       if (const double begins = unknown.begins_m(look.sectors[tube]); begins < infinite)
-        add_unknown(e, tube, (begins + std::min(nearest_other, begins)) / 2, by_tube[tube]);
-    });
-    for (BinIntervals& of_tube : by_tube) bins.push_back(std::move(of_tube));
+        add_unknown(e, tube, (begins + std::min(nearest_other, begins)) / 2, own_bins);
+    };
+    for (BinIntervals& of_tube :
+         enclose_tasks("tubes", look.tubes.tubes.size(), 1, BinIntervals(), enclose_tube))
+      bins.push_back(std::move(of_tube));
   }
 
   /// Marks everything received in a tube of an end, at half path lengths from a limit on, as unbounded.
   void add_unknown(std::size_t e, std::uint32_t tube, double from_m, BinIntervals& bins) const {
     for (std::uint32_t rx = 0; rx < looks_[1].tubes.tubes.size(); ++rx) {
-      if (e == 1 ? rx != tube : !in_one_fan(tube, rx)) continue;
+      if (e == 1 ? rx != tube : !beams_.in_one_fan(tube, rx)) continue;
       const auto [first, end] = beams_of(rx);
+      const auto [from, to] = samples_between(request_.borders, from_m, infinite);
       for (std::uint32_t beam = first; beam < end; ++beam)
-        each_sample(from_m, infinite,
-                    [&](std::size_t sample) { bins[beam * (borders_.size() - 1) + sample].hi = infinite; });
+        for (std::size_t sample = from; sample < to; ++sample)
+          bins[beam * request_.row() + sample].hi = infinite;
     }
-  }
-
-  template <class Take>
-  void each_sample(double nearest_m, double farthest_m, const Take& take) const {
-    const auto first = std::upper_bound(borders_.begin(), borders_.end(), nearest_m),
-               end = std::upper_bound(borders_.begin(), borders_.end(), farthest_m);
-    const std::size_t from = std::size_t(std::max<std::ptrdiff_t>(first - borders_.begin() - 1, 0)),
-                      to = std::min(std::size_t(end - borders_.begin()), borders_.size() - 1);
-    for (std::size_t k = from; k < to; ++k) take(k);
   }
 
   /// Adds an ambiguity of one end to all beams that may receive it. With `less`, the energy may also be
@@ -296,16 +274,17 @@ class BistaticReference {
                  farthest = std::min(ambiguity.farthest_m, about[0].farthest_m + here.shift_m);
     const double half_from = (nearest + about[1].nearest_m) / 2,
                  half_to = (farthest + about[1].farthest_m) / 2;
-    if (half_from > borders_.back() || half_to < borders_.front()) return;
+    if (half_from > request_.borders.back() || half_to < request_.borders.front()) return;
+    const auto [from_sample, to_sample] = samples_between(request_.borders, half_from, half_to);
     if (e == 1) std::swap(about[0], about[1]);
     for (const auto& [beam, weight] :
          received_of(about, received_beside(facet, about[1], e == 0 ? *there : here))) {
       const double energy = ambiguity.energy_j * weight * (1 + slack);
-      each_sample(half_from, half_to, [&, beam = beam](std::size_t sample) {
-        BinInterval& bin = bins[beam * (borders_.size() - 1) + sample];
+      for (std::size_t sample = from_sample; sample < to_sample; ++sample) {
+        Interval& bin = bins[beam * request_.row() + sample];
         if (less) bin.lo -= energy;
         bin.hi += energy;
-      });
+      }
     }
   }
 
@@ -334,9 +313,8 @@ class BistaticReference {
       for (std::uint32_t beam = label[1]; beam < label[2]; ++beam) {
         double& weight = received[beam];
         const Towards tx{about[0].centre_m, about[0].radius_m};
-        weight =
-            std::max(weight, pieces_.most_of(label[3], beam, tx, {about[1].centre_m, about[1].radius_m}));
-        if (beside) weight = std::max(weight, pieces_.most_of(label[3], beam, tx, *beside));
+        weight = std::max(weight, most_of(label[3], beam, tx, {about[1].centre_m, about[1].radius_m}));
+        if (beside) weight = std::max(weight, most_of(label[3], beam, tx, *beside));
       }
     }
     return received;
@@ -361,34 +339,14 @@ class BistaticReference {
 
   const BistaticSurface& seabed_;
   const ReceiveBeams& beams_;
-  const EchoModel& model_;
   const BistaticReference* beside_ = nullptr;
   SharedFootprints shared_;
   std::vector<BistaticFacet> bistatic_;  // in the order of the facets of `shared_`
   std::array<double, 2> off_rad_;        // of apertures
   double unit_m_, margin_m_ = 0;
-  std::vector<double> borders_;
-  BistaticPieces pieces_;
+  CertifiedRequest request_;
   std::array<EndLook, 2> looks_;
   BistaticEnclosures enclosures_;
-};
-
-void require_exact(const VisibilityOptions& options) {
-  if (options.arithmetic == Arithmetic::plain_double)
-    throw std::invalid_argument("certified bounds need exact arithmetic: fixed, filtered or rational");
-}
-
-/// Echo model with patterns in the directions of its path's ends.
-struct PatternsOfEnds {
-  explicit PatternsOfEnds(const EchoModel& of) : model(of) {
-    if (of.patterns == nullptr) return;
-    patterns = as_images_have(*of.patterns, of.path);
-    model.patterns = &patterns;
-  }
-  PatternsOfEnds(const PatternsOfEnds&) = delete;
-  PatternsOfEnds& operator=(const PatternsOfEnds&) = delete;
-  EchoModel model;
-  BeamPatterns patterns;
 };
 
 }  // namespace

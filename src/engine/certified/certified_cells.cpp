@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Cuts certified polygons along the planes between texture cells and evaluates the texture factor in each
@@ -26,8 +27,8 @@ constexpr double largest_off = 0.01;
 class Cutter {
  public:
   Cutter(const CertifiedPolygon& polygon, const CertifiedTexture& texture, const FacetMap& lies,
-         std::size_t most, const CellSink& sink)
-      : polygon_(polygon), most_(most), sink_(sink) {
+         const TexturedPolygon::Take& sink)
+      : polygon_(polygon), sink_(sink) {
     cell_.texture = &texture;
     const auto balls = [](const glm::dvec3& p) {
       return std::array<Ball, 3>{Ball(p.x), Ball(p.y), Ball(p.z)};
@@ -68,7 +69,7 @@ class Cutter {
     stop_if_wanted();
     if (failed_) return;
     if (axis == cell_.traces.size()) {
-      failed_ = ++count_ > most_;
+      failed_ = ++count_ > most_cells;
       if (!failed_ && sink_) give(points);
       return;
     }
@@ -79,7 +80,7 @@ class Cutter {
       hi = std::max(hi, x.hi());
     }
     const double first = std::floor(lo) + 1, last = std::ceil(hi) - 1;
-    if (!(lo > -largest_coordinate && hi < largest_coordinate && last - first <= double(most_))) {
+    if (!(lo > -largest_coordinate && hi < largest_coordinate && last - first <= double(most_cells))) {
       failed_ = true;
       return;
     }
@@ -110,12 +111,12 @@ class Cutter {
     const double slack =
         off <= largest_off ? cell_.texture->difference(off) : (Ball(range.hi()) - Ball(range.lo())).hi();
     cell_.slack = Ball(slack) * Ball::between(-1, 1);
-    sink_(part_of(polygon_, points), cell_);
+    sink_(part_of(polygon_, points), &cell_);
   }
 
   const CertifiedPolygon& polygon_;
-  std::size_t most_, count_ = 0;
-  const CellSink& sink_;
+  std::size_t count_ = 0;
+  const TexturedPolygon::Take& sink_;
   CertifiedCell cell_;
   bool failed_ = false;
 };
@@ -153,10 +154,34 @@ double CertifiedCell::largest_at(const ComplexBall& x, const ComplexBall& y) con
   return std::max(texture->largest(cell, coordinates_at(traces, x, y)), least_bound);
 }
 
-std::size_t cut_by_cells(const CertifiedPolygon& polygon, const CertifiedTexture& texture,
-                         const FacetMap& lies, std::size_t most, const CellSink& sink) {
-  if (polygon.edges.size() < 3) return 0;
-  return Cutter(polygon, texture, lies, most, sink).cut();
+TexturedPolygon::TexturedPolygon(const CertifiedPolygon& polygon, const CertifiedTexture* texture,
+                                 const FacetMap& lies, double tolerance)
+    : polygon_(polygon), texture_(texture), lies_(lies) {
+  if (texture == nullptr) return;
+  range_ = texture->range();
+  varies_ = polygon.edges.size() >= 3 && range_.hi() - range_.lo() > tolerance / 8 * range_.lo();
+  if (varies_) cells_ = cut({});
+}
+
+void TexturedPolygon::each_part(const Take& take) const {
+  if (is_cut())
+    cut(take);
+  else
+    take(polygon_, nullptr);
+}
+
+double TexturedPolygon::change_over(double distance_m) const {
+  if (!is_cut() || !(distance_m > 0)) return 0;
+  double per_m = 0;
+  for (const CertifiedTexture::Axis& axis : texture_->axes())
+    per_m =
+        std::max(per_m, root(squared(axis.per_m[0]) + squared(axis.per_m[1]) + squared(axis.per_m[2])).hi());
+  return std::min(texture_->change(per_m * distance_m * (1 + enclosure_slack)), range_.hi());
+}
+
+/// Returns the number of parts, or 0 if there are too many. Without `take`, the parts are only counted.
+std::size_t TexturedPolygon::cut(const Take& take) const {
+  return Cutter(polygon_, *texture_, lies_, take).cut();
 }
 
 }  // namespace tubefoot

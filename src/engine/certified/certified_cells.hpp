@@ -35,14 +35,45 @@ struct CertifiedCell {
   double largest_at(const ComplexBall& x, const ComplexBall& y) const;
 };
 
-/// Function that receives the parts of a polygon by cell.
-using CellSink = std::function<void(const CertifiedPolygon& part, const CertifiedCell& cell)>;
+/// Largest number of texture cells in one piece, which take half a minute. A piece with more cells is
+/// enclosed by the range of the texture.
+constexpr std::size_t most_cells = 1 << 16;
 
-/// Cuts a convex polygon along the planes between a texture's cells. `lies` maps apparent to true positions
-/// and counts as exact. The polygon is relative to its apex. Together, the parts are exactly the polygon
-/// (split of CertifiedPolygon). Returns the number of parts. Returns 0 if there are more than `most`; the
-/// sink has then received some of them. Without a sink, the parts are only counted.
-std::size_t cut_by_cells(const CertifiedPolygon& polygon, const CertifiedTexture& texture,
-                         const FacetMap& lies, std::size_t most, const CellSink& sink);
+/// A convex polygon with a micro-texture. If the texture varies by more than an eighth of the tolerance, the
+/// polygon is cut along the planes between the texture's cells. Together, the parts are exactly the polygon
+/// (split of CertifiedPolygon).
+class TexturedPolygon {
+ public:
+  /// `texture`: null for the factor 1. `lies` maps apparent to true positions and counts as exact. The
+  /// polygon is relative to its apex. Polygon and texture must outlive this object.
+  TexturedPolygon(const CertifiedPolygon& polygon, const CertifiedTexture* texture, const FacetMap& lies,
+                  double tolerance);
+
+  bool is_cut() const { return cells_ > 0; }
+  /// Returns true if the texture varies too much for its range, but the polygon has too many cells.
+  bool has_too_many_cells() const { return varies_ && cells_ == 0; }
+  double parts() const { return is_cut() ? double(cells_) : 1; }
+  const Ball& range() const { return range_; }
+  /// Encloses the factor that the cells of the parts do not contain.
+  Ball factor() const { return is_cut() ? Ball(1) : range_; }
+  /// Bounds of this factor, which is not negative.
+  Interval factor_bounds() const { return {std::max(factor().lo(), 0.0), factor().hi()}; }
+  /// Bounds the change of the parts' factors over a distance. It is 0 if factor() covers it.
+  double change_over(double distance_m) const;
+
+  /// Function that receives a part with its cell. Without cells, it receives the whole polygon and null.
+  using Take = std::function<void(const CertifiedPolygon& part, const CertifiedCell* cell)>;
+  void each_part(const Take& take) const;
+
+ private:
+  std::size_t cut(const Take& take) const;
+
+  const CertifiedPolygon& polygon_;
+  const CertifiedTexture* texture_;
+  FacetMap lies_;
+  std::size_t cells_ = 0;
+  Ball range_{1};
+  bool varies_ = false;
+};
 
 }  // namespace tubefoot

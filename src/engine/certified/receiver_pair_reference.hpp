@@ -27,6 +27,9 @@ CertifiedEcho certify_receiver_pair_products(const FacetMesh& mesh, const Receiv
 std::vector<double> receiver_pair_targets(std::span<const double> upper_j, std::span<const double> lower_j,
                                           double tolerance);
 
+/// The same for the rows of an echo.
+std::vector<double> receiver_pair_row_targets(const Echo& rows, double tolerance);
+
 /// Returns the rows of such an echo.
 Echo rows_of(const ReceiverPairEcho& echo);
 /// Counts the bins of these rows whose bound exceeds the requested one, as compare_with() does.

@@ -44,10 +44,6 @@ std::optional<std::size_t> material_without_enclosure(
 /// for a texture that cannot be enclosed.
 std::vector<std::shared_ptr<const CertifiedTexture>> certified_textures(const EchoModel& model);
 
-/// Largest number of texture cells in one piece, which take half a minute. A piece with more cells is
-/// enclosed by the range of the texture.
-constexpr std::size_t most_cells = 1 << 16;
-
 /// Encloses the echo of one ping with exact visibility, corners from exact integers, iso-range cuts, and
 /// integrals in ball arithmetic. The enclosures are refined until each bound is at most tolerance *
 /// max(energy, reference_floor * strongest of the beam, reference_floor^2 * strongest of the ping).

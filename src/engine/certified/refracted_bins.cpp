@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "engine/certified/certified_driver.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/numbers/scalars.hpp"
 
@@ -20,6 +21,14 @@ constexpr double upright = std::numbers::pi / 2;
 using State = FacetEnclosure::State;
 
 }  // namespace
+
+std::pair<std::size_t, std::size_t> samples_between(std::span<const double> borders, double nearest_m,
+                                                    double farthest_m) {
+  const auto first = std::upper_bound(borders.begin(), borders.end(), nearest_m),
+             end = std::upper_bound(borders.begin(), borders.end(), farthest_m);
+  return {std::size_t(std::max<std::ptrdiff_t>(first - borders.begin() - 1, 0)),
+          std::min(std::size_t(end - borders.begin()), borders.size() - 1)};
+}
 
 Looked::Looked(std::span<const FacetEnclosure> facets) : facets_(facets), balls_(facets.size()) {
   std::vector<double> gaps;
@@ -101,7 +110,7 @@ bool Unknown::may_be_seen(const Around& ball, const Sector& tube) const {
 
 RefractedReference reference_between(std::span<const BinIntervals> parts, const Echo& ordinary,
                                      double tolerance) {
-  std::vector<BinInterval> total(ordinary.energy.size());
+  std::vector<Interval> total(ordinary.energy.size());
   for (const BinIntervals& bins : parts)  // in order, so that the result does not depend on the threads
     for (const auto& [bin, part] : bins) {
       total[bin].lo += std::max(part.lo, 0.0);
@@ -122,17 +131,14 @@ RefractedReference reference_between(std::span<const BinIntervals> parts, const 
 }
 
 RefractedReference reference_of(CertifiedEcho echo, double tolerance) {
-  return reference_of(
-      std::move(echo), [&](CertifiedEcho& held) { compare_with(held, tolerance); },
-      [&](Echo&& least) { return reference_targets(least, tolerance); });
+  return reference_of(std::move(echo), tolerance, reference_targets);
 }
 
-RefractedReference reference_of(CertifiedEcho echo, const std::function<void(CertifiedEcho&)>& hold,
-                                const std::function<std::vector<double>(Echo&&)>& targets_of) {
+RefractedReference reference_of(CertifiedEcho echo, double tolerance, const Targets& targets_of) {
   RefractedReference reference;
   reference.certified = std::move(echo);
   CertifiedEcho& certified = reference.certified;
-  hold(certified);
+  compare_with(certified, tolerance, targets_of);
   reference.bins = certified.bound.size();
   reference.bins_over = certified.bins_over;
   reference.unbounded = static_cast<std::size_t>(
@@ -142,7 +148,7 @@ RefractedReference reference_of(CertifiedEcho echo, const std::function<void(Cer
   Echo least = certified.echo;
   for (std::size_t bin = 0; bin < least.energy.size(); ++bin)
     least.energy[bin] = std::max(least.energy[bin] - certified.bound[bin], 0.0);
-  const std::vector<double> targets = targets_of(std::move(least));
+  const std::vector<double> targets = targets_of(least, tolerance);
   for (std::size_t bin = 0; bin < targets.size(); ++bin)
     if (std::isfinite(certified.bound[bin]) && certified.bound[bin] > targets[bin])
       excess.push_back(certified.bound[bin] / targets[bin]);

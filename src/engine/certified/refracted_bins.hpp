@@ -28,11 +28,11 @@ struct RefractedReference {
   double usual_excess = 0;  ///< median ratio of the finite bounds among these to the requested bounds
 };
 
-/// Enclosure of the energy of a bin.
-struct BinInterval {
-  double lo = 0, hi = 0;
-};
-using BinIntervals = std::map<std::size_t, BinInterval>;
+/// Bounds of energies by bin. Their sums are not rounded outwards, but widened at the end.
+using BinIntervals = std::map<std::size_t, Interval>;
+/// Returns the samples [first, second) that meet an interval of ranges.
+std::pair<std::size_t, std::size_t> samples_between(std::span<const double> borders, double nearest_m,
+                                                    double farthest_m);
 
 /// Samples that are cut `shift_m` before and after each border. Sample 2 k + 1 certainly belongs to sample
 /// k. Sample 2 k lies about the border between k - 1 and k.
@@ -60,7 +60,7 @@ class ShiftedSamples {
       for (std::size_t k = 0; k < row; ++k)
         if (borders_[k] <= to && borders_[k + 1] >= from) bins[first + k].hi += hi;
     } else if (sample % 2 == 1) {
-      BinInterval& bin = bins[first + sample / 2];
+      Interval& bin = bins[first + sample / 2];
       bin.lo += lo;
       bin.hi += hi;
     } else {
@@ -75,16 +75,15 @@ class ShiftedSamples {
   std::vector<double> about_;
 };
 
-/// Compares an echo with a tolerance and counts the bins that miss it.
+/// Compares an echo, whose unknown bounds are infinite, with a tolerance and counts the bins that miss it.
 RefractedReference reference_of(CertifiedEcho echo, double tolerance);
+/// The same for an echo with these requested bounds.
+RefractedReference reference_of(
+    CertifiedEcho echo, double tolerance,
+    const std::function<std::vector<double>(const Echo& echo, double tolerance)>& targets);
 /// Sums the bins in the order of the list and compares them with a tolerance.
 RefractedReference reference_between(std::span<const BinIntervals> parts, const Echo& ordinary,
                                      double tolerance);
-
-/// Does the same for an echo whose unknown bounds are infinite. `hold` compares the bounds with the
-/// requested ones. `targets_of` returns the requested bounds for an echo that certainly has these energies.
-RefractedReference reference_of(CertifiedEcho echo, const std::function<void(CertifiedEcho&)>& hold,
-                                const std::function<std::vector<double>(Echo&& least)>& targets_of);
 
 /// Selects the facets whose images a tube may see.
 class Looked {

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/certified/refracted_receiver_pair.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "engine/certified/receiver_pair_pieces.hpp"
+#include "engine/certified/flattened_pieces.hpp"
 #include "engine/certified/receiver_pair_reference.hpp"
 #include "geometry/numbers/scalars.hpp"
-#include "geometry/steps/stop.hpp"
 
 // Computes reference energies and products of a receiver pair in stratified water, from the parts of two
 // bistatic references and the products over common pieces. See docs/notes/certified-energies.md, section "Of
@@ -33,30 +30,22 @@ std::vector<std::array<std::size_t, 2>> common_facets(const std::array<BistaticP
   return both;
 }
 
-ReceiverPairPieces::Seen piece_of(const SharedFootprints& shared, const SharedPiece& piece) {
-  return {std::span(shared.corners_m).subspan(piece.first, piece.count), shared.receiver_m};
-}
-
-std::vector<ReceiverPairPieces::Products> products_of(const std::array<BistaticParts, 2>& parts,
-                                                      const ReceiverPairPieces& pieces) {
+std::vector<FlattenedPieces::Products> products_of(const std::array<BistaticParts, 2>& parts,
+                                                   const CertifiedRequest& request, double wavenumber_rad_m) {
   const auto facets = common_facets(parts);
-  std::vector<ReceiverPairPieces::Products> found(facets.size());
   const SharedFootprints &by_upper = parts[0].shared, &by_lower = parts[1].shared;
-  tbb::parallel_for(std::size_t{0}, facets.size(), [&](std::size_t number) {
-    const auto [u, d] = facets[number];
-    const SharedFacet &upper = by_upper.facets[u], &lower = by_lower.facets[d];
-    ReceiverPairPieces::OnFacet on = pieces.on(upper.facet, {parts[0].bistatic[u], parts[0].facets[u]},
-                                               {parts[1].bistatic[d], parts[1].facets[d]});
-    for (std::uint32_t k = 0; k < upper.piece_count; ++k)
-      for (std::uint32_t m = 0; m < lower.piece_count; ++m) {
-        const SharedPiece &one = by_upper.pieces[upper.first_piece + k],
-                          &two = by_lower.pieces[lower.first_piece + m];
-        if (one.transmit_tube != two.transmit_tube) continue;
-        stop_if_wanted();
-        pieces.add(on, piece_of(by_upper, one), piece_of(by_lower, two), found[number]);
-      }
-  });
-  return found;
+  return enclose_tasks("facets", facets.size(), 1, FlattenedPieces::Products(),
+                       [&](std::size_t number, FlattenedPieces::Products& found) {
+                         const auto [u, d] = facets[number];
+                         const SharedFacet &upper = by_upper.facets[u], &lower = by_lower.facets[d];
+                         FlattenedPieces pieces(request, upper.facet,
+                                                {parts[0].bistatic[u], parts[0].facets[u]},
+                                                {parts[1].bistatic[d], parts[1].facets[d]});
+                         each_common(by_upper, upper, by_lower, lower,
+                                     [&](const ReceivedPiece& one, const ReceivedPiece& two) {
+                                       pieces.add_products(wavenumber_rad_m, one, two, found);
+                                     });
+                       });
 }
 
 }  // namespace
@@ -83,13 +72,9 @@ RefractedReference certify_refracted_receiver_pair(const std::array<BistaticSurf
       bistatic_parts(both, tubes, options, samples, model, ordinary, tolerance, flatten);
 
   const auto row = std::size_t(samples.count);
-  const std::vector<double> targets =
-                                receiver_pair_targets(ordinary[0].energy, ordinary[1].energy, tolerance),
-                            borders = sample_borders_m(samples);
-  const ReceiverPairPieces pieces(
-      model, receiver_pair.wavenumber_rad_m, borders, samples.step_m,
-      {targets.begin() + std::ptrdiff_t(2 * row), targets.begin() + std::ptrdiff_t(3 * row)}, tolerance);
-  std::vector<BinInterval> total(4 * row);
+  const CertifiedRequest request(model, samples, tolerance,
+                                 receiver_pair_targets(ordinary[0].energy, ordinary[1].energy, tolerance));
+  std::vector<Interval> total(4 * row);
   std::vector<double> ambiguous(row, 0);
   const auto take_ambiguous = [&](const BinIntervals& bins) {
     for (const auto& [bin, part] : bins) ambiguous[bin] += part.hi;
@@ -102,7 +87,7 @@ RefractedReference certify_refracted_receiver_pair(const std::array<BistaticSurf
     for (const BinIntervals& bins : all.subspan(parts[e].first_ambiguity[e == 0 ? 0 : 1]))
       take_ambiguous(bins);
   }
-  for (const ReceiverPairPieces::Products& of : products_of(parts, pieces)) {
+  for (const FlattenedPieces::Products& of : products_of(parts, request, receiver_pair.wavenumber_rad_m)) {
     for (const auto& [bin, part] : of.sure) {
       total[2 * row + bin].lo += part.lo;
       total[2 * row + bin].hi += part.hi;
@@ -122,12 +107,7 @@ RefractedReference certify_refracted_receiver_pair(const std::array<BistaticSurf
     certified.echo.energy[bin] = lo + (hi - lo) / 2;
     certified.bound[bin] = (hi - lo) / 2 * (1 + slack) + slack * std::max(std::abs(lo), std::abs(hi));
   }
-  return reference_of(
-      std::move(certified), [&](CertifiedEcho& echo) { compare_receiver_pair_with(echo, tolerance); },
-      [&](Echo&& least) {
-        const std::span sure(least.energy);
-        return receiver_pair_targets(sure.first(row), sure.subspan(row, row), tolerance);
-      });
+  return reference_of(std::move(certified), tolerance, receiver_pair_row_targets);
 }
 
 }  // namespace tubefoot
