@@ -32,22 +32,28 @@ bool receiver_pairs_are_bistatic(const RunRequest& request) {
   return request.engine == Engine::tube && request.binning == Binning::exact;
 }
 
+/// Adds the counts of a reference with several ends. `step_m`: length of a range sample.
+void count_ends(const Transmission& transmission, const RefractedEndsTransmission& found, double step_m,
+                PingSums& sums) {
+  PingCounts& counts = sums.counts;
+  const std::size_t receivers = found.apparent.seen.size() - 1;
+  counts.refraction.at_limit += found.at_limit;
+  for (const ApparentSurface& surface_mesh : found.apparent.seen)
+    add_counts(counts.refraction, surface_mesh, transmission);
+  if (transmission.loaded_scene().surface_mesh) counts.refined_facets += found.facets();
+  sums.add_finer_relief(transmission, found.history, found.apparent.seabed.mesh, step_m);
+  counts.footprints += receivers * found.history.shared.facets.size();
+  counts.pieces += receivers * found.history.shared.pieces.size();
+}
+
 /// Adds the reference of a separate receiver.
 void add_refracted_pair_reference(const Transmission& transmission, PingSums& sums) {
-  const RefractedPairTransmission found = certify_refracted_pair_transmission(transmission);
-  PingCounts& counts = sums.counts;
-  counts.refraction.at_limit += found.at_limit;
-  for (const ApparentSurface* surface_mesh : {&found.pair.apparent.transmit, &found.pair.apparent.receive})
-    add_counts(counts.refraction, *surface_mesh, transmission);
-  if (transmission.loaded_scene().surface_mesh) counts.refined_facets += found.facets();
-  sums.add_finer_relief(transmission, found.history, found.pair.apparent.mesh,
-                        transmission.sample_length_m());
-  counts.tubes += found.history.transmit.tubes.size() + found.history.receive.tubes.size();
-  counts.footprints += found.history.shared.facets.size();
-  counts.pieces += found.history.shared.pieces.size();
+  const RefractedEndsTransmission found = certify_refracted_pair_transmission(transmission);
+  count_ends(transmission, found, transmission.sample_length_m(), sums);
+  sums.counts.tubes += found.history.transmit.tubes.size() + found.history.receive.tubes.size();
   sums.add(transmission, transmission.first(), found.sensors.front().certified);
   add_labels(transmission, transmission.first(), TransmissionSurface(transmission.loaded_scene()),
-             found.pair.apparent.mesh, found.history, sums);
+             found.apparent.seabed.mesh, found.history, sums);
 }
 
 /// Adds the reference through refracting water, which chooses its own apparent surface.
@@ -74,22 +80,14 @@ void add_refracted_reference(const Transmission& transmission, PingSums& sums) {
 }
 
 void add_refracted_receiver_pair_reference(const Transmission& transmission, PingSums& sums) {
-  PingCounts& counts = sums.counts;
   for (const std::size_t s : transmission.group().sensors) {
     if (!transmission.sensor(s).has_receiver_pair()) continue;
     ReceiverPairRows rows(transmission, s);
     for (std::uint32_t fan = 0; fan < std::uint32_t(transmission.beams(s)); ++fan) {
-      const RefractedReceiverPairTransmission found =
+      const RefractedEndsTransmission found =
           certify_refracted_receiver_pair_transmission(transmission, s, fan);
-      counts.refraction.at_limit += found.at_limit;
-      for (const ApparentSurface& surface_mesh : found.apparent.seen)
-        add_counts(counts.refraction, surface_mesh, transmission);
-      if (transmission.loaded_scene().surface_mesh) counts.refined_facets += found.facets();
-      sums.add_finer_relief(transmission, found.history, found.apparent.seabed.mesh,
-                            transmission.sensor(s).samples().step_m);
-      counts.tubes += 3 * found.history.transmit.tubes.size();
-      counts.footprints += 2 * found.history.shared.facets.size();
-      counts.pieces += 2 * found.history.shared.pieces.size();
+      count_ends(transmission, found, transmission.sensor(s).samples().step_m, sums);
+      sums.counts.tubes += 3 * found.history.transmit.tubes.size();
       rows.set(fan, found.sensors.front().certified);
       add_labels_of_receiver_pair(transmission, s, fan, found.apparent.seabed.mesh, found.history, sums);
     }

@@ -22,8 +22,7 @@ namespace tubefoot {
 namespace {
 
 constexpr int most_tries = 6;
-constexpr double most_refined_facets =
-    24'000;  // limit for the last refinement: about half a minute of one core
+constexpr double most_refined_facets = 24'000;  // limit for the last refinement: about half a minute of one core
 constexpr double most_facets_of_paths = 6'000;  // lower, because each pair of images has bounds of its own
 constexpr std::size_t few_facets = 1'500;       // surfaces of so few facets cost almost no time
 constexpr double coarsest = 0.1;                // tolerance for which the first surface is made
@@ -63,69 +62,30 @@ RefractedTransmission certify(const Transmission& transmission, const Transmissi
   return found;
 }
 
-RefractedPairTransmission certify(const Transmission& transmission, const PairApparentMap& seen,
-                                  RefractedPair pair) {
-  const ApparentPair& apparent = pair.apparent;
-  std::vector<FacetId> parent(apparent.mesh.facets.size());
-  const auto take = [&](const ApparentSurface& surface_mesh, const std::vector<FacetId>& origin) {
-    for (std::size_t k = 0; k < origin.size(); ++k) parent[origin[k]] = surface_mesh.refined.parent[k];
-  };
-  take(apparent.transmit, apparent.transmit_origin);
-  take(apparent.receive, apparent.receive_origin);
-  const std::size_t s = transmission.first();
-  RefractedPairTransmission found{std::move(pair), {}, {}, false};
-  const ApparentPair& own = found.pair.apparent;
-  found.history = trace_both(transmission, found.pair);
-  const SceneTree tx_tree(own.transmit.refined.mesh, SceneTree::HeightFieldSearch::ignored),
-      rx_tree(own.receive.refined.mesh, SceneTree::HeightFieldSearch::ignored);
-  const RayEnclosure tx_rays(found.pair.transmit_water, eigenray_options(transmission.loaded_scene())),
-      rx_rays(found.pair.receive_water, eigenray_options(transmission.loaded_scene()));
-  const BistaticSurface seabed{
-      own.mesh,
-      parent,
-      seen.seabed().mesh(),
-      transmission.scene().grid,
-      {own.transmit, tx_tree, own.transmit_origin, found.pair.transmit_water, tx_rays},
-      {own.receive, rx_tree, own.receive_origin, found.pair.receive_water, rx_rays}};
-  SensorModel model(transmission, TransmissionSurface(transmission.loaded_scene()), s);
-  model.model.material = own.mesh.material;
-  const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
-  found.sensors.push_back(certify_refracted_echo(
-      seabed, {found.pair.transmit_tubes, found.pair.receive_tubes}, transmission.request().visibility,
-      transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(), model.model,
-      transmission.echo(found.history, s, model.model), *transmission.request().reference_tolerance));
-  seen.seabed().name_by_scene(found.pair.apparent.transmit);
-  seen.seabed().name_by_scene(found.pair.apparent.receive);
-  return found;
-}
-
-/// One fan of a receiver pair with the ends for which the surface was mapped: transmitter, upper receiver
-/// and lower receiver.
-struct ReceiverPairEnds {
+/// The ends of a transmission's sensor: transmitter and receiver, or for one fan of a receiver pair
+/// transmitter, upper receiver and lower receiver.
+struct CertifiedEnds {
   const EndsApparentMap& ends;
   std::size_t sensor;
-  std::uint32_t fan;
-  const ReceiverBaseline& receiver_pair;
+  std::uint32_t fan = 0;
+  const ReceiverBaseline* receiver_pair = nullptr;
 };
 
-RefractedReceiverPairTransmission certify(const Transmission& transmission, const ReceiverPairEnds& seen,
-                                          CommonApparentSurfaces surface_meshes) {
+RefractedEndsTransmission certify(const Transmission& transmission, const CertifiedEnds& seen,
+                                  CommonApparentSurfaces surface_meshes) {
   const EndsApparentMap& ends = seen.ends;
   const Sensor& sensor = transmission.sensor(seen.sensor);
   const WorldGrid& grid = transmission.scene().grid;
   const VisibilityOptions& options = transmission.request().visibility;
-  RefractedReceiverPairTransmission found{std::move(surface_meshes), {}, {}, false};
+  const double tolerance = *transmission.request().reference_tolerance;
+  RefractedEndsTransmission found{std::move(surface_meshes), {}, {}, false};
   const CommonApparentSurfaces& own = found.apparent;
   const FacetMesh& mesh = own.seabed.mesh;
   SensorModel model(transmission, TransmissionSurface(transmission.loaded_scene()), seen.sensor);
-  const BeamPatterns patterns = patterns_of_fan(model.patterns, seen.fan, ends.tubes(1).tubes.size());
   model.model.material = mesh.material;
-  model.model.patterns = &patterns;
-  const std::vector<std::uint32_t> of_tube(ends.tubes(1).tubes.size(), 0);
-
   std::vector<SceneTree> trees;
   std::vector<RayEnclosure> rays;
-  for (std::size_t end = 0; end < 3; ++end) {
+  for (std::size_t end = 0; end < own.seen.size(); ++end) {
     trees.emplace_back(own.seen[end].refined.mesh, SceneTree::HeightFieldSearch::ignored);
     rays.emplace_back(ends.water(end), eigenray_options(transmission.loaded_scene()));
   }
@@ -133,20 +93,36 @@ RefractedReceiverPairTransmission certify(const Transmission& transmission, cons
     return BistaticEnd{own.seen[end], trees[end], own.origin[end], ends.water(end), rays[end]};
   };
   const auto seabed_of = [&](std::size_t end) {
-    return BistaticSurface{mesh, own.seabed.parent, seen.ends.seabed().mesh(), grid, end_of(0), end_of(end)};
+    return BistaticSurface{mesh, own.seabed.parent, ends.seabed().mesh(), grid, end_of(0), end_of(end)};
   };
-  std::array<Echo, 2> ordinary;
-  for (const std::size_t e : {1, 0}) {
-    const ApparentPair pair{mesh, own.seen[0], own.seen[1 + e], own.origin[0], own.origin[1 + e]};
-    found.history = trace_bistatic(pair, grid, options, ends.tubes(0), ends.tubes(1 + e), ends.water(0),
-                                   ends.water(1 + e), ends.absorption_db_per_m());
-    ordinary[e] = integrate_echo(found.history, {1, of_tube}, sensor.samples(), model.model);
+  const auto tubes_of = [&](std::size_t end) { return BistaticTubes{ends.tubes(0), ends.tubes(end)}; };
+  // Sets the history, and returns the ordinary echo of a receiver.
+  const auto ordinary = [&](std::size_t end, const ReceiveBeams& beams, Binning binning) {
+    const ApparentPair pair{mesh, own.seen[0], own.seen[end], own.origin[0], own.origin[end]};
+    try {
+      found.history = trace_bistatic(pair, grid, options, ends.tubes(0), ends.tubes(end), ends.water(0),
+                                     ends.water(end), ends.absorption_db_per_m());
+    } catch (...) {
+      rethrow_as_seen_by(transmission);
+    }
+    return integrate_echo(found.history, beams, sensor.samples(), model.model, binning);
+  };
+  if (seen.receiver_pair == nullptr) {
+    const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
+    const ReceiveBeams beams = transmission.beams_by_fans(seen.sensor, fans);
+    const Echo echo = ordinary(1, beams, transmission.request().binning);
+    found.sensors.push_back(certify_refracted_echo(seabed_of(1), tubes_of(1), options, beams,
+                                                   sensor.samples(), model.model, echo, tolerance));
+  } else {
+    const BeamPatterns patterns = patterns_of_fan(model.patterns, seen.fan, ends.tubes(1).tubes.size());
+    model.model.patterns = &patterns;
+    const std::vector<std::uint32_t> of_tube(ends.tubes(1).tubes.size(), 0);
+    std::array<Echo, 2> echoes;
+    for (const std::size_t e : {1, 0}) echoes[e] = ordinary(1 + e, {1, of_tube}, Binning::exact);
+    found.sensors.push_back(certify_refracted_receiver_pair(
+        {seabed_of(1), seabed_of(2)}, {tubes_of(1), tubes_of(2)}, options, *seen.receiver_pair,
+        sensor.samples(), model.model, echoes, tolerance));
   }
-  found.sensors.push_back(certify_refracted_receiver_pair(
-      {seabed_of(1), seabed_of(2)},
-      {BistaticTubes{ends.tubes(0), ends.tubes(1)}, BistaticTubes{ends.tubes(0), ends.tubes(2)}}, options,
-      seen.receiver_pair, sensor.samples(), model.model, ordinary,
-      *transmission.request().reference_tolerance));
   for (ApparentSurface& surface_mesh : found.apparent.seen) ends.seabed().name_by_scene(surface_mesh);
   return found;
 }
@@ -174,16 +150,18 @@ struct Quality {
     return is_wide() ? std::clamp(1.3 * usual_excess, least, room) : least;
   }
 };
-Quality quality_of(std::span<const RefractedReference> sensors) {
+Quality quality_over(std::span<const RefractedReference> references) {
   Quality quality;
-  for (const RefractedReference& sensor : sensors) {
-    quality.bins += sensor.bins;
-    quality.over += sensor.bins_over;
-    quality.unbounded += sensor.unbounded;
-    quality.usual_excess = std::max(quality.usual_excess, sensor.usual_excess);
+  for (const RefractedReference& reference : references) {
+    quality.bins += reference.bins;
+    quality.over += reference.bins_over;
+    quality.unbounded += reference.unbounded;
+    quality.usual_excess = std::max(quality.usual_excess, reference.usual_excess);
   }
   return quality;
 }
+Quality quality_of(const RefractedPathsTransmission& found) { return quality_over(found.orders); }
+Quality quality_of(const auto& found) { return quality_over(found.sensors); }
 
 /// Returns the mapping settings of the first surface.
 ApparentMapSettings first_settings(const Transmission& transmission, double reach_m,
@@ -201,7 +179,6 @@ ApparentMapSettings first_settings(const Transmission& transmission, double reac
 }
 
 std::size_t facets_of(const ApparentSurface& surface_mesh) { return surface_mesh.refined.mesh.facets.size(); }
-std::size_t facets_of(const RefractedPair& pair) { return pair.apparent.mesh.facets.size(); }
 std::size_t facets_of(const CommonApparentSurfaces& surface_meshes) {
   return surface_meshes.seabed.mesh.facets.size();
 }
@@ -212,9 +189,42 @@ double largest_travel_path_error_m(const CommonApparentSurfaces& surface_meshes)
 double largest_travel_path_error_m(const ApparentSurface& surface_mesh) {
   return surface_mesh.largest_travel_path_error_m;
 }
-double largest_travel_path_error_m(const RefractedPair& pair) {
-  return std::max(pair.apparent.transmit.largest_travel_path_error_m,
-                  pair.apparent.receive.largest_travel_path_error_m);
+
+/// Result of one refinement. Without `found`, no facet was cut. `go_on`: a further refinement may help even
+/// if this one does not.
+template <class Found>
+struct Refinement {
+  std::optional<Found> found{};
+  bool go_on = false;
+};
+
+/// Refines until the bounds reach the tolerance. `finer(quality)`: returns the next refinement.
+template <class Found, class Finer>
+Found refined(Found first, const Finer& finer) {
+  std::optional best(std::move(first));
+  for (int tries = 1;; ++tries) {
+    const Quality quality = quality_of(*best);
+    best->at_limit = quality.is_wide();
+    if (quality.is_enough() || tries == most_tries) return std::move(*best);
+    Refinement<Found> next = finer(quality);
+    if (next.found) {
+      const Quality found = quality_of(*next.found);
+      const bool worth_more = found.is_worth_more_than(quality);
+      next.go_on = next.go_on || worth_more;
+      if (worth_more || found.over <= quality.over) best.emplace(std::move(*next.found));
+      best->at_limit = quality_of(*best).is_wide();
+    }
+    if (!next.go_on) return std::move(*best);
+  }
+}
+
+/// Returns the largest factor by which a surface may become finer. The number of facets grows at most with
+/// the square of the fineness if spreading is the reason for cutting facets.
+double room_for(double most, std::size_t facets) { return std::sqrt(most / std::max(double(facets), 1.0)); }
+
+void refine(ApparentMapSettings& settings, double by, double unit_m) {
+  settings.travel_path_error_m = std::max(settings.travel_path_error_m / by, 2 * unit_m);
+  settings.tolerance_db /= by;
 }
 
 /// Refines the surface until the bounds reach the tolerance. `surface_mesh_of(settings)`: maps the surface
@@ -225,23 +235,17 @@ auto certify_until_tolerance(const Transmission& transmission, double reach_m, c
   const double unit = transmission.scene().grid.unit_m();
   ApparentMapSettings settings =
       first_settings(transmission, reach_m, apparent_map_settings(transmission, reach_m));
-  std::optional best(certify(transmission, seen, surface_mesh_of(settings)));
-  std::size_t facets_before = best->facets();
-  for (int tries = 1;; ++tries) {
-    const Quality quality = quality_of(best->sensors);
-    if (quality.is_enough()) break;
-    best->at_limit = quality.is_wide();
-    // The number of facets grows at most with the square of the fineness if spreading is the reason for
-    // cutting facets.
-    const double room = std::sqrt(most_refined_facets / std::max(double(facets_before), 1.0));
-    if (room < least_worth || tries == most_tries) break;
-    const double finer = quality.finer(room);
+  auto first = certify(transmission, seen, surface_mesh_of(settings));
+  using Found = decltype(first);
+  std::size_t facets_before = first.facets();
+  return refined(std::move(first), [&](const Quality& quality) -> Refinement<Found> {
+    const double room = room_for(most_refined_facets, facets_before);
+    if (room < least_worth) return {};
     const auto finer_surface = [&](double by) {
-      settings.travel_path_error_m = std::max(settings.travel_path_error_m / by, 2 * unit);
-      settings.tolerance_db /= by;
+      refine(settings, by, unit);
       return surface_mesh_of(settings);
     };
-    std::optional surface_mesh(finer_surface(finer));
+    std::optional surface_mesh(finer_surface(quality.finer(room)));
     const auto hardly_grown = [&] {
       return double(facets_of(*surface_mesh)) < least_worth * double(facets_before);
     };
@@ -258,17 +262,10 @@ auto certify_until_tolerance(const Transmission& transmission, double reach_m, c
                                               std::max(largest_travel_path_error_m(*surface_mesh), 2 * unit));
     const bool as_it_was = facets == facets_before;
     facets_before = facets;
-    if (as_it_was && !quality.is_wide()) break;
-    if (as_it_was) continue;
-    auto next = certify(transmission, seen, std::move(*surface_mesh));
-    const Quality found = quality_of(next.sensors);
-    const bool worth_more = found.is_worth_more_than(quality);
-    if (worth_more || found.over <= quality.over) best.emplace(std::move(next));
-    best->at_limit = quality_of(best->sensors).is_wide();
+    if (as_it_was) return {{}, quality.is_wide()};
     // Many more facets may reduce bounds that a few more facets do not.
-    if (!worth_more && !hardly_finer && facets >= few_facets) break;
-  }
-  return std::move(*best);
+    return {certify(transmission, seen, std::move(*surface_mesh)), hardly_finer || facets < few_facets};
+  });
 }
 
 }  // namespace
@@ -280,14 +277,24 @@ RefractedTransmission certify_refracted_transmission(const Transmission& transmi
       [&](const ApparentMapSettings& settings) { return seen.surface_mesh(settings); });
 }
 
-RefractedPairTransmission certify_refracted_pair_transmission(const Transmission& transmission) {
-  const PairApparentMap seen(transmission);
-  return certify_until_tolerance(transmission, seen.reach_m(), seen,
-                                 [&](const ApparentMapSettings& settings) { return seen.pair(settings); });
+namespace {
+
+RefractedEndsTransmission certify_ends(const Transmission& transmission, const CertifiedEnds& seen) {
+  return certify_until_tolerance(
+      transmission, seen.ends.reach_m(), seen,
+      [&](const ApparentMapSettings& settings) { return seen.ends.surface_meshes(settings); });
 }
 
-RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
-    const Transmission& transmission, std::size_t sensor, std::uint32_t fan) {
+}  // namespace
+
+RefractedEndsTransmission certify_refracted_pair_transmission(const Transmission& transmission) {
+  const PairApparentMap seen(transmission);
+  return certify_ends(transmission, {seen.ends(), transmission.first()});
+}
+
+RefractedEndsTransmission certify_refracted_receiver_pair_transmission(const Transmission& transmission,
+                                                                       std::size_t sensor,
+                                                                       std::uint32_t fan) {
   const Scene& scene = transmission.scene();
   const WorldGrid& grid = scene.grid;
   const SensorPings& pings = transmission.survey().sensors[sensor];
@@ -315,9 +322,7 @@ RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
     water.push_back(apparent_map_of(transmission.loaded_scene(), pings, at_m));
   }
   const EndsApparentMap ends(transmission, std::move(tubes), std::move(water));
-  return certify_until_tolerance(
-      transmission, ends.reach_m(), ReceiverPairEnds{ends, sensor, fan, receiver_pair},
-      [&](const ApparentMapSettings& settings) { return ends.surface_meshes(settings); });
+  return certify_ends(transmission, {ends, sensor, fan, &receiver_pair});
 }
 
 std::size_t RefractedPathsTransmission::facets() const {
@@ -339,28 +344,21 @@ RefractedPathsTransmission certify_refracted_paths(const Transmission& transmiss
           reference_of({found.paths.by_order[order], found.paths.bound_by_order[order]}, tolerance));
     return found;
   };
-  RefractedPathsTransmission best = certified();
+  RefractedPathsTransmission first = certified();
+  std::size_t facets_before = first.facets();
   // number of halvings of the mapping tolerances, which grows each time that no facet is cut
   int halvings = 0;
-  for (int tries = 1;; ++tries) {
-    const Quality quality = quality_of(best.orders);
-    best.at_limit = quality.is_wide();
-    if (quality.is_enough()) break;
-    const double room = std::sqrt(most_facets_of_paths / std::max(double(best.facets()), 1.0));
-    if (room < least_worth || tries == most_tries) break;
-    const double by = halvings > 0 ? std::exp2(std::min(halvings, 3)) : quality.finer(room);
-    finer.apparent_map.travel_path_error_m =
-        std::max(finer.apparent_map.travel_path_error_m / by, 2 * transmission.scene().grid.unit_m());
-    finer.apparent_map.tolerance_db /= by;
+  return refined(std::move(first), [&](const Quality& quality) -> Refinement<RefractedPathsTransmission> {
+    const double room = room_for(most_facets_of_paths, facets_before);
+    if (room < least_worth) return {};
+    refine(finer.apparent_map, halvings > 0 ? std::exp2(std::min(halvings, 3)) : quality.finer(room),
+           transmission.scene().grid.unit_m());
     RefractedPathsTransmission next = certified();
-    const Quality found = quality_of(next.orders);
-    const bool worth_more = found.is_worth_more_than(quality), as_it_was = next.facets() == best.facets();
-    if (found.over <= quality.over || worth_more) best = std::move(next);
-    best.at_limit = quality_of(best.orders).is_wide();
-    if (!worth_more && !(as_it_was && quality.unbounded > 0)) break;
+    const bool as_it_was = next.facets() == facets_before;
     halvings = as_it_was ? halvings + 1 : 0;
-  }
-  return best;
+    facets_before = next.facets();
+    return {std::move(next), as_it_was && quality.unbounded > 0};
+  });
 }
 
 }  // namespace tubefoot

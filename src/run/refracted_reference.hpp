@@ -22,23 +22,13 @@ struct RefractedTransmission {
   std::size_t facets() const { return surface_mesh.mesh().facets.size(); }
 };
 
-/// The certified echoes of one transmission with a separate receiver, which shares its transmissions with no
-/// other sensor.
-struct RefractedPairTransmission {
-  RefractedPair pair;
-  BistaticHistory history;
-  std::vector<RefractedReference> sensors;  ///< one element
-  bool at_limit = false;
-
-  std::size_t facets() const { return pair.apparent.mesh.facets.size(); }
-};
-
-/// The certified echoes of one fan of a receiver pair.
-struct RefractedReceiverPairTransmission {
-  /// apparent surfaces for the transmitter, the upper receiver and the lower receiver
-  CommonApparentSurfaces apparent;
-  BistaticHistory history;                  ///< history of the upper receiver
-  std::vector<RefractedReference> sensors;  ///< one element, by rows (certify_refracted_receiver_pair())
+/// The certified echo of one transmission with several ends. They are the transmitter and a separate
+/// receiver, or for one fan of a receiver pair the transmitter, the upper and the lower receiver.
+struct RefractedEndsTransmission {
+  CommonApparentSurfaces apparent;  ///< by end
+  BistaticHistory history;          ///< history of the first receiver
+  /// One element. With a receiver pair, its rows are those of certify_refracted_receiver_pair().
+  std::vector<RefractedReference> sensors;
   bool at_limit = false;
 
   std::size_t facets() const { return apparent.seabed.mesh.facets.size(); }
@@ -48,9 +38,9 @@ struct RefractedReceiverPairTransmission {
 /// two hundred of the finite bounds are within the run's tolerance. Second, a further refinement no longer
 /// helps. Third, the surface would have more facets than a reference permits.
 RefractedTransmission certify_refracted_transmission(const Transmission& transmission);
-RefractedPairTransmission certify_refracted_pair_transmission(const Transmission& transmission);
-RefractedReceiverPairTransmission certify_refracted_receiver_pair_transmission(
-    const Transmission& transmission, std::size_t sensor, std::uint32_t fan);
+RefractedEndsTransmission certify_refracted_pair_transmission(const Transmission& transmission);
+RefractedEndsTransmission certify_refracted_receiver_pair_transmission(const Transmission& transmission,
+                                                                       std::size_t sensor, std::uint32_t fan);
 
 /// The certified echoes of a sensor's paths over mirrors, by order.
 struct RefractedPathsTransmission {

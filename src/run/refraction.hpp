@@ -123,6 +123,7 @@ class PairApparentMap {
   explicit PairApparentMap(const Transmission& transmission, bool weights = false);
   const TrueSurface& seabed() const { return ends_.seabed(); }
   double reach_m() const { return ends_.reach_m(); }
+  const EndsApparentMap& ends() const { return ends_; }
   RefractedPair pair(const ApparentMapSettings& settings) const;
 
  private:
