@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "engine/certified/refracted_receiver_pair.hpp"
+#include "engine/certified/bistatic_reference.hpp"
 #include "engine/visibility/bistatic_history.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "run/refraction.hpp"

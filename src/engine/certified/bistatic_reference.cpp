@@ -10,6 +10,7 @@
 
 #include "engine/certified/flattened_pieces.hpp"
 #include "engine/certified/pattern_ambiguity.hpp"
+#include "engine/certified/receiver_pair_reference.hpp"
 #include "engine/certified/uncertain_edges.hpp"
 #include "engine/visibility/bistatic_history.hpp"
 #include "geometry/numbers/enclosure_slack.hpp"
@@ -17,7 +18,8 @@
 
 // Computes reference energies of bistatic paths in stratified water. It adds the certain energies of proven
 // shared facets and the ambiguities at both ends: tube walls, occluding edges, close facets and unproven
-// rays. See docs/notes/certified-energies.md, section "Of two ends".
+// rays. A receiver pair has two such paths, and products over their common pieces. See
+// docs/notes/certified-energies.md, sections "Of two ends" and "Of two receivers".
 namespace tubefoot {
 namespace {
 
@@ -58,6 +60,27 @@ struct About {
   }
 };
 
+/// Enclosed parts of a bistatic echo before summation.
+struct BistaticParts {
+  /// Bins of the certain parts by runs of proven facets, then bins of the conservative facets. From
+  /// first_ambiguity[end] on, the list contains the bins of the ambiguities at this end.
+  std::vector<BinIntervals> bins;
+  std::size_t conservative = 0;  ///< index of the conservative facets' bins
+  std::array<std::size_t, 2> first_ambiguity{};
+
+  BinIntervals added_up() const {
+    BinIntervals total;
+    for (const BinIntervals& own : bins) add(own, total);
+    return total;
+  }
+  static void add(const BinIntervals& bins, BinIntervals& total) {
+    for (const auto& [bin, part] : bins) {
+      total[bin].lo += part.lo;
+      total[bin].hi += part.hi;
+    }
+  }
+};
+
 class BistaticReference {
  public:
   BistaticReference(const BistaticSurface& seabed, const BistaticTubes& tubes,
@@ -89,8 +112,10 @@ class BistaticReference {
     }
   }
 
-  /// Flattens and encloses the facets that both ends see.
-  void enclose_shared(const Flattening& flatten) {
+  /// Flattens and encloses the facets that both ends see. `flatten(shared)`: flattens the shared facets, in
+  /// their order.
+  template <class Flatten>
+  void enclose_shared(const Flatten& flatten) {
     const FootprintSharer sharer(
         {looks_[0].tubes, looks_[0].seen, &seabed_.tx.surface_mesh.refined.mesh, seabed_.tx.origin},
         {looks_[1].tubes, looks_[1].seen, &seabed_.rx.surface_mesh.refined.mesh, seabed_.rx.origin}, unit_m_);
@@ -103,20 +128,22 @@ class BistaticReference {
           facet.state = State::conservative;
   }
 
+  const SharedFootprints& shared() const { return shared_; }
+  ProvenFacet facet(std::size_t number) const { return {bistatic_[number], enclosures_.facets[number]}; }
+  /// Returns whether a facet of shared() is proven, and both ends see it by one ray.
+  bool is_proven(std::size_t number) const {
+    const FacetId facet = shared_.facets[number].facet;
+    return enclosures_.facets[number].proven && end_of(0, facet)->state == State::proven &&
+           end_of(1, facet)->state == State::proven;
+  }
+
   /// Computes all parts after enclose_shared(). `beside`: another receiver whose energies the ambiguities
   /// must also cover.
   BistaticParts parts(const BistaticReference* beside = nullptr) {
     beside_ = beside;
-    const SharedFootprints& shared = shared_;
-    const auto is_proven = [&](std::size_t number) {
-      const FacetId facet = shared.facets[number].facet;
-      return enclosures_.facets[number].proven && end_of(0, facet)->state == State::proven &&
-             end_of(1, facet)->state == State::proven;
-    };
-
     BistaticParts found;
     std::vector<BinIntervals>& bins = found.bins;
-    bins = enclose_tasks("facets", shared.facets.size(), facets_in_run, BinIntervals(),
+    bins = enclose_tasks("facets", shared_.facets.size(), facets_in_run, BinIntervals(),
                          [&](std::size_t number, BinIntervals& own) {
                            if (is_proven(number)) add_pieces(number, own);
                          });
@@ -124,10 +151,8 @@ class BistaticReference {
     found.conservative = bins.size();
     BinIntervals& conservative = bins.emplace_back();
     std::vector<char> proven(seabed_.mesh.facets.size(), 1);
-    for (std::size_t number = 0; number < shared.facets.size(); ++number) {
-      found.is_proven.push_back(is_proven(number));
-      proven[shared.facets[number].facet] = found.is_proven.back();
-    }
+    for (std::size_t number = 0; number < shared_.facets.size(); ++number)
+      proven[shared_.facets[number].facet] = is_proven(number);
     for (FacetId f = 0; f < seabed_.mesh.facets.size(); ++f) {
       const FacetEnclosure *tx = end_of(0, f), *rx = end_of(1, f);
       if (tx == nullptr || rx == nullptr || tx->state == State::unproven || rx->state == State::unproven)
@@ -140,9 +165,6 @@ class BistaticReference {
       found.first_ambiguity[e] = bins.size();
       add_ambiguities_of(e, bins);
     }
-    found.shared = shared_;
-    found.bistatic = bistatic_;
-    found.facets = enclosures_.facets;
     return found;
   }
 
@@ -157,7 +179,7 @@ class BistaticReference {
   /// Adds the pieces of a proven facet.
   void add_pieces(std::size_t number, BinIntervals& bins) const {
     const SharedFacet& facet = shared_.facets[number];
-    FlattenedPieces pieces(request_, facet.facet, {bistatic_[number], enclosures_.facets[number]});
+    FlattenedPieces pieces(request_, facet.facet, this->facet(number));
     each_received(request_, beams_, shared_, facet, [&](const SharedPiece& piece, const auto& received) {
       pieces.add_energies({shared_, piece}, piece.receive_tube, received, bins);
     });
@@ -349,17 +371,27 @@ class BistaticReference {
   BistaticEnclosures enclosures_;
 };
 
-}  // namespace
-
-BinIntervals added_up(std::span<const BinIntervals> parts) {
-  BinIntervals total;
-  for (const BinIntervals& own : parts)
-    for (const auto& [bin, part] : own) {
-      total[bin].lo += part.lo;
-      total[bin].hi += part.hi;
-    }
-  return total;
+/// Encloses the products of a receiver pair, by facets that both receivers share with the transmitter.
+std::vector<FlattenedPieces::Products> products_of(const BistaticReference& upper,
+                                                   const BistaticReference& lower,
+                                                   const CertifiedRequest& request, double wavenumber_rad_m) {
+  const auto facets = facets_of_pair(upper.shared(), lower.shared());
+  return enclose_tasks("facets", facets.size(), 1, FlattenedPieces::Products(),
+                       [&](std::size_t number, FlattenedPieces::Products& found) {
+                         const auto [up, down] = facets[number];
+                         if (up == nullptr || down == nullptr) return;
+                         const auto u = std::size_t(up - upper.shared().facets.data()),
+                                    d = std::size_t(down - lower.shared().facets.data());
+                         if (!upper.is_proven(u) || !lower.is_proven(d)) return;
+                         FlattenedPieces pieces(request, up->facet, upper.facet(u), lower.facet(d));
+                         each_common(upper.shared(), *up, lower.shared(), *down,
+                                     [&](const ReceivedPiece& one, const ReceivedPiece& two) {
+                                       pieces.add_products(wavenumber_rad_m, one, two, found);
+                                     });
+                       });
 }
+
+}  // namespace
 
 RefractedReference certify_refracted_echo(const BistaticSurface& seabed, const BistaticTubes& tubes,
                                           const VisibilityOptions& options, const ReceiveBeams& beams,
@@ -372,24 +404,71 @@ RefractedReference certify_refracted_echo(const BistaticSurface& seabed, const B
     return bistatic_facets(shared, seabed.mesh, {seabed.tx.surface_mesh, seabed.tx.water},
                            {seabed.rx.surface_mesh, seabed.rx.water}, seabed.grid, model.absorption_db_per_m);
   });
-  const BinIntervals total = added_up(reference.parts().bins);
+  const BinIntervals total = reference.parts().added_up();
   return reference_between({&total, 1}, ordinary, tolerance);
 }
 
-std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticSurface, 2>& seabeds,
-                                            const std::array<BistaticTubes, 2>& tubes,
-                                            const VisibilityOptions& options, const RangeSamples& samples,
-                                            const EchoModel& model, const std::array<Echo, 2>& ordinary,
-                                            double tolerance, const std::array<Flattening, 2>& flatten) {
+RefractedReference certify_refracted_receiver_pair(const std::array<BistaticSurface, 2>& seabeds,
+                                                   const std::array<BistaticTubes, 2>& tubes,
+                                                   const VisibilityOptions& options,
+                                                   const ReceiverBaseline& receiver_pair,
+                                                   const RangeSamples& samples, const EchoModel& model,
+                                                   const std::array<Echo, 2>& ordinary, double tolerance) {
   require_exact(options);
+  std::array<BistaticSurface, 2> both = seabeds;
+  for (std::size_t e = 0; e < 2; ++e) {
+    both[e].beside = &seabeds[1 - e].rx;
+    both[e].ranges_within_m = tolerance / (16 * receiver_pair.wavenumber_rad_m);
+  }
+  ReceiverPairFlattening flattening(seabeds[0].mesh, {seabeds[0].tx.surface_mesh, seabeds[0].tx.water},
+                                    {&seabeds[0].rx.water, &seabeds[1].rx.water}, seabeds[0].grid);
   const PatternsOfEnds own(model);
   const std::vector<std::uint32_t> of_tube(tubes[0].rx.tubes.size(), 0);
   const ReceiveBeams beams{1, of_tube};
-  BistaticReference upper(seabeds[0], tubes[0], options, beams, samples, own.model, ordinary[0], tolerance),
-      lower(seabeds[1], tubes[1], options, beams, samples, own.model, ordinary[1], tolerance);
-  upper.enclose_shared(flatten[0]);
-  lower.enclose_shared(flatten[1]);
-  return {upper.parts(&lower), lower.parts(&upper)};
+  BistaticReference upper(both[0], tubes[0], options, beams, samples, own.model, ordinary[0], tolerance),
+      lower(both[1], tubes[1], options, beams, samples, own.model, ordinary[1], tolerance);
+  upper.enclose_shared([&](const SharedFootprints& shared) { return flattening.of(shared, 0); });
+  lower.enclose_shared([&](const SharedFootprints& shared) { return flattening.of(shared, 1); });
+  const std::array<BistaticParts, 2> parts{upper.parts(&lower), lower.parts(&upper)};
+
+  const auto row = std::size_t(samples.count);
+  const CertifiedRequest request(model, samples, tolerance,
+                                 receiver_pair_targets(ordinary[0].energy, ordinary[1].energy, tolerance));
+  std::vector<Interval> total(4 * row);
+  BinIntervals products;
+  std::vector<double> ambiguous(row, 0);
+  const auto take_ambiguous = [&](const BinIntervals& bins) {
+    for (const auto& [bin, part] : bins) ambiguous[bin] += part.hi;
+  };
+  for (std::size_t e = 0; e < 2; ++e) {
+    const std::span all(parts[e].bins);
+    for (const auto& [bin, part] : parts[e].added_up())
+      total[e * row + bin] = {std::max(part.lo, 0.0), part.hi};
+    take_ambiguous(all[parts[e].conservative]);
+    // Ambiguities of the transmitter belong to both receivers.
+    for (const BinIntervals& bins : all.subspan(parts[e].first_ambiguity[e == 0 ? 0 : 1]))
+      take_ambiguous(bins);
+  }
+  for (const FlattenedPieces::Products& of :
+       products_of(upper, lower, request, receiver_pair.wavenumber_rad_m)) {
+    BistaticParts::add(of.sure, products);
+    take_ambiguous(of.ambiguous);
+  }
+  for (const auto& [bin, part] : products) total[2 * row + bin] = part;
+
+  CertifiedEcho certified{Echo{4, int(row), std::vector<double>(4 * row)}, std::vector<double>(4 * row)};
+  for (std::size_t bin = 0; bin < total.size(); ++bin) {
+    const double more = bin < 2 * row ? 0 : ambiguous[bin % row] * (1 + slack), lo = total[bin].lo - more,
+                 hi = total[bin].hi + more;
+    if (!std::isfinite(hi)) {
+      certified.echo.energy[bin] = bin < 2 * row ? ordinary[bin / row].energy[bin % row] : 0;
+      certified.bound[bin] = infinite;
+      continue;
+    }
+    certified.echo.energy[bin] = lo + (hi - lo) / 2;
+    certified.bound[bin] = (hi - lo) / 2 * (1 + slack) + slack * std::max(std::abs(lo), std::abs(hi));
+  }
+  return reference_of(std::move(certified), tolerance, receiver_pair_row_targets);
 }
 
 }  // namespace tubefoot

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
-#include <vector>
 
 #include "engine/certified/bistatic_enclosure.hpp"
 #include "engine/certified/refracted_bins.hpp"
@@ -41,32 +39,21 @@ RefractedReference certify_refracted_echo(const BistaticSurface& seabed, const B
                                           const RangeSamples& samples, const EchoModel& model,
                                           const Echo& ordinary, double tolerance);
 
-/// Function that flattens the facets that two ends share, in their order.
-using Flattening = std::function<std::vector<BistaticFacet>(const SharedFootprints& shared)>;
-
-/// Enclosed parts of a bistatic echo before summation.
-struct BistaticParts {
-  SharedFootprints shared;
-  std::vector<BistaticFacet> bistatic;    ///< in the order of the facets of `shared`
-  std::vector<BistaticEnclosure> facets;  ///< in the same order
-  std::vector<char> is_proven;  ///< in the same order: the facet is proven, and both ends see it by one ray
-  /// Bins of the certain parts by runs of proven facets, then bins of the conservative facets. From
-  /// first_ambiguity[end] on, the list contains the bins of the ambiguities at this end.
-  std::vector<BinIntervals> bins;
-  std::size_t conservative = 0;  ///< index of the conservative facets' bins
-  std::array<std::size_t, 2> first_ambiguity{};
-};
-/// Sums the bins in the order of the list.
-BinIntervals added_up(std::span<const BinIntervals> parts);
-
-/// Computes the parts of two neighbouring receivers (BistaticSurface::beside) that receive one beam from all
-/// tubes. Ambiguities contain the larger of the energies that the two receivers receive from a point. They
-/// therefore also bound the geometric mean of the energies. `ordinary` and `flatten` contain one element per
-/// receiver.
-std::array<BistaticParts, 2> bistatic_parts(const std::array<BistaticSurface, 2>& seabeds,
-                                            const std::array<BistaticTubes, 2>& tubes,
-                                            const VisibilityOptions& options, const RangeSamples& samples,
-                                            const EchoModel& model, const std::array<Echo, 2>& ordinary,
-                                            double tolerance, const std::array<Flattening, 2>& flatten);
+/// Encloses the signals of a fan's receiver pair in stratified water. The rows are those of
+/// certify_receiver_pair_echo(). Each receiver is the end of its own path, and the rays of this path lead to
+/// the receiver's true position. Its tubes start at the nearest grid point, with directions relative to the
+/// receiver. The energies are those of two paths. The phase between the receivers follows from the travel
+/// times along both receive legs.
+///
+/// `seabeds` and `tubes` belong to one fan, with the upper and the lower receiver as receive ends.
+/// `receiver_pair` provides the wavenumber. The patterns of `model` are those of the fan alone. `ordinary`
+/// contains the energies of both paths and only guides the work. Throws the errors of
+/// certify_refracted_echo().
+RefractedReference certify_refracted_receiver_pair(const std::array<BistaticSurface, 2>& seabeds,
+                                                   const std::array<BistaticTubes, 2>& tubes,
+                                                   const VisibilityOptions& options,
+                                                   const ReceiverBaseline& receiver_pair,
+                                                   const RangeSamples& samples, const EchoModel& model,
+                                                   const std::array<Echo, 2>& ordinary, double tolerance);
 
 }  // namespace tubefoot

@@ -35,21 +35,12 @@ class ReceiverPairEncloser {
 
   /// Without `energies`, the energies are 0.
   std::vector<Ball> enclose(bool energies) const {
-    struct Job {
-      const SharedFacet *upper, *lower;
-    };
-    std::vector<Job> jobs;  // by facet
-    const auto &up = history_.by_upper.facets, &down = history_.by_lower.facets;
-    for (auto u = up.begin(), d = down.begin(); u != up.end() || d != down.end();) {
-      const bool has_upper = u != up.end() && (d == down.end() || u->facet <= d->facet),
-                 has_lower = d != down.end() && (u == up.end() || d->facet <= u->facet);
-      jobs.push_back({has_upper ? &*u++ : nullptr, has_lower ? &*d++ : nullptr});
-    }
-    const auto by_job = enclose_tasks(
-        "facets", jobs.size(), 1, Bins<Ball>(),
-        [&](std::size_t k, Bins<Ball>& bins) { add(jobs[k].upper, jobs[k].lower, energies, bins); });
+    const auto facets = facets_of_pair(history_.by_upper, history_.by_lower);
+    const auto by_facet = enclose_tasks(
+        "facets", facets.size(), 1, Bins<Ball>(),
+        [&](std::size_t k, Bins<Ball>& bins) { add(facets[k].upper, facets[k].lower, energies, bins); });
     std::vector<Ball> total(request_.target.size());
-    for (const Bins<Ball>& bins : by_job)
+    for (const Bins<Ball>& bins : by_facet)
       for (const auto& [bin, part] : bins) total[bin] += part;
     return total;
   }

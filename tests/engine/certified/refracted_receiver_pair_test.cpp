@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests certified references of a receiver pair in stratified water. The comparisons are closed forms of
 // one gradient, straight references, references of one receiver, and laws that hold in any water.
-#include "engine/certified/refracted_receiver_pair.hpp"
+#include "engine/certified/bistatic_reference.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
