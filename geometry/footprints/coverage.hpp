@@ -23,8 +23,6 @@ namespace tubefoot {
 
 class FacetRegions;
 
-inline constexpr FacetId no_facet = std::numeric_limits<FacetId>::max();
-
 /// The facets of one end's own seabed. They are parts of the covered mesh's facets, or images of such parts,
 /// at any position and apparent position. A point lies between the corners of its part as it lies between the
 /// corresponding points of the covered facet. Parts of one facet have no common area.

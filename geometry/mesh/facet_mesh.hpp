@@ -12,6 +12,7 @@ namespace tubefoot {
 
 using VertexId = std::uint32_t;
 using FacetId = std::uint32_t;
+constexpr FacetId no_facet = 0xffffffffu;
 
 /// Facets of the whole scene on the world grid: a set of triangles with shared vertices, not necessarily a
 /// manifold. Vertices at the same grid point have the same id (see MeshBuilder), so shared edges are

@@ -22,8 +22,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double slack = enclosure_slack;
-
 class Encloser {
  public:
   Encloser(const RayEnclosure& rays, double absorption_db_per_m)
@@ -41,7 +39,7 @@ class Encloser {
     const FlatFacet flat(base, truth, pad_m);
     if (!flat.valid) return facet;
     const auto [least, most] = box_of(flat);
-    const double wider = slack * (1 + flat.longest_m);
+    const double wider = enclosure_slack * (1 + flat.longest_m);
     const bool alone =
         rays_.none_turns_before(flat.padded(flat.centre_m), flat.u, flat.v, {least.x - wider, most.x + wider},
                                 {least.y - wider, most.y + wider});
@@ -86,7 +84,7 @@ class Encloser {
     const double reach = flat.longest_m + flat.margin_m,
                  beyond = 2 * flat.margin_m * reach * reach / flat.height_m;
     const auto gap = [&](double bend) {
-      return ((flat.radius_m * flat.radius_m / 2 + beyond) * bend + 1.1 * off_m) * (1 + slack);
+      return ((flat.radius_m * flat.radius_m / 2 + beyond) * bend + 1.1 * off_m) * (1 + enclosure_slack);
     };
     facet.travel_path_error_m = gap(best.bends.all);
     if (!std::isfinite(facet.travel_path_error_m)) return facet;
@@ -99,21 +97,22 @@ class Encloser {
     facet.state = FacetEnclosure::State::conservative;
 
     const double sine = facet.plane_m / facet.farthest_m;
-    facet.shift_m = sine > 0 ? across_m / sine * (1 + slack) : infinite;
+    facet.shift_m = sine > 0 ? across_m / sine * (1 + enclosure_slack) : infinite;
     // A ray that meets the image outside of the facet's own part must meet it within the margin.
     const double drift_m = facet.travel_path_error_m / sine / least_stretch(flat, seen);
     const bool within = drift_m <= flat.margin_m;
     // Corners may lie off the plane, and the map between triangles as thin as this one has rounding errors.
-    facet.place_off_m =
-        (drift_m + 4 * pad_m + 1e-14 * flat.longest_m * flat.longest_m / flat.height_m) * (1 + slack);
+    facet.place_off_m = (drift_m + 4 * pad_m + 1e-14 * flat.longest_m * flat.longest_m / flat.height_m) *
+                        (1 + enclosure_slack);
     const Interval towards = middle_sine(flat, *middle);
     if (!within || !(facet.shift_m < facet.nearest_m / 4) || best.sine.may_be_zero() ||
         (towards.lo > 0) != (facing > 0))
       return facet;
     const Interval db = middle->absorption_db.v - absorption_ * speed_ * middle->time_s.v;
-    Interval level = log(towards.lo > 0 ? towards : -towards) +
-                     3.0 * log(speed_ * middle->slowness_s_per_m.v) - log(middle->area_ratio_per_sr.v) -
-                     beta_ * db - log(outwards(facet.plane_m * (1 - slack), facet.plane_m * (1 + slack)));
+    Interval level =
+        log(towards.lo > 0 ? towards : -towards) + 3.0 * log(speed_ * middle->slowness_s_per_m.v) -
+        log(middle->area_ratio_per_sr.v) - beta_ * db -
+        log(outwards(facet.plane_m * (1 - enclosure_slack), facet.plane_m * (1 + enclosure_slack)));
     // Change that slopes cause between the middle and the corners, and in the margin around the corners.
     const auto change = [&](const Interval& a, const Interval& b) {
       Interval all = 0.0;

@@ -16,7 +16,8 @@
 namespace tubefoot {
 namespace {
 
-constexpr double rounding = 2e-15;  // of angles [rad] in doubles, and of the angles at which pieces meet
+constexpr double angle_rounding =
+    2e-15;  // of angles [rad] in doubles, and of the angles at which pieces meet
 
 Interval symmetric(double size) { return {-size, size}; }
 Interval intersection(const Interval& a, const Interval& b) {
@@ -169,7 +170,7 @@ std::optional<ApparentScattering> apparent_scattering(
                  psi_middle = incidence_of(middle.sine);
   const Interval square_difference = squared(phi_middle) - fit.slope * fit.slope * squared(psi_middle) +
                                      largest_change(derivatives.square_a, derivatives.square_b) +
-                                     symmetric(rounding);
+                                     symmetric(angle_rounding);
   // For non-negative numbers, the square of their difference is at most the absolute difference of their
   // squares.
   Interval angle = symmetric(std::sqrt(square_difference.largest()) * (1 + 1e-9));
@@ -177,7 +178,7 @@ std::optional<ApparentScattering> apparent_scattering(
       angle, phi_middle - fit.slope * psi_middle + largest_change(derivatives.angle_a, derivatives.angle_b));
   if (const Interval sum = phi + fit.slope * psi; sum.surely_positive())
     angle = intersection(angle, square_difference / sum);
-  const Interval residual = angle - fit.offset_rad + symmetric(rounding);
+  const Interval residual = angle - fit.offset_rad + symmetric(angle_rounding);
   if (!residual.is_finite() || !(residual.lo <= residual.hi)) return std::nullopt;
 
   std::optional<Interval> remainder;
@@ -224,8 +225,8 @@ double largest_cross_section(const ScatteringModel& model, const Interval& sine)
   for (std::size_t k = 0; k < model.pieces().size(); ++k) {
     const ScatteringModel::Piece& piece = model.pieces()[k];
     const bool last = k + 1 == model.pieces().size();
-    const double lo = std::max(incidence.lo, piece.from - rounding),
-                 hi = last ? incidence.hi : std::min(incidence.hi, piece.to + rounding);
+    const double lo = std::max(incidence.lo, piece.from - angle_rounding),
+                 hi = last ? incidence.hi : std::min(incidence.hi, piece.to + angle_rounding);
     if (!(lo <= hi)) continue;
     double sum = 0;
     for (const ScatteringModel::Term& t : piece.terms)

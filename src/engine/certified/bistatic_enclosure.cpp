@@ -21,9 +21,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr double slack = enclosure_slack;
 constexpr int most_parts = 16;  // of ReceiveRanges
-constexpr FacetId none = std::numeric_limits<FacetId>::max();
 using State = FacetEnclosure::State;
 
 Interval both_ways(double size) { return {-size, size}; }
@@ -39,7 +37,7 @@ Jet common(const Jet& x, const Jet& y) {
 }
 /// Bound of the second derivatives in any direction.
 double bend_of(const Jet& x) {
-  return std::sqrt((squared(x.aa) + 2.0 * squared(x.ab) + squared(x.bb)).hi) * (1 + slack);
+  return std::sqrt((squared(x.aa) + 2.0 * squared(x.ab) + squared(x.bb)).hi) * (1 + enclosure_slack);
 }
 
 class BistaticEncloser {
@@ -204,9 +202,9 @@ class BistaticEncloser {
       const EndPatch& at = e == 0 ? tx : rx;
       const Interval sine = at.sine_m.v / root(at.distance2.v);
       const double largest = std::min(sine.largest(), 1.0), least = least_size(sine);
-      lobe[e] = model == nullptr
-                    ? largest
-                    : std::sqrt(largest_cross_section(*model, {std::min(least, 1.0), largest})) * (1 + slack);
+      lobe[e] = model == nullptr ? largest
+                                 : std::sqrt(largest_cross_section(*model, {std::min(least, 1.0), largest})) *
+                                       (1 + enclosure_slack);
       by_sine[e] = model == nullptr ? 1 : lobe[e] / least;
       area[e] = (at.rays.area_ratio_per_sr.v * at.distance2.v).lo;  // area per steradian from the point back
       if (!(area[e] > 0)) area[e] = 0;
@@ -215,7 +213,7 @@ class BistaticEncloser {
     const double sent = seabed_.tx.water.finder().source_speed_m_s(),
                  received = seabed_.rx.water.finder().source_speed_m_s(),
                  // The areas per steradian in the two directions differ by its square.
-        there = tx.speed.lo / sent * (1 - slack), speeds = sent / received * (1 + slack);
+        there = tx.speed.lo / sent * (1 - enclosure_slack), speeds = sent / received * (1 + enclosure_slack);
     // A point may be seen a tenth wider than on its apparent facet.
     return {{1.1 * by_sine[0] * lobe[1] * lost / area[1],
              1.1 * lobe[0] * by_sine[1] * lost * speeds * speeds / area[0]},
@@ -231,7 +229,7 @@ class BistaticEncloser {
     Most most = most_of(tx, rx, model);
     if (beside != nullptr) {
       const Most other = most_of(tx, *beside, model);
-      const double speed = rx.speed.hi / seabed_.rx.water.finder().source_speed_m_s() * (1 + slack),
+      const double speed = rx.speed.hi / seabed_.rx.water.finder().source_speed_m_s() * (1 + enclosure_slack),
                    sine = least_size(rx.sine_m.v / root(rx.distance2.v)),
                    area = (rx.rays.area_ratio_per_sr.v * rx.distance2.v).hi * speed * speed / sine;
       most.per_sr[0] = std::max(most.per_sr[0], other.per_sr[0]);
@@ -245,14 +243,14 @@ class BistaticEncloser {
 
   /// Error of linear interpolation between corners (S. Waldron, SIAM J. Numer. Anal. 35 (1998) 1191).
   static double interpolated(const FlatFacet& flat, double bend) {
-    return flat.radius_m * flat.radius_m / 2 * bend * (1 + slack);
+    return flat.radius_m * flat.radius_m / 2 * bend * (1 + enclosure_slack);
   }
 
   void finish_end(const FlatFacet& flat, const EndOfFacet& end, const Gathered& all, std::size_t e,
                   const FacetCorners& seen, double pad_m, const FacetScattering& surface,
                   FacetEnclosure& facet) const {
     const glm::dvec3 apex = seabed_.end(int(e)).water.apex_m();
-    const double off = 1.1 * end.off_m() * (1 + slack) +
+    const double off = 1.1 * end.off_m() * (1 + enclosure_slack) +
                        glm::distance(apex,
                                      seabed_.grid.to_metres(seabed_.grid.snap(apex))),  // start of the tubes
         gap = interpolated(flat, all.bends[e].all) + off,
@@ -273,7 +271,7 @@ class BistaticEncloser {
     facet.state = State::conservative;
     const double sine = facet.plane_m / facet.farthest_m;
     // A point also has a sideways distance from its position on the apparent facet.
-    facet.shift_m = sine > 0 ? (across + gap) / sine * (1 + slack) + gap : infinite;
+    facet.shift_m = sine > 0 ? (across + gap) / sine * (1 + enclosure_slack) + gap : infinite;
     Interval sines = all.patches[e].front().sine_m.v;
     for (const EndPatch& patch : all.patches[e]) sines = hull(sines, patch.sine_m.v);
     if (!(facet.shift_m < facet.nearest_m / 4) || sines.may_be_zero() ||
@@ -386,7 +384,8 @@ class BistaticEncloser {
     for (std::size_t k = 0; k < 3; ++k)
       at_corners = std::max(at_corners, (misfit[0].at_corner[k] + misfit[1].at_corner[k]).largest());
     const double rounding_m = 1e-12 * (found.end[0].farthest_m + found.end[1].farthest_m);
-    pair.shift_m = ((at_corners + interpolated(flat, bend_of(bend))) / 2 + pad_m + rounding_m) * (1 + slack);
+    pair.shift_m =
+        ((at_corners + interpolated(flat, bend_of(bend))) / 2 + pad_m + rounding_m) * (1 + enclosure_slack);
 
     const auto change = [&](const Interval& a, const Interval& b) {
       Interval sum = 0.0;
@@ -427,7 +426,7 @@ class BistaticEncloser {
       const MirrorLoss& loss = e == 0 ? model_.path.tx.loss : model_.path.back().loss;
       const double turn = pair.turn_rad[e] + pair.stretch[e];
       level = level + both_ways(loss.roughness * double(loss.rough_normals.size()) * (1 + loss.bend) * turn *
-                                (2 + turn) * (1 + slack));
+                                (2 + turn) * (1 + enclosure_slack));
     }
     if (seabed_.beside != nullptr &&
         !take_rx(flat, *ends[1], all.patches[1], flattened[1], misfit[1], pair.rx))
@@ -472,7 +471,7 @@ class BistaticEncloser {
 
   static void take_directions(const FlatFacet& flat, const Flattened& flattened, const FacetCorners& seen,
                               const FacetEnclosure& facet, std::size_t e, BistaticEnclosure& pair) {
-    pair.turn_rad[e] = 1.1 * facet.travel_path_error_m / facet.nearest_m + slack * slack;
+    pair.turn_rad[e] = 1.1 * facet.travel_path_error_m / facet.nearest_m + enclosure_slack * enclosure_slack;
     // The difference between squared apparent distances and squared flattened distances is a polynomial of
     // second degree.
     const auto [a, b] = flat.slopes_to(seen);
@@ -485,7 +484,7 @@ class BistaticEncloser {
       corner = std::max(corner, (glm::dot(seen[k], seen[k]) - laid2.v).largest());
     }
     const double most = corner + interpolated(flat, std::sqrt(aa * aa + 2 * ab * ab + bb * bb));
-    pair.stretch[e] = most / (facet.nearest_m * facet.nearest_m) + slack * slack;
+    pair.stretch[e] = most / (facet.nearest_m * facet.nearest_m) + enclosure_slack * enclosure_slack;
   }
 
   const BistaticSurface& seabed_;
@@ -511,7 +510,7 @@ double ReceiveRanges::largest_difference_m(const ReceiveRanges& one, const Recei
   for (std::size_t i = 0; i < 3; ++i) change[i] = one.change[i] - other.change[i];
   return (lattice + (one.between_m + other.between_m) / (double(parts) * parts) +
           std::max(one.pad_m, other.pad_m) * norm_of(change).hi) *
-         (1 + slack);
+         (1 + enclosure_slack);
 }
 
 BistaticEnclosures enclose(const BistaticSurface& seabed, std::span<const SharedFacet> shared,
@@ -522,7 +521,7 @@ BistaticEnclosures enclose(const BistaticSurface& seabed, std::span<const Shared
   std::array<std::vector<FacetId>, 2> seen_as;
   for (std::size_t e = 0; e < 2; ++e) {
     const BistaticEnd& end = seabed.end(int(e));
-    seen_as[e].assign(seabed.mesh.facets.size(), none);
+    seen_as[e].assign(seabed.mesh.facets.size(), no_facet);
     for (std::size_t k = 0; k < end.origin.size(); ++k) seen_as[e][end.origin[k]] = FacetId(k);
     all.ends[e].facets.resize(end.origin.size());
   }
@@ -534,7 +533,7 @@ BistaticEnclosures enclose(const BistaticSurface& seabed, std::span<const Shared
   Steps steps("facets", seabed.mesh.facets.size());
   tbb::parallel_for(FacetId{0}, FacetId(seabed.mesh.facets.size()), [&](FacetId f) {
     steps.done();
-    const std::array<bool, 3> sees{seen_as[0][f] != none, seen_as[1][f] != none, seen_beside[f] != 0};
+    const std::array<bool, 3> sees{seen_as[0][f] != no_facet, seen_as[1][f] != no_facet, seen_beside[f] != 0};
     if (!sees[0] && !sees[1]) return;
     const bool is_shared = number[f] < shared.size();
     const auto found = encloser.enclose(f, sees, is_shared ? &bistatic[number[f]] : nullptr);

@@ -23,8 +23,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double slack = enclosure_slack;
-constexpr FacetId none = std::numeric_limits<FacetId>::max();
 using State = FacetEnclosure::State;
 
 /// Sector of a single tube.
@@ -54,9 +52,9 @@ struct About {
       radius_m = std::max(radius_m, glm::distance(p, centre_m));
       farthest_m = std::max(farthest_m, glm::length(p));
     }
-    radius_m = radius_m * (1 + slack) + off_m;
-    nearest_m = std::max(glm::length(centre_m) * (1 - slack) - radius_m, 0.0);
-    farthest_m = farthest_m * (1 + slack) + off_m;
+    radius_m = radius_m * (1 + enclosure_slack) + off_m;
+    nearest_m = std::max(glm::length(centre_m) * (1 - enclosure_slack) - radius_m, 0.0);
+    farthest_m = farthest_m * (1 + enclosure_slack) + off_m;
   }
 };
 
@@ -104,7 +102,7 @@ class BistaticReference {
       for (std::uint32_t tube = 0; tube < look.tubes.tubes.size(); ++tube)
         look.sectors.push_back(sector_of(look.tubes, tube, unit_m_));
       look.seen = tubefoot::look(end.surface_mesh.refined.mesh, end.tree, look.tubes, options);
-      look.apparent_of.assign(seabed.mesh.facets.size(), none);
+      look.apparent_of.assign(seabed.mesh.facets.size(), no_facet);
       for (std::size_t k = 0; k < end.origin.size(); ++k) {
         look.apparent_of[end.origin[k]] = FacetId(k);
         look.parent.push_back(seabed.parent[end.origin[k]]);
@@ -171,7 +169,7 @@ class BistaticReference {
  private:
   const FacetEnclosure* end_of(std::size_t e, FacetId facet) const {
     const FacetId own = looks_[e].apparent_of[facet];
-    return own == none ? nullptr : &enclosures_.ends[e].facets[own];
+    return own == no_facet ? nullptr : &enclosures_.ends[e].facets[own];
   }
   std::pair<std::uint32_t, std::uint32_t> beams_of(std::uint32_t rx_tube) const {
     return request_.beams_of(rx_tube, beams_.of_tube);
@@ -301,7 +299,7 @@ class BistaticReference {
     if (e == 1) std::swap(about[0], about[1]);
     for (const auto& [beam, weight] :
          received_of(about, received_beside(facet, about[1], e == 0 ? *there : here))) {
-      const double energy = ambiguity.energy_j * weight * (1 + slack);
+      const double energy = ambiguity.energy_j * weight * (1 + enclosure_slack);
       for (std::size_t sample = from_sample; sample < to_sample; ++sample) {
         Interval& bin = bins[beam * request_.row() + sample];
         if (less) bin.lo -= energy;
@@ -355,7 +353,7 @@ class BistaticReference {
     // The map may stretch the ball.
     const glm::dmat3& m = map.linear;
     const double stretch = std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
-    moved.radius_m = about.radius_m * stretch * (1 + slack) + there->travel_path_error_m;
+    moved.radius_m = about.radius_m * stretch * (1 + enclosure_slack) + there->travel_path_error_m;
     return moved;
   }
 
@@ -458,15 +456,16 @@ RefractedReference certify_refracted_receiver_pair(const std::array<BistaticSurf
 
   CertifiedEcho certified{Echo{4, int(row), std::vector<double>(4 * row)}, std::vector<double>(4 * row)};
   for (std::size_t bin = 0; bin < total.size(); ++bin) {
-    const double more = bin < 2 * row ? 0 : ambiguous[bin % row] * (1 + slack), lo = total[bin].lo - more,
-                 hi = total[bin].hi + more;
+    const double more = bin < 2 * row ? 0 : ambiguous[bin % row] * (1 + enclosure_slack),
+                 lo = total[bin].lo - more, hi = total[bin].hi + more;
     if (!std::isfinite(hi)) {
       certified.echo.energy[bin] = bin < 2 * row ? ordinary[bin / row].energy[bin % row] : 0;
       certified.bound[bin] = infinite;
       continue;
     }
     certified.echo.energy[bin] = lo + (hi - lo) / 2;
-    certified.bound[bin] = (hi - lo) / 2 * (1 + slack) + slack * std::max(std::abs(lo), std::abs(hi));
+    certified.bound[bin] =
+        (hi - lo) / 2 * (1 + enclosure_slack) + enclosure_slack * std::max(std::abs(lo), std::abs(hi));
   }
   return reference_of(std::move(certified), tolerance, receiver_pair_row_targets);
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/numbers/enclosure_slack.hpp"
 #include "geometry/numbers/scalars.hpp"
 
 // Encloses line, piston, Gaussian and tabulated beam patterns. Their bounds in the complex plane are e^(pi
@@ -60,17 +61,18 @@ double CertifiedGain::log_bound(const ComplexBall& w) const {
   if (d.kind == Directivity::Kind::uniform) return 0;
   if (!w.is_finite()) return infinite;
   const auto reach = [](const Ball& x) { return std::max(std::abs(x.lo()), std::abs(x.hi())); };
-  constexpr double up = 1 + 1e-9;  // far above the rounding of the doubles below
-  if (d.kind == Directivity::Kind::line) return d.growth(reach(w.imaginary())) * up;
+  if (d.kind == Directivity::Kind::line) return d.growth(reach(w.imaginary())) * enclosure_factor;
   if (d.kind == Directivity::Kind::piston) {
     const ComplexBall u = ComplexBall(1.0) - squared(w);
     // (Im sqrt u)^2 = (|u| - Re u) / 2
-    return 2 * d.size * std::sqrt(std::max(u.largest() - u.real().lo(), 0.0) / 2 * up) * up;
+    return 2 * d.size * std::sqrt(std::max(u.largest() - u.real().lo(), 0.0) / 2 * enclosure_factor) *
+           enclosure_factor;
   }
   if (!(w.real().lo() > -1 && (d.from_axis || w.real().hi() < 1))) return infinite;
-  const double stretch = ((w + ComplexBall(1.0)).largest() + (w - ComplexBall(1.0)).largest()) / 2 * up;
-  const double y = std::acosh(std::max(stretch, 1.0)) * up;
-  if (d.kind == Directivity::Kind::gaussian) return d.growth(y) * up;
+  const double stretch =
+      ((w + ComplexBall(1.0)).largest() + (w - ComplexBall(1.0)).largest()) / 2 * enclosure_factor;
+  const double y = std::acosh(std::max(stretch, 1.0)) * enclosure_factor;
+  if (d.kind == Directivity::Kind::gaussian) return d.growth(y) * enclosure_factor;
   // A table is the cubic of one segment as a function of the angle.
   if (!(w.real().hi() < 1)) return infinite;
   ComplexBall angle;
@@ -90,8 +92,7 @@ double CertifiedGain::log_bound(const ComplexRange& w) const {
   const Directivity& d = *pattern;
   if (d.kind == Directivity::Kind::uniform) return 0;
   if (!w.is_finite()) return infinite;
-  constexpr double up = 1 + 1e-9;  // far above the rounding of the doubles below
-  if (d.kind == Directivity::Kind::line) return d.growth(w.most_im() * up) * up;
+  if (d.kind == Directivity::Kind::line) return d.growth(w.most_im() * enclosure_factor) * enclosure_factor;
   if (d.kind == Directivity::Kind::piston) {
     // |u| - Re u for u = 1 - w^2 = (1 - w) (1 + w), with Re u = 1 - x^2 + y^2.
     const double y = w.most_im(), x = w.most_re(),
@@ -101,15 +102,15 @@ double CertifiedGain::log_bound(const ComplexRange& w) const {
     // Im sqrt u = Im u / (2 Re sqrt u) is a second bound.
     double imaginary = std::sqrt(std::max(size - real, 0.0) / 2 + 1e-14);
     if (real > 1e-9) imaginary = std::min(imaginary, x * y / std::sqrt(real));
-    return 2 * d.size * imaginary * up;
+    return 2 * d.size * imaginary * enclosure_factor;
   }
   if (d.kind != Directivity::Kind::gaussian) return log_bound(w.ball());
   if (!(w.re_lo > -1 && (d.from_axis || w.re_hi < 1))) return infinite;
   // A sum of distances is convex, so its maximum lies at a corner.
   const double y = w.most_im();
   const auto to_ends = [&](double x) { return std::hypot(x + 1, y) + std::hypot(x - 1, y); };
-  const double stretch = std::max(to_ends(w.re_lo), to_ends(w.re_hi)) / 2 * up;
-  return d.growth(std::acosh(std::max(stretch, 1.0)) * up) * up;
+  const double stretch = std::max(to_ends(w.re_lo), to_ends(w.re_hi)) / 2 * enclosure_factor;
+  return d.growth(std::acosh(std::max(stretch, 1.0)) * enclosure_factor) * enclosure_factor;
 }
 
 Interval CertifiedGain::at(const Interval& w, bool by_segment, double most) const {

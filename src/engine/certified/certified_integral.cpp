@@ -14,7 +14,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr std::size_t most_halvings = 500, most_halvings_with_table = 20000;  // per slab
+constexpr std::size_t most_slab_halvings = 500, most_slab_halvings_with_table = 20000;  // per slab
 constexpr int deepest = 90;
 
 }  // namespace
@@ -100,7 +100,7 @@ void CertifiedIntegrator::integrate(const Ball& t0, const Ball& t1, double relat
   work_.assign(1, {t0, t1, 0});
   // Intervals are processed in order of creation, so that all intervals left at the work limit are small.
   std::size_t halved = 0;
-  const std::size_t limit = tabulated_ ? most_halvings_with_table : most_halvings;
+  const std::size_t limit = tabulated_ ? most_slab_halvings_with_table : most_slab_halvings;
   for (std::size_t next = 0; next < work_.size(); ++next) {
     stop_if_wanted();
     const Interval interval = work_[next];

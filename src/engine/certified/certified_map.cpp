@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/numbers/enclosure_slack.hpp"
+
 namespace tubefoot {
 namespace {
 
-constexpr double up = 1 + 1e-9;       // far above the rounding of doubles in bounds
-constexpr double rounding = 0x1p-48;  // of a bilinear mean in doubles, relative to its largest corner
+constexpr double mean_rounding = 0x1p-48;  // of a bilinear mean in doubles, relative to its largest corner
 
 }  // namespace
 
@@ -45,15 +46,15 @@ Ball CertifiedMap::factor(std::span<const std::int64_t> cell, std::span<const Ba
     const Ball x = q[a] - Ball(double(cell[a]));
     const double lo = std::clamp(x.lo(), 0.0, 1.0), hi = std::clamp(x.hi(), 0.0, 1.0);
     middle[a] = lo + (hi - lo) / 2;
-    radius[a] = (hi - lo) / 2 * up + 1e-16;
+    radius[a] = (hi - lo) / 2 * enclosure_factor + 1e-16;
   }
   const auto [a, b, e, f] = corners(cell);
   const double x = middle[0], y = middle[1];
   Ball value((1 - y) * ((1 - x) * a + x * b) + y * ((1 - x) * e + x * f));
   const double error = std::max(std::abs(b - a), std::abs(f - e)) * radius[0] +
                        std::max(std::abs(e - a), std::abs(f - b)) * radius[1] +
-                       std::max({a, b, e, f}) * rounding;
-  value.add_error(Ball(error * up));
+                       std::max({a, b, e, f}) * mean_rounding;
+  value.add_error(Ball(error * enclosure_factor));
   return value;
 }
 
@@ -66,7 +67,7 @@ double CertifiedMap::largest(std::span<const std::int64_t> cell, std::span<const
     largest *= 1 + 2 * std::hypot(std::max({0.0, -x.lo(), x.hi() - 1}),
                                   std::max(std::abs(y.lo()), std::abs(y.hi())));
   }
-  return largest * up;
+  return largest * enclosure_factor;
 }
 
 double CertifiedMap::difference(double off) const { return 2 * change(off); }

@@ -16,8 +16,8 @@
 namespace tubefoot {
 namespace {
 
-constexpr std::size_t most_halvings = 400;  // per cell
-constexpr int deepest = 90;
+constexpr std::size_t most_cell_halvings = 400;  // per cell
+constexpr int deepest_cell = 90;
 constexpr double largest_ellipse = 64, least_ellipse = 1.2;
 
 double most_of(const Ball& x) {
@@ -190,7 +190,7 @@ void CertifiedPathIntegrator::integrate(const CertifiedPathCutter::Cell& cell) {
     stop_if_wanted();
     const Box box = work_[next];
     if (try_box(box)) continue;
-    if (++halved > most_halvings || box.depth >= deepest) {
+    if (++halved > most_cell_halvings || box.depth >= deepest_cell) {
       integrand_->take_whole();
       try_range(box, over<Ball>(box), true);
       ++given_up_;

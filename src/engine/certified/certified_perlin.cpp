@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/numbers/enclosure_slack.hpp"
+
 // Encloses Perlin noise with the fade u(z) = 6 z^5 - 15 z^4 + 10 z^3. Values are computed in doubles with an
 // allowance for rounding. Bounds in the complex plane follow from Taylor's series of the weights. See
 // docs/notes/certified-energies.md, section "Micro-texture".
@@ -12,12 +14,11 @@ namespace {
 
 /// Rounding of in_cell() in doubles and of the sum of octaves. Three interpolations between numbers of up to
 /// 4, each with an error below 70 units of 2^-53, have an error below 3e-14.
-constexpr double rounding = 1e-13;
+constexpr double octave_rounding = 1e-13;
 /// Bound of |dn/dx| in a cell. The noise is the mean of two means of corner products, with weights u(x) and
 /// 1 - u(x) and u' <= 15/8. Each mean is at most 2 with a slope of at most 1, so that |dn/dx| <= 15/8 4 + 1
 /// = 8.5. The margin covers points up to 0.01 outside.
 constexpr double steepest = 10;
-constexpr double up = 1 + 1e-9;  // far above the rounding of doubles in bounds
 
 /// Bound of |u| + |1 - u| at a distance d from [0, 1], with u(z) = 6 z^5 - 15 z^4 + 10 z^3. On the interval
 /// the sum is 1. The Taylor coefficients there are at most 15/8, 5/sqrt 3, 10, 15 and 6.
@@ -62,7 +63,7 @@ CertifiedPerlin::Noise CertifiedPerlin::noise(std::span<const std::int64_t> cell
   for (std::size_t a = 0; a < 3; ++a) {
     const double lo = std::clamp(place[a].lo, 0.0, 1.0), hi = std::clamp(place[a].hi, 0.0, 1.0);
     middle[a] = lo + (hi - lo) / 2;
-    radius += (hi - lo) / 2 * up + 1e-16;
+    radius += (hi - lo) / 2 * enclosure_factor + 1e-16;
   }
   const int last = int(weight_.size()) - 1;
   double sum = 0, error = 0;
@@ -74,12 +75,12 @@ CertifiedPerlin::Noise CertifiedPerlin::noise(std::span<const std::int64_t> cell
       x[a] = own[a].offset + middle[a] * own[a].scale;
     }
     const double n = lattice_.in_cell(own[0].cell, own[1].cell, own[2].cell, x[0], x[1], x[2]);
-    const double off = steepest * radius * own[0].scale + rounding;
+    const double off = steepest * radius * own[0].scale + octave_rounding;
     const double lo = std::max(n - off, -largest_noise), hi = std::min(n + off, largest_noise);
     sum += weight_[i] * (lo + hi) / 2;
-    error += weight_[i] * (hi - lo) / 2 * up;
+    error += weight_[i] * (hi - lo) / 2 * enclosure_factor;
   }
-  return {sum, error + rounding};
+  return {sum, error + octave_rounding};
 }
 
 Ball CertifiedPerlin::factor(std::span<const std::int64_t> cell, std::span<const Ball> q) const {
@@ -123,15 +124,17 @@ double CertifiedPerlin::largest(std::span<const std::int64_t> cell, std::span<co
     }
     sum += weight_[i] * weights * (dots - least);  // gradients have two components of 1 or -1
   }
-  return (1 + std::abs(depth_) * sum) * up;
+  return (1 + std::abs(depth_) * sum) * enclosure_factor;
 }
 
 double CertifiedPerlin::difference(double off) const { return 2 * change(off); }
 
-double CertifiedPerlin::change(double off) const { return 3 * steepest * off * std::abs(depth_) * up; }
+double CertifiedPerlin::change(double off) const {
+  return 3 * steepest * off * std::abs(depth_) * enclosure_factor;
+}
 
 Ball CertifiedPerlin::range() const {
-  return Ball(1) + Ball(std::abs(depth_) * largest_noise * up) * Ball::between(-1, 1);
+  return Ball(1) + Ball(std::abs(depth_) * largest_noise * enclosure_factor) * Ball::between(-1, 1);
 }
 
 }  // namespace tubefoot

@@ -15,14 +15,13 @@
 namespace tubefoot {
 namespace {
 
-constexpr double slack = enclosure_slack;
 using State = FacetEnclosure::State;
 
 /// Adds a visible piece of a proven facet.
 void add_piece(const MonostaticPiece& piece, const CertifiedPolygon& polygon, const FacetEnclosure& facet,
                const CertifiedRequest& request, BinIntervals& bins) {
   const std::size_t row = request.row();
-  const ShiftedSamples samples(request.borders, request.step_m, facet.shift_m * (1 + slack));
+  const ShiftedSamples samples(request.borders, request.step_m, facet.shift_m * (1 + enclosure_slack));
   CertifiedIntegrator integrator(samples.borders(), request.beta_per_m);
   const double size = piece.factor.hi() * facet.factor.hi;
   const auto allowed = [&](double parts) {
@@ -36,8 +35,8 @@ void add_piece(const MonostaticPiece& piece, const CertifiedPolygon& polygon, co
   const auto sink = [&](const Interval& times) {
     return [&, times](const Part<Ball>& own) {
       const Ball whole = piece.factor * own.value;
-      const double hi = whole.hi() * facet.factor.hi * (1 + slack),
-                   lo = std::max(whole.lo() * facet.factor.lo * (1 - slack), 0.0);
+      const double hi = whole.hi() * facet.factor.hi * (1 + enclosure_slack),
+                   lo = std::max(whole.lo() * facet.factor.lo * (1 - enclosure_slack), 0.0);
       samples.add(own.beam, own.sample, (times.lo < 0 ? hi : lo) * times.lo, hi * times.hi, bins);
     };
   };

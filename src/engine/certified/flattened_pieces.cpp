@@ -16,7 +16,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double slack = enclosure_slack;
 constexpr double whatever = 1e100;  // allowance for values that are not needed
 
 /// Sums of a sample over pieces, without factors: both parts of the product as intervals, and upper bounds
@@ -35,7 +34,7 @@ struct Sums {
  private:
   static void take(Interval& sum, const Ball& part, const Ball& size, const Interval& texture) {
     const double middle = texture.lo + (texture.hi - texture.lo) / 2,
-                 off = (texture.hi - texture.lo) / 2 * std::max(size.hi(), 0.0) * (1 + slack);
+                 off = (texture.hi - texture.lo) / 2 * std::max(size.hi(), 0.0) * (1 + enclosure_slack);
     sum.lo += part.lo() * middle - off;
     sum.hi += part.hi() * middle + off;
   }
@@ -89,7 +88,7 @@ FlattenedPieces::FlattenedPieces(const CertifiedRequest& request, FacetId facet,
       upper_(upper),
       lower_(lower),
       material_(request.model.material[facet]),
-      samples_(request.borders, request.step_m, shift_m * (1 + slack)),
+      samples_(request.borders, request.step_m, shift_m * (1 + enclosure_slack)),
       integrator_(samples_.borders()) {}
 
 FlattenedPieces::FlattenedPieces(const CertifiedRequest& request, FacetId facet, const ProvenFacet& one)
@@ -194,8 +193,8 @@ void FlattenedPieces::add_energies(const ReceivedPiece& piece, std::uint32_t rec
       if (texture_change > 0)
         off += texture_change * most_plain * (weighed ? ambiguities[b].most_tx * ambiguities[b].most_rx : 1);
       samples_.add(std::uint32_t(first + b), std::uint32_t(sample),
-                   std::max(sums[b].lo - off, 0.0) * factor.lo * (1 - slack),
-                   (sums[b].hi + off) * factor.hi * (1 + slack), bins);
+                   std::max(sums[b].lo - off, 0.0) * factor.lo * (1 - enclosure_slack),
+                   (sums[b].hi + off) * factor.hi * (1 + enclosure_slack), bins);
     }
   }
 }
@@ -231,9 +230,10 @@ void FlattenedPieces::add_products(double wavenumber_rad_m, const ReceivedPiece&
   }
   const CertifiedTexture* texture = request_.textures[material_].get();
   const double largest_texture = texture != nullptr ? texture->range().hi() : 1;
-  const Interval factor(std::sqrt(upper_.proven.factor.lo * lower_.proven.factor.lo) * (1 - slack),
-                        std::sqrt(upper_.proven.factor.hi * lower_.proven.factor.hi) * (1 + slack));
-  const double largest = factor.hi * largest_texture * ambiguity.most_tx * ambiguity.most_rx * (1 + slack);
+  const Interval factor(std::sqrt(upper_.proven.factor.lo * lower_.proven.factor.lo) * (1 - enclosure_slack),
+                        std::sqrt(upper_.proven.factor.hi * lower_.proven.factor.hi) * (1 + enclosure_slack));
+  const double largest =
+      factor.hi * largest_texture * ambiguity.most_tx * ambiguity.most_rx * (1 + enclosure_slack);
   const auto allowance = [&](double relative, double parts, int which) {
     return CertifiedPathIntegrator::Allowance{
         relative, [this, row, parts, which](std::size_t value, std::size_t sample) {
@@ -291,8 +291,8 @@ void FlattenedPieces::add_products(double wavenumber_rad_m, const ReceivedPiece&
                  apart = ((factor.hi - factor.lo) / 2 + factor.hi * turn) * own.size + factor.hi * off;
     for (const auto& [beam, sum] : {std::pair(std::size_t{0}, own.real), {std::size_t{1}, own.imag}}) {
       Interval& bin = found.sure[beam * row + sample / 2];
-      bin.lo += sum.lo * middle - apart * (1 + slack);
-      bin.hi += sum.hi * middle + apart * (1 + slack);
+      bin.lo += sum.lo * middle - apart * (1 + enclosure_slack);
+      bin.hi += sum.hi * middle + apart * (1 + enclosure_slack);
     }
   }
 }

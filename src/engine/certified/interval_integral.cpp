@@ -14,7 +14,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr std::size_t most_halvings = 60;  // per slab; ball arithmetic has a higher limit
+constexpr std::size_t most_interval_halvings = 60;  // per slab; ball arithmetic has a higher limit
 /// Factors for bounds in doubles, for sums and products of non-negative numbers. They are far above
 /// rounding.
 constexpr double more = 1 + 1e-9, less = 1 - 1e-9;
@@ -115,7 +115,7 @@ bool IntervalIntegrator::integrate(double from, double to, const Allowed& allowe
       continue;
     }
     const double middle = stretch.from + (stretch.to - stretch.from) / 2;
-    if (++halved > most_halvings || !(middle > stretch.from && middle < stretch.to)) return false;
+    if (++halved > most_interval_halvings || !(middle > stretch.from && middle < stretch.to)) return false;
     work_.push_back({stretch.from, middle});
     work_.push_back({middle, stretch.to});
   }

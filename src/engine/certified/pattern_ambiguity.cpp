@@ -15,14 +15,12 @@
 namespace tubefoot {
 namespace {
 
-constexpr double slack = enclosure_slack;
-
 /// Cosines between an axis and directions.
 Interval cosines_of(const glm::dvec3& axis, const Towards& towards) {
   const double range = glm::length(towards.centre_m);
   if (!(range > towards.radius_m)) return {-1, 1};
   const double middle = glm::dot(axis, towards.centre_m) / range,
-               apart = std::asin(towards.radius_m / range) * (1 + slack) + slack;
+               apart = std::asin(towards.radius_m / range) * (1 + enclosure_slack) + enclosure_slack;
   return {std::max(middle - apart, -1.0), std::min(middle + apart, 1.0)};
 }
 
@@ -43,7 +41,7 @@ double root_change(const Directivity& d, double turn_rad, double stretch, const 
                    1.01 * turn_rad + std::min(sine > 0 ? stretch / sine : 1.0, 1.2 * std::sqrt(2 * stretch));
   if (d.kind == Directivity::Kind::gaussian) return 1.011 / d.size * turn;
   return std::sqrt(CertifiedGain(d).largest().hi()) *
-         std::expm1(d.table->steepest() * std::numbers::ln10 / 20 * turn) * (1 + slack);
+         std::expm1(d.table->steepest() * std::numbers::ln10 / 20 * turn) * (1 + enclosure_slack);
 }
 
 }  // namespace
@@ -52,7 +50,7 @@ Towards Towards::places(std::span<const glm::dvec3> places_m) {
   Towards found;
   for (const glm::dvec3& p : places_m) found.centre_m += p / double(places_m.size());
   for (const glm::dvec3& p : places_m)
-    found.radius_m = std::max(found.radius_m, glm::distance(p, found.centre_m) * (1 + slack));
+    found.radius_m = std::max(found.radius_m, glm::distance(p, found.centre_m) * (1 + enclosure_slack));
   return found;
 }
 
@@ -75,7 +73,7 @@ double most_of(const MirrorLoss& loss, const Towards& towards) {
     const double least = sine.lo <= 0 && sine.hi >= 0 ? 0 : std::min(std::abs(sine.lo), std::abs(sine.hi));
     exponent += std::max(0.0, least * least - loss.bend * (1 - least * least));
   }
-  return loss.factor * std::exp(-loss.roughness * exponent) * (1 + slack);
+  return loss.factor * std::exp(-loss.roughness * exponent) * (1 + enclosure_slack);
 }
 
 PatternAmbiguity::PatternAmbiguity(const TransmitPattern& transmit, const Towards& there,
@@ -99,7 +97,7 @@ double PatternAmbiguity::of(double energy, double plain) const {
           r * r * tx + 4 * t * r * root_n * std::sqrt(energy * plain) +
           2 * t * root_n * r * r * std::sqrt(tx * plain) + 2 * r * n * t * t * std::sqrt(rx * plain) +
           n * t * t * r * r * plain) *
-         (1 + slack);
+         (1 + enclosure_slack);
 }
 
 }  // namespace tubefoot

@@ -16,7 +16,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double slack = enclosure_slack;
 constexpr double upright = std::numbers::pi / 2;
 using State = FacetEnclosure::State;
 
@@ -39,7 +38,7 @@ Looked::Looked(std::span<const FacetEnclosure> facets) : facets_(facets), balls_
     const glm::dvec3 centre = (facet.seen[0] + facet.seen[1] + facet.seen[2]) / 3.0;
     double radius = 0;
     for (const glm::dvec3& c : facet.seen) radius = std::max(radius, glm::distance(c, centre));
-    balls_[f] = {centre, radius * (1 + slack) + facet.travel_path_error_m};
+    balls_[f] = {centre, radius * (1 + enclosure_slack) + facet.travel_path_error_m};
   }
   std::ranges::sort(gaps);
   // The tree finds the facets with small travel-path errors. The others are tested one by one.
@@ -67,7 +66,7 @@ Unknown::Unknown(std::span<const FacetEnclosure> facets, const RayEnclosure& ray
     Around about;
     about.centre_m = (facet.seen[0] + facet.seen[1] + facet.seen[2]) / 3.0;
     for (const glm::dvec3& c : facet.seen)
-      about.radius_m = std::max(about.radius_m, glm::distance(c, about.centre_m) * (1 + slack));
+      about.radius_m = std::max(about.radius_m, glm::distance(c, about.centre_m) * (1 + enclosure_slack));
     about.nearest_m = facet.nearest_m;
     look_at(about);
     balls_.push_back(about);
@@ -87,7 +86,7 @@ void Unknown::look_at(Around& ball) const {
   ball.anywhere = !(range > ball.radius_m);
   if (ball.anywhere) return;
   const double level = std::atan2(two_way.z, across),
-               apart = std::asin(ball.radius_m / range) + rays_.most_turn_rad() + slack,
+               apart = std::asin(ball.radius_m / range) + rays_.most_turn_rad() + enclosure_slack,
                low = std::max(level - apart, -upright), high = std::min(level + apart, upright);
   DirectionBox& box = ball.launch;
   box.low_sine = std::sin(low);
@@ -105,7 +104,8 @@ void Unknown::look_at(Around& ball) const {
 bool Unknown::may_be_seen(const Around& ball, const Sector& tube) const {
   if (ball.anywhere) return true;
   const double range = glm::length(ball.centre_m) - ball.radius_m;
-  return rays_.least_stretch() * range <= tube.reach_m() * (1 + slack) && tube.may_meet(ball.launch);
+  return rays_.least_stretch() * range <= tube.reach_m() * (1 + enclosure_slack) &&
+         tube.may_meet(ball.launch);
 }
 
 RefractedReference reference_between(std::span<const BinIntervals> parts, const Echo& ordinary,
@@ -123,9 +123,9 @@ RefractedReference reference_between(std::span<const BinIntervals> parts, const 
       certified.bound[bin] = infinite;
       continue;
     }
-    const double lo = total[bin].lo * (1 - slack), hi = total[bin].hi * (1 + slack);
+    const double lo = total[bin].lo * (1 - enclosure_slack), hi = total[bin].hi * (1 + enclosure_slack);
     certified.echo.energy[bin] = lo + (hi - lo) / 2;
-    certified.bound[bin] = (hi - lo) / 2 * (1 + slack);
+    certified.bound[bin] = (hi - lo) / 2 * (1 + enclosure_slack);
   }
   return reference_of(std::move(certified), tolerance);
 }

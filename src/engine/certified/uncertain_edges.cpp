@@ -15,7 +15,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double slack = enclosure_slack;
 using Polygon = std::vector<glm::dvec3>;
 using State = FacetEnclosure::State;
 
@@ -60,8 +59,8 @@ std::pair<double, double> ranges_of(const Polygon& polygon, double plane_m) {
   }
   // Between corners at most 2 `turn` apart, the range to a plane is at least the ranges of the corners times
   // the cosine.
-  return {std::max(plane_m, nearest * (1 - std::min(2 * turn * turn, 1.0))) * (1 - slack),
-          farthest * (1 + slack)};
+  return {std::max(plane_m, nearest * (1 - std::min(2 * turn * turn, 1.0))) * (1 - enclosure_slack),
+          farthest * (1 + enclosure_slack)};
 }
 
 /// Returns the cone around the apparent position of a facet.
@@ -79,12 +78,12 @@ Cone cone_of(std::span<const glm::dvec3> corners) {
 bool may_meet(const Cone& a, const Cone& b, double beyond_rad) {
   const glm::dvec3 between = a.axis - b.axis;
   const double apart = a.spread_rad + b.spread_rad + beyond_rad;
-  return glm::dot(between, between) <= apart * apart * (1 + slack);
+  return glm::dot(between, between) <= apart * apart * (1 + enclosure_slack);
 }
 
 /// Largest angle between an image and its apparent facet.
 double beyond_rad(const FacetEnclosure& facet) {
-  return facet.travel_path_error_m / facet.nearest_m * 1.1 + slack;
+  return facet.travel_path_error_m / facet.nearest_m * 1.1 + enclosure_slack;
 }
 
 }  // namespace
@@ -137,7 +136,7 @@ UncertainEdges::Nearby UncertainEdges::nearby_of(std::span<const FacetId> facets
 
 template <class Take>
 void UncertainEdges::each_within(const Nearby& nearby, const Cone& cone, const Take& take) const {
-  const double apart = (cone.spread_rad + nearby.widest_rad) * (1 + slack) + slack,
+  const double apart = (cone.spread_rad + nearby.widest_rad) * (1 + enclosure_slack) + enclosure_slack,
                place = cone.axis[nearby.coordinate];
   const auto first = std::lower_bound(nearby.place.begin(), nearby.place.end(), place - apart);
   for (auto at = first; at != nearby.place.end() && *at <= place + apart; ++at) {
@@ -268,11 +267,11 @@ void UncertainEdges::clash(const AmbiguousPiece& piece, FacetId other, const Amb
   // grazing angles.
   const glm::dvec3 depth = one.plane_m * two.normal - two.plane_m * one.normal;
   const double close =
-      off * (1 + 1e-6) / std::cos(whole.spread_rad) + slack * (one.plane_m + two.plane_m) * 1e-3;
+      off * (1 + 1e-6) / std::cos(whole.spread_rad) + enclosure_slack * (one.plane_m + two.plane_m) * 1e-3;
   part = clipped(part, depth + close * whole.axis);
   part = clipped(part, close * whole.axis - depth);
   if (part.size() < 3) return;
-  give(2 * off + slack);
+  give(2 * off + enclosure_slack);
 }
 
 void UncertainEdges::add_walls(std::span<const Wall> walls, double off_rad, std::span<const FacetId> nearby,

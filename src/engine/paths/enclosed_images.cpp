@@ -19,7 +19,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double slack = enclosure_slack;
 constexpr double most_off_rad = 0.2;  // from here on every direction is ambiguous (UncertainEdges)
 using State = FacetEnclosure::State;
 
@@ -36,9 +35,10 @@ Spread spread_of(const FacetEnclosure& facet) {
   for (const glm::dvec3& c : facet.seen) radius = std::max(radius, glm::distance(c, centre));
   const double range = glm::length(centre);
   spread.axis = range > 0 ? centre / range : glm::dvec3(0, 0, 1);
-  spread.spread_rad = radius < range ? std::asin(radius / range) * (1 + slack) + slack : infinite;
+  spread.spread_rad =
+      radius < range ? std::asin(radius / range) * (1 + enclosure_slack) + enclosure_slack : infinite;
   spread.beyond_rad =
-      facet.nearest_m > 0 ? 1.1 * facet.travel_path_error_m / facet.nearest_m + slack : infinite;
+      facet.nearest_m > 0 ? 1.1 * facet.travel_path_error_m / facet.nearest_m + enclosure_slack : infinite;
   return spread;
 }
 double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
@@ -161,8 +161,8 @@ void EnclosedImages::look_at_windows(const Image& image, const Seabed& seabed,
         const glm::dvec3 from = glm::normalize(direction_of(context, c)),
                          to = glm::normalize(direction_of(context, d)), sum = from + to;
         if (!(glm::length(sum) > 0)) continue;
-        off_rad =
-            std::max(off_rad, seabed.beyond_rad(glm::normalize(sum), angle_between(from, to) / 2 + slack));
+        off_rad = std::max(
+            off_rad, seabed.beyond_rad(glm::normalize(sum), angle_between(from, to) / 2 + enclosure_slack));
         // At an intersection of two facets, the errors of their ranges bound the displacement of the border.
         for (const PlaneName& plane : planes)
           if (plane.depth) {
@@ -239,7 +239,7 @@ EnclosedImages::Ray EnclosedImages::ray_to(const Image& image, GridPoint place) 
   glm::dvec3 way = water.unfolded(at_m) - water.apex_m();
   way.z *= water.unfolding().sign;
   point.seen = {way, way, way};
-  found.soonest_m = point.nearest_m = glm::length(way) * enclosure.least_stretch() * (1 - slack);
+  found.soonest_m = point.nearest_m = glm::length(way) * enclosure.least_stretch() * (1 - enclosure_slack);
   const tubefoot::Unknown anywhere({&point, 1}, enclosure);
   found.may_be_seen = anywhere.begins_m(Sector(image.windows, grid.unit_m())) < infinite;
   if (!found.may_be_seen) return found;

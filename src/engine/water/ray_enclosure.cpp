@@ -15,8 +15,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double slack = enclosure_slack;
-
 /// Water of one gradient between two depths, in the direction of travel.
 struct Leg {
   double dz_m;
@@ -157,10 +155,11 @@ RayEnclosure::RayEnclosure(const ApparentMap& apparent_map, const EigenrayOption
       reference_speed_(apparent_map.reference_speed_m_s()) {
   const auto& points = apparent_map.water().profile.points();
   const auto [slowest, fastest] = std::ranges::minmax(points, {}, &ProfilePoint::sound_speed_m_s);
-  least_stretch_ = reference_speed_ / fastest.sound_speed_m_s * (1 - slack);
+  least_stretch_ = reference_speed_ / fastest.sound_speed_m_s * (1 - enclosure_slack);
   const double least_ratio = slowest.sound_speed_m_s / fastest.sound_speed_m_s;
-  least_area_ratio_ = least_ratio * least_ratio * (1 - slack);
-  most_turn_rad_ = 2 * std::acos(slowest.sound_speed_m_s / fastest.sound_speed_m_s) * (1 + slack) + slack;
+  least_area_ratio_ = least_ratio * least_ratio * (1 - enclosure_slack);
+  most_turn_rad_ = 2 * std::acos(slowest.sound_speed_m_s / fastest.sound_speed_m_s) * (1 + enclosure_slack) +
+                   enclosure_slack;
 }
 
 /// Rays that turn at a sound speed from `a` to `b` pass water slower than `a` more steeply than the ray that
@@ -191,7 +190,7 @@ bool RayEnclosure::turning_rays_are_longer(const Interval& depth_m, double farth
   constexpr int parts = 64;
   for (int i = 0; i < parts; ++i) {
     const auto speed = [&](int k) { return slowest + (fastest - slowest) * k * k / double(parts * parts); };
-    const double a = speed(i), b = speed(i + 1) * (1 + slack);
+    const double a = speed(i), b = speed(i + 1) * (1 + enclosure_slack);
     const Interval k = 1.0 / squared(Interval(b));
     const auto range = [&](const Leg& leg) {
       return (root(k) * leg.dz_m * (leg.c1 + leg.c2) / (sine_at(k, leg.c1) + sine_at(k, leg.c2))).lo;
@@ -210,8 +209,9 @@ bool RayEnclosure::turning_rays_are_longer(const Interval& depth_m, double farth
 
 bool RayEnclosure::no_ray_turns(const Interval& depth_m, double farthest_m) const {
   if (options_.most_turns < 1) return true;
-  const double height = std::max({0.0, depth_m.lo - source_m_, source_m_ - depth_m.hi}) * (1 - slack);
-  if (finder_.steeper_than_turning(height, farthest_m * (1 + slack))) return true;
+  const double height =
+      std::max({0.0, depth_m.lo - source_m_, source_m_ - depth_m.hi}) * (1 - enclosure_slack);
+  if (finder_.steeper_than_turning(height, farthest_m * (1 + enclosure_slack))) return true;
   return options_.most_turns == 1 && turning_rays_are_longer(depth_m, farthest_m, true) &&
          turning_rays_are_longer(depth_m, farthest_m, false);
 }
@@ -255,7 +255,7 @@ std::optional<RayJets> RayEnclosure::within_layer(std::size_t layer, const Jet& 
     // Depth of the turning point of the rays that have one. By Snell's law, the sound speed there is that at
     // the source divided by the cosine of the launch angle. For such rays the launch and arrival sines have
     // opposite signs. So `along` is at most as large as `refracted`, whatever other rays the patch contains.
-    const double flattest = std::min(2 * refracted.v.largest(), launch.largest()) * (1 + slack);
+    const double flattest = std::min(2 * refracted.v.largest(), launch.largest()) * (1 + enclosure_slack);
     const Interval cosine = 2.0 * cs * root(m.v) / (root(d2.v) * half.v);
     const Interval sine2 = squared(Interval(-flattest, flattest)) / (d2.v * squared(half.v));
     Interval turn = source_m_ + cs * sine2 / (cosine * (1.0 + cosine) * g);
@@ -315,7 +315,7 @@ bool RayEnclosure::extend(Sums& sums, const Interval& k, double from_m, double t
     sums.some = true;
   }
   if (!sums.some) return false;
-  sums.take(Interval(0, std::abs(to_m - from_m) * (1 + slack)), k, sums.c, sums.absorption_per_m);
+  sums.take(Interval(0, std::abs(to_m - from_m) * (1 + enclosure_slack)), k, sums.c, sums.absorption_per_m);
   return true;
 }
 
@@ -386,7 +386,7 @@ std::optional<RayJets> RayEnclosure::through_layers(const Jet& x, const Jet& y, 
   std::vector<RayDifferences::Part> parts;
   for (const Leg& leg : legs_between(apparent_map_.water().profile, source_m_, near))
     parts.push_back({leg.dz_m, hull(leg.c1, leg.c2)});
-  parts.push_back({Interval(0, std::abs(far - near) * (1 + slack)), c});
+  parts.push_back({Interval(0, std::abs(far - near) * (1 + enclosure_slack)), c});
   const RayDifferences differences(parts, {k, sums.reach, sums.reach_k, sums.time, sums.dx_dp, sums.dx_dp_k,
                                            c, s, g, cs, launch.v, path.v, d2.v});
   const Jet ref(reference_speed_), across = ref * compose(kj, path, differences.across()),
