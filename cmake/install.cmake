@@ -9,7 +9,6 @@ install(TARGETS tubefoot COMPONENT program)
 
 # Man pages and completion say what --help says: they are made from it.
 set(manual ${PROJECT_BINARY_DIR}/manual)
-find_program(TUBEFOOT_PYTHON3 python3 HINTS /usr/bin NO_DEFAULT_PATH REQUIRED)
 cmake_host_system_information(RESULT DISTRIBUTION QUERY DISTRIB_VERSION_CODENAME)  # bookworm, trixie
 configure_file(packaging/changelog.in ${PROJECT_BINARY_DIR}/packaging/changelog @ONLY)
 add_custom_command(OUTPUT ${manual}/made

@@ -22,6 +22,8 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME tubefoot)
 set(CPACK_DEBIAN_PROGRAM_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+list(JOIN TUBEFOOT_LOADED_PACKAGES ", " loaded)  # which dpkg-shlibdeps does not see: cmake/on_demand.cmake
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "${loaded}")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS fonts-dejavu-core)  # without it pictures have no labels
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS libtubefoot-dev)
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "tubefoot computes exactly which part of which facet of a scene every beam

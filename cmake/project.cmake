@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+find_program(TUBEFOOT_PYTHON3 python3 HINTS /usr/bin NO_DEFAULT_PATH REQUIRED)  # runs tools/
+
 # Flags of our own code, per target, so that no library's headers have to obey them.
 # Other compilers have other warnings: only CI stops at them.
 option(TUBEFOOT_WARNINGS_AS_ERRORS "Stop the build at a compiler's warning" OFF)

@@ -176,11 +176,6 @@ int called(const std::function<int()>& command) {
   }
 }
 
-/// Throws std::bad_alloc if little memory is left. Some libraries do not check the allocations that they
-/// make before main(). The table of names of OpenImageIO takes 8 MB. After a failed allocation it has
-/// holes, and OpenImageIO crashes later. If 16 MB are still available here, these allocations succeeded.
-void require_memory_of_libraries() { ::operator delete(::operator new (std::size_t{16} << 20)); }
-
 int obeyed(int argc, char** argv) {
   CLI::App app{"tubefoot: a sonar simulator that measures footprints instead of sampling them.", "tubefoot"};
   app.set_version_flag(
@@ -223,10 +218,7 @@ int run_command_line(int argc, char** argv) {
   remove_library_variables();
   save_addresses();
   take_signals();
-  const int code = called([&] {
-    require_memory_of_libraries();
-    return obeyed(argc, argv);
-  });
+  const int code = called([&] { return obeyed(argc, argv); });
   errno = tell_error;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   const std::string why = errno != 0 ? fmt::format(": {}", std::strerror(errno)) : "";

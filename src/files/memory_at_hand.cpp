@@ -2,6 +2,7 @@
 #include "files/memory_at_hand.hpp"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <new>
 
 namespace tubefoot {
 namespace {
@@ -48,6 +50,12 @@ double memory_at_hand() {
   if (rlimit limit{}; getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
     at_hand = std::min(at_hand, static_cast<double>(limit.rlim_cur) - address_pages * page);
   return std::max(at_hand, 0.0);
+}
+
+void require_addresses(std::size_t bytes) {
+  void* const room = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED) throw std::bad_alloc();
+  munmap(room, bytes);
 }
 
 void require_memory(double bytes, const SourcePlace& place, const std::string& what,

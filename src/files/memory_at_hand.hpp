@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "files/input_error.hpp"
@@ -11,6 +12,10 @@ namespace tubefoot {
 /// machine, the limit of `ulimit -v` and the limits of the control groups (containers, batch systems).
 /// Memory of other processes does not count, because it varies.
 double memory_at_hand();
+
+/// Throws std::bad_alloc if the address space lacks `bytes`. Call it before a library that would end the
+/// program in this case.
+void require_addresses(std::size_t bytes);
 
 /// Bytes per facet, from reading until the scene is loaded with its tree, measured on flat terrain.
 inline constexpr double bytes_a_facet = 80;

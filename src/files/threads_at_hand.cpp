@@ -15,8 +15,9 @@
 namespace tubefoot {
 namespace {
 
-/// Number of threads reserved for progress and for libraries that may end the program without them (fonts).
-constexpr int for_libraries = 5;
+/// Number of threads reserved for progress and for libraries that may end the program without them: fonts,
+/// and four of OpenImageIO.
+constexpr int for_libraries = 9;
 constexpr std::size_t stack_bytes = std::size_t{4} << 20;  // the stack size of oneTBB's threads
 /// Address space per thread, with its share of buffers.
 constexpr double bytes_per_thread = 64 << 20;

@@ -3,30 +3,19 @@
 
 #include <cairo.h>
 #include <librsvg/rsvg.h>
-#include <sys/mman.h>
 
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <new>
 #include <system_error>
 #include <thread>
 
 #include "files/checked_file.hpp"
+#include "files/memory_at_hand.hpp"
 #include "files/threads_at_hand.hpp"
 
 namespace tubefoot {
 namespace {
-
-/// Throws std::bad_alloc if the address space that GLib may need is not available, and std::system_error if
-/// no thread can start. GLib terminates the program if an allocation fails.
-void require_room_for_fonts() {
-  constexpr std::size_t bytes = std::size_t{256} << 20;
-  void* const room = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (room == MAP_FAILED) throw std::bad_alloc();
-  munmap(room, bytes);
-  require_threads(1);
-}
 
 /// Throws std::system_error if no thread can start within the time limit.
 GThread* started(const gchar* name, GThreadFunc work, gpointer data) {
@@ -58,7 +47,9 @@ void write_png_of_svg(const std::string& svg, const std::filesystem::path& file,
   const auto fail = [&](const std::string& why) {
     throw write_error(file, "cannot draw the picture: " + why);
   };
-  require_room_for_fonts();
+  // GLib terminates the program if an allocation fails or if no thread can start.
+  require_addresses(std::size_t{256} << 20);
+  require_threads(1);
   GError* error = nullptr;
   const std::unique_ptr<RsvgHandle, void (*)(gpointer)> handle(
       rsvg_handle_new_from_data(reinterpret_cast<const guint8*>(svg.data()), svg.size(), &error),

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/checkpoint/build_identity.hpp"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <gdal.h>
-#include <ogr_srs_api.h>
+#include <proj.h>
 
 #include <bit>
 #include <nlohmann/json.hpp>
@@ -19,10 +20,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Returns the version of the loaded GDAL. A program that has not loaded it has not used it either, so that
+/// the version at build time is as good.
+std::string gdal_version() {
+  const auto version = reinterpret_cast<decltype(&GDALVersionInfo)>(dlsym(RTLD_DEFAULT, "GDALVersionInfo"));
+  return version != nullptr ? version("RELEASE_NAME") : GDAL_RELEASE_NAME;
+}
+
 std::string proj_version() {
-  int major = 0, minor = 0, patch = 0;
-  OSRGetPROJVersion(&major, &minor, &patch);
-  return fmt::format("{}.{}.{}", major, minor, patch);
+  const PJ_INFO info = proj_info();
+  return fmt::format("{}.{}.{}", info.major, info.minor, info.patch);
 }
 
 std::string in_words(const Json& value) {
@@ -36,7 +43,7 @@ Json build_identity() {
   identity["sources"] = std::string(built_from_sources);
   identity.update(Json::parse(built_with));
   // Versions of the libraries at run time, which may differ from those at build time.
-  identity["gdal"] = GDALVersionInfo("RELEASE_NAME");
+  identity["gdal"] = gdal_version();
   identity["proj"] = proj_version();
   identity["assimp"] = assimp_version();
   identity["byte_order"] = std::endian::native == std::endian::little ? "little" : "big";

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "files/memory_at_hand.hpp"
+#include "run/console/on_demand.hpp"
 
 // This file recognises errors that mean that memory or threads are exhausted, and replaces their text by a
 // message that names the limit. It also checks the address space before the initializers of the libraries
@@ -28,8 +29,8 @@ constexpr std::string_view no_threads =
     "container)";
 
 constexpr rlim_t mb = rlim_t{1} << 20;
-/// Memory and threads that the initializers of libraries need, with a reserve. They need 31 MB on Debian 12,
-/// and stacks for the threads that log4cplus starts (a dependency of OpenVDB and OpenImageIO).
+/// Memory and threads that the initializers of libraries need, with a reserve. All libraries, including those
+/// on demand, need 31 MB on Debian 12. The dependency log4cplus of OpenImageIO starts the threads.
 constexpr rlim_t library_bytes = 96 * mb, library_threads = 4;
 
 bool addresses_are_limited() {
@@ -46,6 +47,7 @@ std::terminate_handler otherwise = nullptr;
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
   } catch (const std::exception& error) {
     words = exhaustion_in_words(error);
+    if (dynamic_cast<const LibraryMissing*>(&error) != nullptr) words = error.what();
   } catch (...) {
     words = {};
   }

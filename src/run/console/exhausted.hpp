@@ -14,8 +14,9 @@ std::string_view exhaustion_in_words(const std::exception& error);
 /// of which start threads without checking for errors.
 /// * If the address space (`ulimit -v`) is too small for the libraries, this function ends the program with a
 /// message and exit code 1.
-/// * From then on, an uncaught exception ends the program with a message if memory or threads are exhausted.
-/// A library may throw such an exception on its own thread or before main().
+/// * From then on, an uncaught exception ends the program with a message if memory or threads are exhausted
+/// or a library is missing. A library may throw on its own thread or before main(). A function that is
+/// noexcept may be the first one to need a library on demand.
 void before_libraries_start();
 
 /// Call once at the start of main(). If the address space is limited, all threads share one heap, because a
