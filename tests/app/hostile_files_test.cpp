@@ -18,7 +18,7 @@ std::string naming(const std::string& file) { return replaced(small_scene, "thin
 
 constexpr std::string_view grid = "ncols 2\nnrows 2\nxllcorner -5\nyllcorner -5\ncellsize 10\n0 0\n0 0\n";
 
-std::string with_raster(const std::string& file = "grid.asc") {
+std::string with_raster_file(const std::string& file = "grid.asc") {
   return replaced(small_scene, "kind = \"flat\"\nwidth_m = 20\nlength_m = 30",
                   "kind = \"raster\"\nfile = \"" + file + "\"");
 }
@@ -52,7 +52,7 @@ TEST_F(Hostile, PipesBesideAFile) {
     SCOPED_TRACE(name);
     mkfifo((folder / name).c_str(), 0600);
     expect_refused(
-        with_raster(),
+        with_raster_file(),
         {"scene.toml:6:8: ", name,
          ": is a special file, but its name is that of a companion file of 'grid.asc': move it away"});
     fs::remove(folder / name);
@@ -60,7 +60,7 @@ TEST_F(Hostile, PipesBesideAFile) {
   // not a format that the program reads, so that it is not opened
   mkfifo((folder / "grid.aux").c_str(), 0600);
   fs::create_directory(folder / "grid.prj");
-  EXPECT_EQ(check(with_raster()).exit_code, 0);
+  EXPECT_EQ(check(with_raster_file()).exit_code, 0);
 }
 
 TEST_F(Hostile, NamesThatLeaveTheFolderAreReported) {
@@ -71,7 +71,7 @@ TEST_F(Hostile, NamesThatLeaveTheFolderAreReported) {
   fs::create_symlink(elsewhere / "other.obj", folder / "linked.obj");
   fs::create_symlink(elsewhere / "grid.prj", folder / "grid.prj");
   const fs::path up = fs::path("..") / elsewhere.path().filename() / "other.obj";
-  std::string scene = with_raster();
+  std::string scene = with_raster_file();
   for (const std::string& file : {up.string(), (elsewhere / "other.obj").string(), std::string("linked.obj")})
     scene += fmt::format("[[objects]]\nname = \"to {}\"\nshape = \"mesh\"\nfile = \"{}\"\n", file, file);
   const Outcome outcome = check(scene);

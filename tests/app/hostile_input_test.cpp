@@ -68,25 +68,25 @@ std::string sparse_tiff(std::uint32_t columns, std::uint32_t rows, std::uint32_t
   return bytes;
 }
 
-std::string with_raster(const std::string& more) {
+std::string with_raster_keys(const std::string& more) {
   return replaced(small_scene, "kind = \"flat\"\nwidth_m = 20\nlength_m = 30",
                   "kind = \"raster\"\nfile = \"grid.tif\"\n" + more);
 }
 
 TEST_F(Hostile, RastersThatAnnounceMoreThanTheyHold) {
   folder.write("grid.tif", sparse_tiff(100'000, 100'000, 1000));
-  expect_refused(with_raster(""),
+  expect_refused(with_raster_keys(""),
                  {"scene.toml:4:1: ", "100000 x 100000 cells exceed the limit of 2e+09", "decimate"});
-  expect_refused(with_raster("load = \"whole\""),
+  expect_refused(with_raster_keys("load = \"whole\""),
                  {"scene.toml:4:1: ", "100000 x 100000 cells exceed the limit of 5e+07", "decimate"});
   // The scene requests only a corner of the raster.
   folder.write("grid.tif", sparse_tiff(100'000, 100'000, 100'000));
-  expect_refused(with_raster("window = [0, 0, 10, 10]"),
+  expect_refused(with_raster_keys("window = [0, 0, 10, 10]"),
                  {"blocks of 100000 x 100000 cells, which are larger than 512 MB each", "gdal_translate"});
   folder.write("grid.tif", sparse_tiff(2'000'000'000, 2, 1));
-  expect_refused(with_raster("window = [0, 0, 10, 2]"), {"blocks of 2000000000 x 1 cells"});
+  expect_refused(with_raster_keys("window = [0, 0, 10, 2]"), {"blocks of 2000000000 x 1 cells"});
   folder.write("grid.tif", sparse_tiff(40'000, 1000, 100));
-  const Outcome corner = check(with_raster("window = [0, 0, 10, 10]"));
+  const Outcome corner = check(with_raster_keys("window = [0, 0, 10, 10]"));
   EXPECT_EQ(corner.exit_code, 0) << corner.err;
   // The other readers of rasters.
   const std::string tile =
@@ -161,7 +161,7 @@ TEST_F(HostileToMemory, NumbersWithinAllOtherLimits) {
                  {"scene.toml:15:1: ", "the poses of 1e+07 transmissions would need 1.28 GB",
                   "reduce the number of pings"});
   folder.write("grid.tif", sparse_tiff(7000, 7000, 100));
-  expect_refused(with_raster("load = \"whole\""),
+  expect_refused(with_raster_keys("load = \"whole\""),
                  {"facets between 7000 x 7000 cells would need 7.84 GB of memory", "decimate"});
 }
 

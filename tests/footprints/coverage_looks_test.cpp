@@ -19,7 +19,7 @@ std::string water(const std::string& gradient) {
   return "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\n" + gradient +
          "\nprofile_bottom_m = 30\nsurface_height_m = 10\n";
 }
-const std::string even = "[water]\nsound_speed_m_s = 1500\n";
+const std::string isovelocity_water = "[water]\nsound_speed_m_s = 1500\n";
 
 std::string ripples(double rms_m, const std::string& mode) {
   return fmt::format("[relief]\nmode = \"{}\"\ncell_m = 0.4\n{}", mode,
@@ -32,7 +32,7 @@ std::string ripples(double rms_m, const std::string& mode) {
 const std::string flat_sand = "[[materials]]\nname = \"sand\"\n";
 
 /// Three pings of a camera that passes a box on a seabed of few facets.
-std::string scene(const std::string& beginning, const std::string& sensor = {}) {
+std::string camera_scene(const std::string& beginning, const std::string& sensor = {}) {
   return beginning + flat_terrain(16, 16, "material = \"sand\"\n") +
          R"([[objects]]
 name = "box"
@@ -82,23 +82,24 @@ const std::string one = "[-0.6, 0, 0.2]", other = "[0.7, 0.3, -0.1]";
 
 // After an exchange of transmitter and receiver, pixels are the same parts of the seabed.
 TEST_F(CoverageLooks, ASeparateReceiverAndATransmitterAreExchanged) {
-  for (const std::string& where :
-       {even + flat_sand, water(steep) + flat_sand, even + ripples(0.03, "online")}) {
+  for (const std::string& where : {isovelocity_water + flat_sand, water(steep) + flat_sand,
+                                   isovelocity_water + ripples(0.03, "online")}) {
     SCOPED_TRACE(where);
-    const Covered there = cover(scene(where, arms(one, other))), back = cover(scene(where, arms(other, one)));
+    const Covered there = cover(camera_scene(where, arms(one, other))),
+                  back = cover(camera_scene(where, arms(other, one)));
     // Corners of the range gate are rounded on images of the transmitter. The looks determine the relief.
-    if (where == even + flat_sand || where == even + ripples(0.03, "online"))
+    if (where == isovelocity_water + flat_sand || where == isovelocity_water + ripples(0.03, "online"))
       expect_near(there, back, 1e-6);
     else
       expect_near(there, back, 2e-3);  // ranges use the sound speed at the transmitter
-    const Covered of_one = cover(scene(where, "lever_arm_m = " + one + "\n"));
+    const Covered of_one = cover(camera_scene(where, "lever_arm_m = " + one + "\n"));
     EXPECT_LT(there.seen_m2, of_one.seen_m2) << "what both see is less";
   }
 }
 
 TEST_F(CoverageLooks, AReceiverAHairApartSeesWhatOnePlaceDoes) {
-  const Covered alone = cover(scene(even + flat_sand)),
-                near = cover(scene(even + flat_sand, "receiver_arm_m = [0, 0, 1e-6]\n"));
+  const Covered alone = cover(camera_scene(isovelocity_water + flat_sand)),
+                near = cover(camera_scene(isovelocity_water + flat_sand, "receiver_arm_m = [0, 0, 1e-6]\n"));
   // The difference is due to the corners of the polygons of the range gate, which have another start.
   expect_near(near, alone, 1e-4);
 }
@@ -106,22 +107,23 @@ TEST_F(CoverageLooks, AReceiverAHairApartSeesWhatOnePlaceDoes) {
 TEST_F(CoverageLooks, NeitherThreadsNorWaterThatHardlyRefractsChangeIt) {
   for (const std::string& sensor : {std::string(), arms(one, other)}) {
     SCOPED_TRACE(sensor);
-    const Covered straight = cover(scene(even + flat_sand, sensor)),
-                  refracted = cover(scene(water(gentle) + flat_sand, sensor), {"--threads", "1"});
+    const Covered straight = cover(camera_scene(isovelocity_water + flat_sand, sensor)),
+                  refracted = cover(camera_scene(water(gentle) + flat_sand, sensor), {"--threads", "1"});
     expect_near(refracted, straight, 1e-5);
-    EXPECT_EQ(cover(scene(water(gentle) + flat_sand, sensor), {"--threads", "3"}).table, refracted.table);
-    const Covered more = cover(scene(water(steep) + flat_sand, sensor));
+    EXPECT_EQ(cover(camera_scene(water(gentle) + flat_sand, sensor), {"--threads", "3"}).table,
+              refracted.table);
+    const Covered more = cover(camera_scene(water(steep) + flat_sand, sensor));
     EXPECT_GT(std::abs(more.seen_m2 - straight.seen_m2), 1e-4) << "this does";
   }
 }
 
 TEST_F(CoverageLooks, ReliefOfEachTransmissionIsThatOfReliefOnce) {
-  const Covered flat = cover(scene(even + flat_sand));
-  expect_near(cover(scene(even + ripples(1e-6, "online"))), flat, 1e-4);
+  const Covered flat = cover(camera_scene(isovelocity_water + flat_sand));
+  expect_near(cover(camera_scene(isovelocity_water + ripples(1e-6, "online"))), flat, 1e-4);
   // With a tolerance of 0 the cells of each transmission are those of a single refinement. The coverage of
   // the same facets refers to the unrefined facets or to the cells. Areas are those of small slopes.
-  const Covered online = cover(scene(even + ripples(0.03, "online"))),
-                offline = cover(scene(even + ripples(0.03, "offline")));
+  const Covered online = cover(camera_scene(isovelocity_water + ripples(0.03, "online"))),
+                offline = cover(camera_scene(isovelocity_water + ripples(0.03, "offline")));
   EXPECT_LT(online.seen.size(), 20u);
   EXPECT_GT(offline.seen.size(), 400u);
   EXPECT_NEAR(online.seen_m2, offline.seen_m2, 0.015 * online.seen_m2);
@@ -130,7 +132,7 @@ TEST_F(CoverageLooks, ReliefOfEachTransmissionIsThatOfReliefOnce) {
 }
 
 TEST_F(CoverageLooks, AllAtOnceCloses) {
-  const std::string all = scene(water(steep) + ripples(0.02, "online"), arms(one, other));
+  const std::string all = camera_scene(water(steep) + ripples(0.02, "online"), arms(one, other));
   const Covered first = cover(all, {"--threads", "1"});
   EXPECT_EQ(cover(all, {"--threads", "4"}).table, first.table);
 }

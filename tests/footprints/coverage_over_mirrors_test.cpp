@@ -31,7 +31,8 @@ struct CoverageOverMirrors : testing::Test {
 
 /// A sidescan that looks upwards as well as downwards, over a seabed with a box, 3 m under an optional
 /// surface.
-std::string scene(const std::string& beginning, double height_m, const std::string& sensor = {}) {
+std::string scene_under_surface(const std::string& beginning, double height_m,
+                                const std::string& sensor = {}) {
   return beginning + flat_terrain(16, 16, "material = \"sand\"\n") +
          fmt::format(R"([[objects]]
 name = "box"
@@ -67,14 +68,14 @@ std::string gradient(const std::string& per_s) {
 
 // The mirror image of a sonar 3 m below the surface is a sonar 3 m above it.
 TEST_F(CoverageOverMirrors, IsThatOfSonarsAtTheImages) {
-  const Covered straight = cover(scene(even + sand, 3)),
-                apart = cover(scene(even + sand, 3, "receiver_arm_m = [0, 0, 6]\n")),
-                above = cover(scene(even + sand, 9));
+  const Covered straight = cover(scene_under_surface(even + sand, 3)),
+                apart = cover(scene_under_surface(even + sand, 3, "receiver_arm_m = [0, 0, 6]\n")),
+                above = cover(scene_under_surface(even + sand, 9));
   for (const std::string& water : {even, gradient("1e-7")}) {
     SCOPED_TRACE(water);
     const double error = water == even ? 1e-6 : 1e-4;
     const auto of = [&](int order, const std::string& keys) {
-      return cover(scene(water + surface(order, keys) + sand, 3));
+      return cover(scene_under_surface(water + surface(order, keys) + sand, 3));
     };
     expect_near(of(3, "only_order = 1\n"), straight, error);
     expect_near(of(2, "only_order = 2\n"), apart, error);
@@ -89,10 +90,10 @@ TEST_F(CoverageOverMirrors, IsThatOfSonarsAtTheImages) {
 }
 
 TEST_F(CoverageOverMirrors, AnOptionSaysHowFarPathsAreFollowed) {
-  const std::string mirrored = scene(even + surface(3) + sand, 3);
+  const std::string mirrored = scene_under_surface(even + surface(3) + sand, 3);
   const Covered all = cover(mirrored), once = cover(mirrored, {"--order", "1"}),
                 twice = cover(mirrored, {"--order", "2"});
-  expect_near(once, cover(scene(even + sand, 3)), 1e-9);
+  expect_near(once, cover(scene_under_surface(even + sand, 3)), 1e-9);
   EXPECT_EQ(cover(mirrored, {"--order", "3"}).table, all.table);
   EXPECT_GT(twice.seen_m2, once.seen_m2 - 1e-9);
   EXPECT_GT(all.seen_m2, twice.seen_m2 + 0.1);
@@ -133,8 +134,9 @@ TEST_F(CoverageOverMirrors, NobodyReceivesWhatOneFanSendsToAnother) {
       "[[materials]]\nname = \"steel\"\nspecular_loss_db = 3\n[[objects]]\nname = \"wall\"\nshape = \"box\"\n"
       "material = \"steel\"\nsize_m = [10, 0.5, 8]\nposition_m = [0, 5, 2]\n";
   const auto text = [](const std::string& beginning, const std::string& sensor) {
-    return replaced(replaced(scene(beginning, 5, sensor), "range_min_m = 2", "range_min_m = 0.2"),
-                    "range_max_m = 11", "range_max_m = 40");
+    return replaced(
+        replaced(scene_under_surface(beginning, 5, sensor), "range_min_m = 2", "range_min_m = 0.2"),
+        "range_max_m = 11", "range_max_m = 40");
   };
   for (const auto& [beginning, sensor] :
        {std::pair("[paths]\norder = 2\nonly_order = 2\n" + sand + wall,
@@ -158,7 +160,8 @@ TEST_F(CoverageOverMirrors, NobodyReceivesWhatOneFanSendsToAnother) {
 // Exact corners are those of paths of order 1. Without this order there are none, and the program reports
 // this.
 TEST_F(CoverageOverMirrors, ExactCornersOfOtherOrdersAreRefused) {
-  const auto file = folder.write("scene.toml", scene(even + surface(2, "only_order = 2\n") + sand, 3));
+  const auto file =
+      folder.write("scene.toml", scene_under_surface(even + surface(2, "only_order = 2\n") + sand, 3));
   const Outcome outcome =
       run_program({"footprints", file.string(), "--sensor", "side", "-o", (folder / "f.txt").string()});
   EXPECT_EQ(outcome.exit_code, 2);
@@ -173,7 +176,7 @@ TEST_F(CoverageOverMirrors, AllAtOnceCloses) {
   for (const std::string& water : {even, gradient("0.6")})
     for (const char* sensor : {"", "receiver_arm_m = [0.4, 0.2, 0.3]\n"}) {
       SCOPED_TRACE(water + sensor);
-      const std::string all = scene(water + surface(3) + relief, 3, sensor);
+      const std::string all = scene_under_surface(water + surface(3) + relief, 3, sensor);
       const Covered first = cover(all, {"--threads", "1"});
       EXPECT_EQ(cover(all, {"--threads", "3"}).table, first.table);
       EXPECT_GT(first.seen_m2, cover(all, {"--order", "1"}).seen_m2);

@@ -23,7 +23,7 @@ using Rational = boost::multiprecision::mpq_rational;
 using testing::HasSubstr;
 
 /// Five pings of a sidescan past a box on a flat seabed. Adjacent beams overlap.
-constexpr std::string_view scene = R"(
+constexpr std::string_view covered_scene = R"(
 title = "Box"
 [[materials]]
 name = "sand"
@@ -79,7 +79,7 @@ struct FacetRow {
 TEST(CoverageRun, LayersAndTablesAgreeAndCloseInRationals) {
   const TestFolder folder;
   const fs::path file = folder / "c.gpkg";
-  const Outcome outcome = cover(folder.write("scene.toml", scene), file);
+  const Outcome outcome = cover(folder.write("scene.toml", covered_scene), file);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml", "c.gpkg"}));
   const auto data = opened(file);
@@ -150,7 +150,7 @@ TEST(CoverageRun, LayersAndTablesAgreeAndCloseInRationals) {
 
 TEST(CoverageRun, FolderHoldsTheSameAsTheFiles) {
   const TestFolder folder;
-  const fs::path scene_file = folder.write("scene.toml", scene);
+  const fs::path scene_file = folder.write("scene.toml", covered_scene);
   ASSERT_EQ(cover(scene_file, folder / "out", {"--threads", "1"}).exit_code, 0);
   ASSERT_EQ(cover(scene_file, folder / "c.gpkg", {"--threads", "3"}).exit_code, 0);
   ASSERT_EQ(cover(scene_file, folder / "c.csv", {"--picture", (folder / "c.png").string()}).exit_code, 0);
@@ -171,7 +171,7 @@ TEST(CoverageRun, FolderHoldsTheSameAsTheFiles) {
 
 TEST(CoverageRun, PingsAndSensorAreThoseRequested) {
   const TestFolder folder;
-  const fs::path scene_file = folder.write("scene.toml", scene);
+  const fs::path scene_file = folder.write("scene.toml", covered_scene);
   const auto most = [&](const std::vector<std::string>& more) {
     EXPECT_EQ(cover(scene_file, folder / "c.gpkg", more).exit_code, 0);
     GIntBig pings = 0;
@@ -197,8 +197,8 @@ TEST(CoverageRun, IsInTheReferenceSystemOfTheScene) {
     const char* code = data->GetLayerByName("coverage")->GetSpatialRef()->GetAuthorityCode(nullptr);
     return std::pair(extent, std::string(code ? code : ""));
   };
-  const auto [local, no_code] = extent_of(std::string(scene));
-  const std::string projected = replaced(scene, "title = \"Box\"\n",
+  const auto [local, no_code] = extent_of(std::string(covered_scene));
+  const std::string projected = replaced(covered_scene, "title = \"Box\"\n",
                                          "title = \"Box\"\n[georeference]\ncrs = \"EPSG:32602\"\n"
                                          "origin_crs = [621930.0, 7245100.0]\n");
   const auto [utm, code] = extent_of(projected);
@@ -219,13 +219,13 @@ std::pair<int, int> closure_of(const std::string& output) {
 // Doubles choose the same planes here. With a large tolerance their choice is still a partition.
 TEST(CoverageRun, OfWhatDoublesSeeIsAsExact) {
   const TestFolder folder;
-  const fs::path file = folder.write("scene.toml", scene);
+  const fs::path file = folder.write("scene.toml", covered_scene);
   ASSERT_EQ(cover(file, folder / "exact.csv").exit_code, 0);
   ASSERT_EQ(cover(file, folder / "double.csv", {"--arithmetic", "double"}).exit_code, 0);
   EXPECT_TRUE(bytes_of(folder / "exact.csv") == bytes_of(folder / "double.csv"));
   const Outcome wrong =
-      cover(folder.write("wrong.toml",
-                         std::string(scene) + "[run]\narithmetic = \"double\"\nzero_tolerance = 1e-3\n"),
+      cover(folder.write("wrong.toml", std::string(covered_scene) +
+                                           "[run]\narithmetic = \"double\"\nzero_tolerance = 1e-3\n"),
             folder / "wrong.csv");
   ASSERT_EQ(wrong.exit_code, 0) << wrong.err;
   EXPECT_FALSE(bytes_of(folder / "exact.csv") == bytes_of(folder / "wrong.csv"));
@@ -236,7 +236,7 @@ TEST(CoverageRun, OfWhatDoublesSeeIsAsExact) {
 
 TEST(CoverageRun, WhatHasNoCoverageIsRefused) {
   const TestFolder folder;
-  folder.write("scene.toml", scene);
+  folder.write("scene.toml", covered_scene);
   for (const char* name : {"c.shp", "c.gpkg.zip", "c.GPKG"}) {
     const Outcome outcome = cover(folder / "scene.toml", folder / name);
     EXPECT_EQ(outcome.exit_code, 2);
@@ -246,7 +246,7 @@ TEST(CoverageRun, WhatHasNoCoverageIsRefused) {
 
 TEST(CoverageRun, EarlierFileOutlivesAFailedRun) {
   const TestFolder folder;
-  const fs::path scene_file = folder.write("scene.toml", scene);
+  const fs::path scene_file = folder.write("scene.toml", covered_scene);
   for (const char* name : {"c.gpkg", "c.csv"}) {
     folder.write(name, "an earlier file");
     Surroundings full_disk;
@@ -261,10 +261,10 @@ TEST(CoverageRun, EarlierFileOutlivesAFailedRun) {
 
 TEST(CoverageRun, ASectorThatMeetsNothingGivesEmptyTables) {
   const TestFolder folder;
-  const Outcome outcome =
-      cover(folder.write("scene.toml", replaced(replaced(scene, "range_max_m = 15", "range_max_m = 2"),
-                                                "position_m = [6, 0.3, 0.5]", "position_m = [16, 0.3, 0.5]")),
-            folder / "out");
+  const Outcome outcome = cover(
+      folder.write("scene.toml", replaced(replaced(covered_scene, "range_max_m = 15", "range_max_m = 2"),
+                                          "position_m = [6, 0.3, 0.5]", "position_m = [16, 0.3, 0.5]")),
+      folder / "out");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("closure        0 of 0 facets"));
   EXPECT_TRUE(fs::exists(folder / "out/coverage.gpkg"));

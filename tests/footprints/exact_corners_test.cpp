@@ -27,7 +27,7 @@ const std::string refracted =
     "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\nprofile_bottom_m = 30\n"
     "surface_height_m = 10\n";
 
-std::string scene(const std::string& water, const std::string& sensor) {
+std::string scene_with_box(const std::string& water, const std::string& sensor) {
   return water + lambert_material("sand", -27) + lambert_material("steel", -5) +
          flat_terrain(30, 40, "material = \"sand\"\n") + box_ahead(4) + R"(
 [[sensors]]
@@ -111,7 +111,8 @@ INSTANTIATE_TEST_SUITE_P(Looks, ExactCorners,
 TEST_P(ExactCorners, AreThoseOfTheTable) {
   const auto [refracts, apart, of_a_beam] = GetParam();
   const TestFolder folder;
-  const std::string text = scene(refracts ? refracted : "", apart ? "receiver_arm_m = [0.3, 0, 0.1]\n" : "");
+  const std::string text =
+      scene_with_box(refracts ? refracted : "", apart ? "receiver_arm_m = [0.3, 0, 0.1]\n" : "");
   std::vector<std::string> words{"footprints",  folder.write("scene.toml", text).string(),
                                  "--sensor",    "camera",
                                  "-o",          (folder / "f.csv").string(),
@@ -158,7 +159,7 @@ TEST_P(ExactCorners, AreThoseOfTheTable) {
 TEST(ExactCornersOfDoubles, AreWhereTheChosenPlanesMeet) {
   const TestFolder folder;
   const auto corners = [&](const std::string& run, const char* name) {
-    const std::string text = scene("", "receiver_arm_m = [0.3, 0, 0.1]\n") + run;
+    const std::string text = scene_with_box("", "receiver_arm_m = [0.3, 0, 0.1]\n") + run;
     const Outcome outcome = run_program({"footprints", folder.write("scene.toml", text).string(), "--sensor",
                                          "camera", "-o", (folder / name).string(), "--quiet"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -28,7 +28,7 @@ std::string example(const std::string& heading) {
   return page.substr(at, page.find("```\n", at) - at);
 }
 
-constexpr std::string_view scene = R"([[materials]]
+constexpr std::string_view example_scene = R"([[materials]]
 name = "sand"
 [[materials]]
 name = "painted steel"
@@ -63,9 +63,10 @@ struct FootprintExamples : testing::Test {
 
   fs::path footprints(const std::string& name, const std::vector<std::string>& more = {}) const {
     const fs::path file = folder / name;
-    std::vector<std::string> words{
-        "footprints", folder.write("scene.toml", scene).string(), "--sensor", "camera", "-o", file.string(),
-        "--quiet"};
+    std::vector<std::string> words{"footprints", folder.write("scene.toml", example_scene).string(),
+                                   "--sensor",   "camera",
+                                   "-o",         file.string(),
+                                   "--quiet"};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome outcome = run_program(words);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -134,7 +135,7 @@ TEST_F(FootprintExamples, GeoPandasKnowsTheSceneOnEarth) {
   if (here.empty()) GTEST_SKIP() << "Debian's python3-geopandas is not installed";
   const double area = behind(here, "plan area ");
   const std::string on_earth =
-      "[georeference]\ncrs = \"EPSG:32632\"\norigin_crs = [431000, 5400000]\n" + std::string(scene);
+      "[georeference]\ncrs = \"EPSG:32632\"\norigin_crs = [431000, 5400000]\n" + std::string(example_scene);
   const auto file = folder / "utm.gpkg";
   ASSERT_EQ(run_program({"footprints", folder.write("utm.toml", on_earth).string(), "--sensor", "camera",
                          "-o", file.string(), "--quiet"})

@@ -37,7 +37,7 @@ window_start_m = 1
 window_length_m = 20
 )";
 
-struct Row {
+struct FileRow {
   GIntBig ping, beam, tube, facet, pieces;
   std::string component, material, occluders;
   double area_m2, solid_angle_sr, grazing_deg, near_m, far_m;
@@ -55,7 +55,7 @@ glm::dvec3 area_of(const OGRSimpleCurve& ring) {
   return sum;
 }
 
-std::vector<Row> read_footprints(const fs::path& file, const glm::dvec3& apex) {
+std::vector<FileRow> read_footprints(const fs::path& file, const glm::dvec3& apex) {
   GDALAllRegister();
   const std::unique_ptr<GDALDataset> data(
       GDALDataset::Open(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
@@ -66,26 +66,26 @@ std::vector<Row> read_footprints(const fs::path& file, const glm::dvec3& apex) {
     for (const auto& feature : *upright)
       uprights[feature->GetFieldAsInteger64("footprint")].reset(
           feature->GetGeometryRef()->toMultiLineString()->clone());
-  std::vector<Row> rows;
+  std::vector<FileRow> rows;
   for (const auto& feature : *layer) {
     const auto number = [&](const char* name) { return feature->GetFieldAsDouble(name); };
-    Row row{feature->GetFieldAsInteger64("ping"),
-            feature->GetFieldAsInteger64("beam"),
-            feature->GetFieldAsInteger64("tube"),
-            feature->GetFieldAsInteger64("facet"),
-            feature->GetFieldAsInteger64("pieces"),
-            feature->GetFieldAsString("component"),
-            feature->GetFieldAsString("material"),
-            feature->GetFieldAsString("occluders"),
-            number("area_m2"),
-            number("solid_angle_sr"),
-            number("grazing_deg"),
-            number("slant_range_min_m"),
-            number("slant_range_max_m"),
-            {number("centroid_east_m"), number("centroid_north_m"), number("centroid_up_m")},
-            0,
-            1e9,
-            0};
+    FileRow row{feature->GetFieldAsInteger64("ping"),
+                feature->GetFieldAsInteger64("beam"),
+                feature->GetFieldAsInteger64("tube"),
+                feature->GetFieldAsInteger64("facet"),
+                feature->GetFieldAsInteger64("pieces"),
+                feature->GetFieldAsString("component"),
+                feature->GetFieldAsString("material"),
+                feature->GetFieldAsString("occluders"),
+                number("area_m2"),
+                number("solid_angle_sr"),
+                number("grazing_deg"),
+                number("slant_range_min_m"),
+                number("slant_range_max_m"),
+                {number("centroid_east_m"), number("centroid_north_m"), number("centroid_up_m")},
+                0,
+                1e9,
+                0};
     const OGRGeometry* geometry = feature->GetGeometryRef();
     if (geometry == nullptr) throw std::runtime_error("a footprint without geometry");
     EXPECT_TRUE(geometry->IsValid());
@@ -140,14 +140,14 @@ TEST_P(FootprintFiles, AreReadBackWholeAndConsistent) {
   EXPECT_THAT(outcome.out, HasSubstr("wrote " + file.string()));
   EXPECT_EQ(names_below(folder.path()), (std::set<std::string>{"scene.toml", file.filename().string()}));
 
-  const std::vector<Row> rows = read_footprints(file, {0, 0, 2.5});
+  const std::vector<FileRow> rows = read_footprints(file, {0, 0, 2.5});
   ASSERT_GT(rows.size(), 100u);
   EXPECT_THAT(outcome.out, HasSubstr(fmt::format("({} footprints)", rows.size())));
   double solid_angle = 0;
   std::set<std::string> components;
   std::set<GIntBig> beams;
   std::size_t cut = 0;
-  for (const Row& row : rows) {
+  for (const FileRow& row : rows) {
     SCOPED_TRACE(fmt::format("tube {} facet {}", row.tube, row.facet));
     EXPECT_EQ(row.ping, 0);
     beams.insert(row.beam);
@@ -185,7 +185,7 @@ TEST_P(FootprintFiles, HoldThePingsRequested) {
     const Outcome outcome = write(more);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     std::set<GIntBig> pings;
-    for (const Row& row : read_footprints(file, {0, 0, 0})) pings.insert(row.ping);
+    for (const FileRow& row : read_footprints(file, {0, 0, 0})) pings.insert(row.ping);
     return pings;
   };
   EXPECT_EQ(pings_with({"--pings", "0:1"}), (std::set<GIntBig>{0, 1}));

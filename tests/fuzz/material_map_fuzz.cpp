@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "frame_on_earth.hpp"
 #include "fuzz.hpp"
 #include "gdal_is_quiet.hpp"
 #include "named_file.hpp"
@@ -12,12 +13,6 @@
 
 namespace tubefoot::fuzz {
 namespace {
-
-const LocalFrame& frame_on_earth() {
-  static const LocalFrame frame =
-      LocalFrame::projected("EPSG:32602", 492000, 7060000, 0, SourcePlace{"scene.toml", 1, 1});
-  return frame;
-}
 
 std::vector<MaterialDescription> three_materials() {
   std::vector<MaterialDescription> materials(3);

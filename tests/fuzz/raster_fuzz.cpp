@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "files/shown.hpp"
+#include "frame_on_earth.hpp"
 #include "fuzz.hpp"
 #include "gdal_is_quiet.hpp"
 #include "named_file.hpp"
@@ -14,12 +15,6 @@
 
 namespace tubefoot::fuzz {
 namespace {
-
-const LocalFrame& frame_on_earth() {
-  static const LocalFrame frame =
-      LocalFrame::projected("EPSG:32602", 492000, 7060000, 0, SourcePlace{"scene.toml", 1, 1});
-  return frame;
-}
 
 void terrain(const std::filesystem::path& file, std::uint8_t options, Bytes& bytes) {
   RasterTerrain described;

@@ -13,6 +13,7 @@
 #include "geometry/visibility/exact_direction.hpp"
 #include "geometry/visibility/visibility.hpp"
 #include "prove/plane_signs.hpp"
+#include "prove/small_scenes.hpp"
 
 namespace tubefoot::prove {
 namespace {
@@ -24,17 +25,6 @@ constexpr std::array turns{Law::filtered,        Law::predicate,  Law::facet_ord
                            Law::facet_splitting, Law::filtered,   Law::translation, Law::rational,
                            Law::inner_splitting, Law::predicate,  Law::facet_order, Law::tube_splitting,
                            Law::facet_splitting, Law::translation};
-
-VertexId add_vertex(FacetMesh& mesh, GridPoint p) {
-  mesh.vertices.push_back(p);
-  return static_cast<VertexId>(mesh.vertices.size() - 1);
-}
-
-void add_facet(FacetMesh& mesh, VertexId a, VertexId b, VertexId c) {
-  mesh.facets.push_back({a, b, c});
-  mesh.material.push_back(0);
-  mesh.component.push_back(0);
-}
 
 FacetMesh shuffled(Random& random, const FacetMesh& mesh) {
   FacetMesh result = mesh;

@@ -18,20 +18,6 @@ constexpr std::int32_t range_end = 1 << WorldGrid::coordinate_bits;
 GridPoint sum(GridPoint a, GridPoint b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 GridPoint times(std::int32_t s, GridPoint a) { return {s * a.x, s * a.y, s * a.z}; }
 
-VertexId add_vertex(FacetMesh& mesh, GridPoint p) {
-  mesh.vertices.push_back(p);
-  return static_cast<VertexId>(mesh.vertices.size() - 1);
-}
-void add_facet(FacetMesh& mesh, VertexId a, VertexId b, VertexId c) {
-  mesh.facets.push_back({a, b, c});
-  mesh.material.push_back(0);
-  mesh.component.push_back(0);
-}
-void add_facet(FacetMesh& mesh, GridPoint a, GridPoint b, GridPoint c) {
-  const VertexId ia = add_vertex(mesh, a), ib = add_vertex(mesh, b), ic = add_vertex(mesh, c);
-  add_facet(mesh, ia, ib, ic);
-}
-
 // No call or product contains two draws, because the compiler chooses the order of its operands. (In braces
 // the order is from left to right.)
 

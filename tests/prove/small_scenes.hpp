@@ -40,6 +40,22 @@ constexpr std::array<std::string_view, 16> generator_names{
     "pencils",                // many facets at one edge, many at one vertex
 };
 
+inline VertexId add_vertex(FacetMesh& mesh, GridPoint p) {
+  mesh.vertices.push_back(p);
+  return static_cast<VertexId>(mesh.vertices.size() - 1);
+}
+
+inline void add_facet(FacetMesh& mesh, VertexId a, VertexId b, VertexId c) {
+  mesh.facets.push_back({a, b, c});
+  mesh.material.push_back(0);
+  mesh.component.push_back(0);
+}
+
+inline void add_facet(FacetMesh& mesh, GridPoint a, GridPoint b, GridPoint c) {
+  const VertexId ia = add_vertex(mesh, a), ib = add_vertex(mesh, b), ic = add_vertex(mesh, c);
+  add_facet(mesh, ia, ib, ic);
+}
+
 /// Scene number `index` of a seed: of kind index % generator_names.size().
 SmallScene make_scene(std::uint64_t seed, std::uint64_t index);
 

@@ -10,10 +10,10 @@
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "files/file_hash.hpp"
 #include "fixtures/program.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "scene/description/scene_description.hpp"
 #include "sensors/kinds/scene_file.hpp"
 #include "sensors/recordings/echo_reader.hpp"
@@ -89,7 +89,7 @@ TEST(BenchmarkSuite, FlatSeabedHoldsItsClosedForm) {
   const SensorEchoes echoes = echoes_in_file(suite() / "flat-bed" / "echoes.nc");
   ASSERT_EQ(echoes.beams, 32u);
   ASSERT_EQ(echoes.samples, 256u);
-  constexpr double degree = std::numbers::pi / 180, mu = 0.01, height_m = 2;
+  constexpr double mu = 0.01, height_m = 2;
   const auto edge = [](std::size_t k) {
     const double azimuth = (static_cast<double>(k) - 16) * degree, across = std::cos(30 * degree);
     const double scale = std::ldexp(1.0, 30) - 1;

@@ -9,11 +9,11 @@
 #include <cmath>
 #include <complex>
 #include <functional>
-#include <numbers>
 #include <optional>
 
 #include "files/input_error.hpp"
 #include "fixtures/program.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "run/simulation.hpp"
 #include "run/survey.hpp"
 #include "sensors/formats/signals_netcdf.hpp"
@@ -25,7 +25,6 @@
 namespace tubefoot {
 namespace {
 
-using std::numbers::pi;
 using Complex = std::complex<double>;
 
 constexpr double sound_speed = 1500, floor_z = -3, plate_z = -2, tolerance = 1e-6;
@@ -57,7 +56,7 @@ struct Rectangle {
 const Rectangle bottom{floor_z, -0.5, -0.5, 0.75, 0.5, -0.5},
     plate{plate_z, -0.25, -0.125, 0.125, 0.25, 0.75};
 
-std::string scene(const std::string& sensor, const std::string& more = "") {
+std::string scene_of_plate(const std::string& sensor, const std::string& more = "") {
   return fmt::format(
       "[water]\nsound_speed_m_s = 1500\nabsorption_db_per_km = 40\n"
       "[[materials]]\nname = \"foam\"\nsmooth = true\nreflection = -0.5\n"
@@ -233,15 +232,15 @@ std::optional<glm::dvec3> from_nowhere(std::size_t) { return {}; }
 // Law Q12: a plate before a floor, both smooth, a Hann pulse of one frequency with an offset mixing
 // frequency, and absorption.
 TEST_F(CertifiedSignals, HoldIntegralsOverWhatIsSeen) {
-  expect_held(
-      signals_of(scene("bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\nbaseband_khz = 21\n")),
-      {bottom, plate}, from_nowhere);
+  expect_held(signals_of(scene_of_plate(
+                  "bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\nbaseband_khz = 21\n")),
+              {bottom, plate}, from_nowhere);
 }
 
 // Law Q12 for a chirp with short flanks and shadows of both ends.
 TEST_F(CertifiedSignals, OfAChirpThatEachElementSeesForItself) {
-  const ElementSignals signals =
-      signals_of(scene("bandwidth_khz = 8\npulse_length_us = 700\npulse_taper = 0.3\nown_sights = true\n"));
+  const ElementSignals signals = signals_of(
+      scene_of_plate("bandwidth_khz = 8\npulse_length_us = 700\npulse_taper = 0.3\nown_sights = true\n"));
   expect_held(signals, {bottom, plate}, [&](std::size_t e) { return signals.array.receivers_m[e]; });
 }
 
@@ -253,16 +252,16 @@ TEST_F(CertifiedSignals, OfPlatesThatHideEachOtherFromASeparateReceiver) {
       "v -0.25 -0.125 -2\nv 0.125 -0.125 -2\nv 0.125 0.25 -2\nv -0.25 0.25 -2\n"
       "v -0.125 0 -2.5\nv 0.375 0 -2.5\nv 0.375 0.375 -2.5\nv -0.125 0.375 -2.5\nf 1 2 3 4\nf 5 6 7 8\n");
   const glm::dvec3 place(0.5, 0.25, 0.125);
-  expect_held(
-      signals_of(scene("bandwidth_khz = 4\npulse_length_us = 500\npulse_taper = 1\nreceiver_arm_m = [0.5, "
-                       "0.25, 0.125]\n")),
-      {bottom, plate, lower}, [&](std::size_t) { return place; });
+  expect_held(signals_of(scene_of_plate(
+                  "bandwidth_khz = 4\npulse_length_us = 500\npulse_taper = 1\nreceiver_arm_m = [0.5, "
+                  "0.25, 0.125]\n")),
+              {bottom, plate, lower}, [&](std::size_t) { return place; });
 }
 
 // The signals of the ordinary run are unchanged, and lie about as close as their stated error.
 TEST_F(CertifiedSignals, AreThoseOfAnOrdinaryRun) {
-  const std::string text =
-      scene("bandwidth_khz = 8\npulse_length_us = 700\npulse_taper = 0.8\nsignal_tolerance = 1e-5\n");
+  const std::string text = scene_of_plate(
+      "bandwidth_khz = 8\npulse_length_us = 700\npulse_taper = 0.8\nsignal_tolerance = 1e-5\n");
   const ElementSignals sure = signals_of(text), plain = signals_of(text, std::nullopt);
   EXPECT_TRUE(plain.bound.empty());
   ASSERT_EQ(sure.pressure.size(), plain.pressure.size());
@@ -278,10 +277,10 @@ TEST_F(CertifiedSignals, AreThoseOfAnOrdinaryRun) {
 // without the floor.
 TEST_F(CertifiedSignals, AreOpenWhereRoughSurfacesAreReceived) {
   const std::string sensor = "bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n";
-  std::string rough = scene(sensor);
+  std::string rough = scene_of_plate(sensor);
   const std::string smooth_floor = "name = \"foam\"\nsmooth = true\nreflection = -0.5\n";
   rough.replace(rough.find(smooth_floor), smooth_floor.size(), "name = \"foam\"\nlambert_db = -20\n");
-  const ElementSignals both = signals_of(scene(sensor)), some = signals_of(rough);
+  const ElementSignals both = signals_of(scene_of_plate(sensor)), some = signals_of(rough);
   std::size_t open = 0, sure = 0;
   for (std::size_t e = 0; e < some.receivers(); ++e) {
     const double to_floor_m = 6 + some.array.receivers_m[e].z;
@@ -309,10 +308,11 @@ TEST_F(CertifiedSignals, AreOpenWhereRoughSurfacesAreReceived) {
 TEST_F(CertifiedSignals, AWallThatAReceiverLiesInTakesNothingElseAway) {
   const std::string sensor = "bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n";
   folder.write("wall.obj", "v 0.25 -0.4 -2.9\nv 0.25 0.4 -2.9\nv 0.25 0 -2.4\nf 1 2 3\n");
-  const ElementSignals without = signals_of(scene(sensor)),
-                       with = signals_of(scene(sensor,
-                                               "[[objects]]\nname = \"wall\"\nshape = \"mesh\"\nfile = "
-                                               "\"wall.obj\"\nmaterial = \"steel\"\n"));
+  const ElementSignals without = signals_of(scene_of_plate(sensor)),
+                       with =
+                           signals_of(scene_of_plate(sensor,
+                                                     "[[objects]]\nname = \"wall\"\nshape = \"mesh\"\nfile = "
+                                                     "\"wall.obj\"\nmaterial = \"steel\"\n"));
   double loudest = 0, loudest_open = 0;
   std::size_t open = 0, sure = 0;
   for (std::size_t k = 0; k < with.samples(); ++k) {
@@ -331,7 +331,7 @@ TEST_F(CertifiedSignals, AWallThatAReceiverLiesInTakesNothingElseAway) {
 
 // Without any echo there is no strongest sample, and no quadrature converges to zero.
 TEST_F(CertifiedSignals, OfSurfacesThatReflectNothingAreSilent) {
-  std::string text = scene("bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n");
+  std::string text = scene_of_plate("bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n");
   for (const std::string reflection : {"-0.5\n", "0.75\n"})
     text.replace(text.find("reflection = " + reflection), 13 + reflection.size(), "reflection = 0\n");
   const ElementSignals silent = signals_of(text);
@@ -347,19 +347,19 @@ TEST_F(CertifiedSignals, AreOpenWhereNothingIsProven) {
       EXPECT_TRUE(is_open(signals.bound[k]) || signals.pressure[k] == 0.0) << k;
     EXPECT_GT(std::ranges::count_if(signals.bound, is_open), 20);
   };
-  expect_open(scene(sensor + "transmit_pattern = \"gaussian\"\ntransmit_beam_width_deg = 60\n"));
-  std::string fluid = scene(sensor);
+  expect_open(scene_of_plate(sensor + "transmit_pattern = \"gaussian\"\ntransmit_beam_width_deg = 60\n"));
+  std::string fluid = scene_of_plate(sensor);
   for (const std::string name : {"-0.5\n", "0.75\n"})
     fluid.replace(fluid.find("reflection = " + name), 13 + name.size(),
                   "reflection = " + name + "roughness_m = 0.001\n");
   expect_open(fluid);
-  expect_open(scene(sensor, "[sea_surface]\nheight_m = 2\n[paths]\norder = 2\n"));
+  expect_open(scene_of_plate(sensor, "[sea_surface]\nheight_m = 2\n[paths]\norder = 2\n"));
 }
 
 // The file contains the bounds and returns them. It has no bounds for filtered samples.
 TEST_F(CertifiedSignals, BoundsAreInTheFile) {
   const ElementSignals sure =
-      signals_of(scene("bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n"));
+      signals_of(scene_of_plate("bandwidth_khz = 0\npulse_length_us = 600\npulse_taper = 1\n"));
   write_signals(folder.path() / "signals.nc", sure);
   const ElementSignals read = read_signals(folder.path() / "signals.nc");
   EXPECT_EQ(read.pressure, sure.pressure);

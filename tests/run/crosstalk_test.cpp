@@ -9,12 +9,13 @@
 #include <numbers>
 
 #include "fixtures/world/echoes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 constexpr std::size_t beams = 96, cycles = 8, target = 40;
-constexpr double degree = std::numbers::pi / 180, aperture_m = 0.1015, wavelength_m = 1500 / 1.8e6;
+constexpr double aperture_m = 0.1015, wavelength_m = 1500 / 1.8e6;
 
 double azimuth_of(std::size_t beam) { return (-14.5 + 29.0 / 96 * (double(beam) + 0.5)) * degree; }
 

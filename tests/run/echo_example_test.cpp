@@ -38,7 +38,7 @@ std::string example(const std::string& heading) {
 const std::string reading = "The strongest echo", writing = "Write an echo file";
 
 /// A flat seabed under a camera that by default has the beams and samples of the example.
-const std::string scene =
+const std::string camera_scene =
     replaced(smallest_scene, "kind = \"fixed\"\n", "kind = \"fixed\"\nposition_m = [0, 0, 2]\n") +
     "tilt_deg = 30\n";
 
@@ -48,7 +48,7 @@ struct EchoExamples : testing::Test {
 
   void SetUp() override {
     if (python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
-    echoes_in(folder, scene);
+    echoes_in(folder, camera_scene);
   }
   /// Returns the output of an example for a file.
   std::string run(const std::string& heading, const std::string& file) const {

@@ -11,12 +11,12 @@
 #include "fixtures/csv_rows.hpp"
 #include "fixtures/scene_texts.hpp"
 #include "fixtures/world/echoes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-using std::numbers::pi;
-constexpr double degree = pi / 180, height = 12, width_deg = 10;
+constexpr double height = 12, width_deg = 10;
 
 std::string scene(const std::string& sensor, double pitch_deg = 0, double heading_deg = 30) {
   return still_water() + lambert_material("sand", -20) + flat_terrain(100, 100) +

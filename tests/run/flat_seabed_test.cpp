@@ -15,8 +15,8 @@
 namespace tubefoot {
 namespace {
 
-constexpr double height_m = 10, fan_rad = 1.5 * std::numbers::pi / 180;
-const double mu = std::pow(10, -2.7);
+constexpr double seabed_height_m = 10, fan_rad = 1.5 * std::numbers::pi / 180;
+const double seabed_mu = std::pow(10, -2.7);
 
 /// One beam of 1.5 degrees, 10 m above the seabed, sees the seabed from nearly straight below to 40 m.
 /// `seabed`: a [[terrain]] or [[objects]] entry of material "seabed".
@@ -29,8 +29,8 @@ const std::string two_facets = flat_terrain(128, 128);
 const std::string mesh_seabed = "[[objects]]\nname = \"bed\"\nshape = \"mesh\"\nfile = \"bed.obj\"\n";
 
 /// physics.md 7.5 for the slant ranges near_m to far_m.
-double closed_form(double absorption_db_per_km, double near_m, double far_m) {
-  const double scale = mu * height_m * height_m * fan_rad;
+double seabed_closed_form(double absorption_db_per_km, double near_m, double far_m) {
+  const double scale = seabed_mu * seabed_height_m * seabed_height_m * fan_rad;
   if (absorption_db_per_km == 0) return scale / 4 * (std::pow(near_m, -4) - std::pow(far_m, -4));
   const double beta = 2 * absorption_db_per_km / 1000 * std::numbers::ln10 / 10;
   const auto tail = [&](double range_m) {  // integral of R^-5 exp(-beta R) from range_m to infinity
@@ -46,7 +46,7 @@ double largest_error(const Echoes& echoes, double absorption_db_per_km) {
   std::size_t compared = 0;
   for (std::size_t k = 0; k < echoes.samples; ++k) {
     if (echoes.first_m(k) < 10.05) continue;
-    const double exact = closed_form(absorption_db_per_km, echoes.first_m(k), echoes.last_m(k));
+    const double exact = seabed_closed_form(absorption_db_per_km, echoes.first_m(k), echoes.last_m(k));
     worst = std::max(worst, std::abs(echoes.at(0, 0, k) / exact - 1));
     ++compared;
   }
@@ -56,9 +56,9 @@ double largest_error(const Echoes& echoes, double absorption_db_per_km) {
 
 // Compares closed_form() itself with the figures that the physics sheet prints.
 TEST(FlatSeabed, ClosedFormGivesThePublishedFigures) {
-  EXPECT_NEAR(closed_form(0, 20, 20.05), 8.111093200e-11, 1e-20);
-  EXPECT_NEAR(closed_form(61.5, 20, 20.05), 4.600156e-11, 1e-17);
-  EXPECT_NEAR(closed_form(423.68, 20, 20.05), 1.630223e-12, 1e-18);
+  EXPECT_NEAR(seabed_closed_form(0, 20, 20.05), 8.111093200e-11, 1e-20);
+  EXPECT_NEAR(seabed_closed_form(61.5, 20, 20.05), 4.600156e-11, 1e-17);
+  EXPECT_NEAR(seabed_closed_form(423.68, 20, 20.05), 1.630223e-12, 1e-18);
 }
 
 TEST(FlatSeabed, WithoutAbsorptionEverySampleIsTheClosedForm) {
@@ -84,8 +84,8 @@ TEST(FlatSeabed, WithAbsorptionEverySampleIsTheClosedForm) {
 TEST(FlatSeabed, FadesToNothingInTheStrongestAbsorption) {
   const Echoes echoes = echoes_of(flat_scene(100000, two_facets));
   const std::size_t near = echoes.sample_at(10.06);
-  EXPECT_NEAR(echoes.at(0, 0, near) / closed_form(100000, echoes.first_m(near), echoes.last_m(near)), 1,
-              1e-6);
+  EXPECT_NEAR(echoes.at(0, 0, near) / seabed_closed_form(100000, echoes.first_m(near), echoes.last_m(near)),
+              1, 1e-6);
   for (std::size_t k = near; k + 1 < echoes.samples; ++k)
     EXPECT_GE(echoes.at(0, 0, k), echoes.at(0, 0, k + 1));
   EXPECT_EQ(echoes.at(0, 0, echoes.samples - 1), 0);
@@ -94,7 +94,7 @@ TEST(FlatSeabed, FadesToNothingInTheStrongestAbsorption) {
 TEST(FlatSeabed, WaterColumnIsEmpty) {
   const Echoes echoes = echoes_of(flat_scene(61.5, two_facets));
   for (std::size_t k = 0; k < echoes.samples; ++k)
-    if (echoes.last_m(k) <= height_m) {
+    if (echoes.last_m(k) <= seabed_height_m) {
       EXPECT_EQ(echoes.at(0, 0, k), 0) << k;
     }
   EXPECT_GT(echoes.at(0, 0, echoes.sample_at(10.06)), 0);

@@ -9,24 +9,24 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <numbers>
 
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
 #include "fixtures/world/echoes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi, degree = pi / 180, height_m = 10;
+constexpr double height_m = 10;
 /// README: in addition to the tolerance of the cones.
 constexpr double readme = 3e-7;
-const double mu = std::pow(10, -2.7);
+const double ideal_mu = std::pow(10, -2.7);
 
 /// A tolerance, and the sensor keys that set it.
 const std::pair<double, const char*> tolerances[] = {{4.5e-5, ""}, {3e-7, "cone_tolerance = 3e-7\n"}};
 
-std::string scene(const std::string& sensor) {
+std::string ideal_scene(const std::string& sensor) {
   return still_water() + lambert_material("bed", -27) + flat_terrain(256, 256) + fixed_at(0, 0, height_m) +
          "[[sensors]]\nname = \"s\"\n" + sensor;
 }
@@ -60,7 +60,7 @@ double expected(const Beam& beam, double from_m, double to_m, double first_turn,
     }
     return sum;
   };
-  return mu * height_m * height_m *
+  return ideal_mu * height_m * height_m *
          boost::math::quadrature::gauss_kronrod<double, 15>::integrate(
              [&](double r) { return std::pow(r, -5) * ring(r); }, from_m, to_m, 12, 1e-9);
 }
@@ -75,7 +75,7 @@ TEST(IdealBeams, ASidescansSamplesAreThoseOfItsCones) {
                     within(-0.25 * degree, along, 0.25 * degree));
   };
   for (const auto& [tolerance, key] : tolerances) {
-    const Echoes echoes = echoes_of(scene(
+    const Echoes echoes = echoes_of(ideal_scene(
         std::string(key) + "kind = \"sidescan\"\nalong_track_deg = 0.5\nrange_max_m = 60\nsamples = 600\n"));
     for (const double range : {10.3, 14.05, 20.0, 27.3, 41.0, 59.0}) {
       const std::size_t k = echoes.sample_at(range);
@@ -90,9 +90,9 @@ TEST(IdealBeams, ASidescansSamplesAreThoseOfItsCones) {
 TEST(IdealBeams, AMultibeamsSamplesAreThoseOfItsConesAndPlanes) {
   for (const auto& [tolerance, key] : tolerances) {
     const Echoes echoes =
-        echoes_of(scene(std::string(key) +
-                        "kind = \"multibeam\"\nbeams = 101\nswath_deg = 150\nbeam_across_deg = 1.5\n"
-                        "along_track_deg = 1.5\nrange_min_m = 5\nrange_max_m = 60\nsamples = 550\n"));
+        echoes_of(ideal_scene(std::string(key) +
+                              "kind = \"multibeam\"\nbeams = 101\nswath_deg = 150\nbeam_across_deg = 1.5\n"
+                              "along_track_deg = 1.5\nrange_min_m = 5\nrange_max_m = 60\nsamples = 550\n"));
     for (const std::size_t beam : {52u, 70u, 90u}) {
       const double across = (double(beam) - 50) * 1.5 * degree;
       const Beam ideal = [&](glm::dvec3 d) {
@@ -115,7 +115,7 @@ TEST(IdealBeams, TiltedFansSamplesAreThoseOfTheirConesAndPlanes) {
   for (const auto& [tolerance, key] : tolerances)
     for (const std::string kind : {"kind = \"didson\"\nwindow_start_m = 12\nwindow_length_m = 30\n",
                                    "kind = \"imaging\"\nrange_min_m = 12\nrange_max_m = 42\n"}) {
-      const Echoes echoes = echoes_of(scene(key + kind + fan));
+      const Echoes echoes = echoes_of(ideal_scene(key + kind + fan));
       for (const std::size_t beam : {4u, 7u}) {
         const double from = (double(beam) - 4) * 3 * degree;
         const Beam ideal = [&](glm::dvec3 d) {
@@ -149,8 +149,8 @@ TEST(IdealBeams, EveryKindIsWithinTheFigureOfItsReference) {
         "range_max_m = 25\nsamples = 40\n",
         "kind = \"echosounder\"\nrange_min_m = 5\nrange_max_m = 15\nsamples = 400\nbeam_deg = 6\n"}) {
     SCOPED_TRACE(sensor);
-    const Echoes plain = echoes_of(scene(sensor));
-    const Echoes certified = echoes_of(scene(sensor), {"--reference", "--tolerance", "1e-9"});
+    const Echoes plain = echoes_of(ideal_scene(sensor));
+    const Echoes certified = echoes_of(ideal_scene(sensor), {"--reference", "--tolerance", "1e-9"});
     std::size_t lit = 0;
     for (std::size_t beam = 0; beam < plain.beams; ++beam) {
       double loudest = 0;

@@ -6,20 +6,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "fixtures/csv_rows.hpp"
 #include "fixtures/netcdf_reader.hpp"
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/receiver/phase_noise.hpp"
 
 namespace tubefoot {
 namespace {
 
-using std::numbers::pi;
-constexpr double degree = pi / 180, depth = 10, slope = 0.15, step = 0.02, baseline = 0.006,
-                 tilt = 30 * degree;
+constexpr double depth = 10, slope = 0.15, step = 0.02, baseline = 0.006, tilt = 30 * degree;
 constexpr double wavelength = 1500 / 500e3;
 
 /// A plane that rises by `slope` to starboard (east), 10 m below the sensor.

@@ -19,6 +19,7 @@
 #include "fixtures/netcdf_reader.hpp"
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "run/simulation.hpp"
 #include "run/survey.hpp"
 #include "sensors/kinds/scene_file.hpp"
@@ -517,7 +518,7 @@ std::string seabed_via_the_surface(std::string_view paths) {
 /// directions in which the product of both gains is at least `least`. It uses the midpoint rule in polar
 /// coordinates about the foot point of the sonar. The camera looks north.
 double received_over_the_surface(double least) {
-  constexpr double below_m = 3, image_m = 5, mu = 0.01, degree = std::numbers::pi / 180;
+  constexpr double below_m = 3, image_m = 5, mu = 0.01;
   constexpr int distances = 1000, azimuths = 600;
   constexpr double farthest_m = 12, widest_rad = 19 * degree;
   const auto gain = [](double angle, double width) {

@@ -21,7 +21,7 @@ using namespace test;
 
 constexpr double from_m = 250, to_m = 410;
 
-std::string scene(const std::string& water = {}, int samples = 80) {
+std::string late_scene(const std::string& water = {}, int samples = 80) {
   return "[water]\nsurface_height_m = 40\nprofile = \"table\"\nprofile_file = \"profile.csv\"\n"
          "absorption_db_per_km = 0\n" +
          water + lambert_material("bed", -27) + flat_terrain(1000, 1000) +
@@ -84,7 +84,7 @@ double sum_of(const std::vector<double>& energy) { return std::reduce(energy.beg
 
 TEST(LaterArrivalsRun, AreAllReceived) {
   const ProfileFolder folder;
-  const Echoes echoes = echoes_in(folder, scene());
+  const Echoes echoes = echoes_in(folder, late_scene());
   const std::vector<double> straight = fan(1e-4, 0.8, echoes.samples),
                             turned = fan(-TurningWater::steepest_rad, -1e-4, echoes.samples),
                             between = crossed(echoes.samples);
@@ -102,7 +102,7 @@ TEST(LaterArrivalsRun, AreAllReceived) {
 
 TEST(LaterArrivalsRun, AreCounted) {
   const ProfileFolder folder;
-  const auto file = folder.write("scene.toml", scene());
+  const auto file = folder.write("scene.toml", late_scene());
   const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err.find("several rays"), std::string::npos) << outcome.err;
@@ -120,7 +120,7 @@ TEST(LaterArrivalsRun, AreCounted) {
 // eigenrays.
 TEST(LaterArrivalsRun, AreNotMissedWhereNoPathGoesOverTheSurface) {
   const ProfileFolder folder;
-  const auto file = folder.write("scene.toml", scene() + "[sea_surface]\nheight_m = 40\n");
+  const auto file = folder.write("scene.toml", late_scene() + "[sea_surface]\nheight_m = 40\n");
   const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err.find("several rays"), std::string::npos) << outcome.err;
@@ -136,7 +136,7 @@ TEST(LaterArrivalsRun, AreNotMissedWhereNoPathGoesOverTheSurface) {
 // A separate receiver uses only the first eigenray, and the run reports this.
 TEST(LaterArrivalsRun, SeparateReceiversSayWhatTheyLack) {
   const ProfileFolder folder;
-  const auto file = folder.write("scene.toml", scene() + "receiver_arm_m = [0, 1, 0]\n");
+  const auto file = folder.write("scene.toml", late_scene() + "receiver_arm_m = [0, 1, 0]\n");
   const Outcome outcome = run_program({"run", file.string(), "-o", (folder / "out").string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("several rays, with at most 1 turning point"));
@@ -146,14 +146,15 @@ TEST(LaterArrivalsRun, SeparateReceiversSayWhatTheyLack) {
 // Random rays meet the same eigenray branches.
 TEST(LaterArrivalsRun, RaysHearWhatTubesHear) {
   const ProfileFolder folder;
-  const double tubes = echoes_in(folder, scene()).total(),
-               rays = echoes_in(folder, scene(), {"--engine", "ray", "--rays-per-beam", "200000"}).total();
+  const double tubes = echoes_in(folder, late_scene()).total(),
+               rays =
+                   echoes_in(folder, late_scene(), {"--engine", "ray", "--rays-per-beam", "200000"}).total();
   EXPECT_NEAR(rays / tubes, 1, 0.02);
 }
 
 TEST(LaterArrivalsRun, WithoutTurnsOnlyTheFallingRayIsFollowed) {
   const ProfileFolder folder;
-  const Echoes echoes = echoes_in(folder, scene("refraction_turns = 0\n"));
+  const Echoes echoes = echoes_in(folder, late_scene("refraction_turns = 0\n"));
   const std::vector<double> straight = fan(1e-4, 0.8, echoes.samples);
   EXPECT_NEAR(echoes.total() / std::reduce(straight.begin(), straight.end()), 1, 0.01);
 }
@@ -161,7 +162,7 @@ TEST(LaterArrivalsRun, WithoutTurnsOnlyTheFallingRayIsFollowed) {
 // No reference encloses the arrivals over several eigenrays: their bins have no bound.
 TEST(LaterArrivalsRun, ReferencesSayWhereTheyHaveNoBound) {
   const ProfileFolder folder;
-  const Echoes echoes = echoes_in(folder, scene({}, 16), {"--reference", "--tolerance", "0.1"});
+  const Echoes echoes = echoes_in(folder, late_scene({}, 16), {"--reference", "--tolerance", "0.1"});
   const std::vector<double> turned = fan(-TurningWater::steepest_rad, -1e-4, echoes.samples);
   for (std::size_t k = 0; k < echoes.samples; ++k)
     if (turned[k] > 0) {

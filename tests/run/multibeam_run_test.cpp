@@ -14,6 +14,7 @@
 #include "fixtures/multibeam_runs.hpp"
 #include "fixtures/netcdf_reader.hpp"
 #include "fixtures/packet_reader.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "run/survey.hpp"
 #include "sensors/kinds/scene_file.hpp"
 

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-constexpr const char* scene = R"(
+constexpr const char* units_scene = R"(
 [georeference]
 origin_lat_lon_deg = [59.0, 10.0]
 [run]
@@ -92,7 +92,7 @@ void gather(int group, std::set<std::string>& units) {
 class NetcdfFiles : public testing::Test {
  protected:
   void SetUp() override {
-    folder.write("scene.toml", scene);
+    folder.write("scene.toml", units_scene);
     const Outcome ran =
         run_program({"run", (folder / "scene.toml").string(), "-o", (folder / "out").string(), "--quiet"});
     ASSERT_EQ(ran.exit_code, 0) << ran.err;

@@ -12,9 +12,9 @@
 namespace tubefoot {
 namespace {
 
-const std::string scene = lambert_material("sand", -27) + lambert_material("steel", -10) +
-                          flat_terrain(30, 30, "material = \"sand\"\n") +
-                          ball_and_box("material = \"steel\"\n") + fixed_at(0, 0, 2) + R"([[sensors]]
+const std::string ray_scene = lambert_material("sand", -27) + lambert_material("steel", -10) +
+                              flat_terrain(30, 30, "material = \"sand\"\n") +
+                              ball_and_box("material = \"steel\"\n") + fixed_at(0, 0, 2) + R"([[sensors]]
 name = "camera"
 kind = "didson"
 tilt_deg = 25
@@ -33,7 +33,7 @@ std::vector<std::string> rays(int count, int seed) {
 /// Mean and standard deviation of the total energy over five seeds.
 std::pair<double, double> spread(int count) {
   std::vector<double> totals;
-  for (int seed = 1; seed <= 5; ++seed) totals.push_back(echoes_of(scene, rays(count, seed)).total());
+  for (int seed = 1; seed <= 5; ++seed) totals.push_back(echoes_of(ray_scene, rays(count, seed)).total());
   double mean = 0, square = 0;
   for (const double total : totals) mean += total / 5;
   for (const double total : totals) square += (total - mean) * (total - mean) / 4;
@@ -41,7 +41,7 @@ std::pair<double, double> spread(int count) {
 }
 
 TEST(RayRun, TotalEnergyConvergesToTheTubeEngines) {
-  const double exact = echoes_of(scene).total();
+  const double exact = echoes_of(ray_scene).total();
   const auto [few_mean, few_deviation] = spread(2000);
   const auto [many_mean, many_deviation] = spread(200000);
   // The mean of five lies within six of its own standard errors. The errors of Embree's floats are far
@@ -54,7 +54,7 @@ TEST(RayRun, TotalEnergyConvergesToTheTubeEngines) {
 }
 
 TEST(RayRun, EverySampleComesClose) {
-  const Echoes exact = echoes_of(scene), sampled = echoes_of(scene, rays(1000000, 3));
+  const Echoes exact = echoes_of(ray_scene), sampled = echoes_of(ray_scene, rays(1000000, 3));
   double difference = 0;
   for (std::size_t k = 0; k < exact.energy.size(); ++k)
     difference += std::abs(exact.energy[k] - sampled.energy[k]);
@@ -68,7 +68,7 @@ TEST(RayRun, EverySampleComesClose) {
 TEST(RayRun, SameSeedSameFile) {
   const TestFolder folder;
   const auto bytes = [&](const std::vector<std::string>& arguments) {
-    echoes_in(folder, scene, arguments);
+    echoes_in(folder, ray_scene, arguments);
     return bytes_of(folder / "results" / "echoes.nc");
   };
   const std::string once = bytes(rays(3000, 7));
@@ -81,7 +81,7 @@ TEST(RayRun, SameSeedSameFile) {
 
 TEST(RayRun, StatisticsAndResultsNameEngineRaysAndSeed) {
   const TestFolder folder;
-  echoes_in(folder, scene, rays(4321, 9));
+  echoes_in(folder, ray_scene, rays(4321, 9));
   const auto stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
   EXPECT_EQ(stats["engine"], "ray");
   EXPECT_EQ(stats["rays_per_ping"], 4321);
@@ -95,12 +95,14 @@ TEST(RayRun, StatisticsAndResultsNameEngineRaysAndSeed) {
 
 TEST(RayRun, CommandLineGoesBeforeTheSceneFile) {
   const TestFolder folder;
-  echoes_in(folder, scene + "[run]\nengine = \"ray\"\nrays_per_ping = 1000\nseed = 4\n", {"--rays", "2000"});
+  echoes_in(folder, ray_scene + "[run]\nengine = \"ray\"\nrays_per_ping = 1000\nseed = 4\n",
+            {"--rays", "2000"});
   auto stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
   EXPECT_EQ(stats["engine"], "ray");
   EXPECT_EQ(stats["rays_per_ping"], 2000);
   EXPECT_EQ(stats["seed"], 4);
-  echoes_in(folder, scene + "[run]\nengine = \"ray\"\n", {"--engine", "tube", "--arithmetic", "filtered"});
+  echoes_in(folder, ray_scene + "[run]\nengine = \"ray\"\n",
+            {"--engine", "tube", "--arithmetic", "filtered"});
   stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
   EXPECT_EQ(stats["engine"], "tube");
   EXPECT_EQ(stats["arithmetic"], "filtered");
@@ -109,13 +111,13 @@ TEST(RayRun, CommandLineGoesBeforeTheSceneFile) {
 TEST(RayRun, EverySamplingTakesEveryCountPerBeam) {
   // Numbers of rays per beam of existing simulators, from one to seventeen thousand.
   const TestFolder folder;
-  const double exact = echoes_of(scene).total();
+  const double exact = echoes_of(ray_scene).total();
   for (const std::string sampling : {"stratified", "sobol", "adaptive", "regular", "random", "column"})
     for (const int count : {1, 11, 23, 114, 1500, 17000}) {
       SCOPED_TRACE(sampling + ", " + std::to_string(count) + " rays per beam");
       const std::string run = sampling == "column" ? "[run]\nrays_per_beam = 3\n" : "";
       const double total =
-          echoes_in(folder, scene + run,
+          echoes_in(folder, ray_scene + run,
                     {"--engine", "ray", "--sampling", sampling, "--rays-per-beam", std::to_string(count)})
               .total();
       const auto stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
@@ -132,7 +134,7 @@ TEST(RayRun, EverySamplingTakesEveryCountPerBeam) {
 
 TEST(RayRun, CountsByPingAndByBeamExcludeEachOther) {
   const TestFolder folder;
-  const std::string file = folder.write("scene.toml", scene).string();
+  const std::string file = folder.write("scene.toml", ray_scene).string();
   const auto refused = [&](std::vector<std::string> options, const char* says) {
     std::vector<std::string> arguments{"run", file, "-o", (folder / "results").string()};
     arguments.insert(arguments.end(), options.begin(), options.end());
@@ -146,10 +148,10 @@ TEST(RayRun, CountsByPingAndByBeamExcludeEachOther) {
   refused({"--rays-per-beam", "2.5"}, "--rays-per-beam");
   refused({"--sampling", "halton"}, "halton");
   // The count of the command line replaces that of the scene, in either notation of the scene.
-  echoes_in(folder, scene + "[run]\nengine = \"ray\"\nrays_per_beam = 7\n", {"--rays", "2000"});
+  echoes_in(folder, ray_scene + "[run]\nengine = \"ray\"\nrays_per_beam = 7\n", {"--rays", "2000"});
   auto stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
   EXPECT_EQ(stats["rays_per_ping"], 2000);
-  echoes_in(folder, scene + "[run]\nengine = \"ray\"\nrays_per_beam = 7\nsampling = \"regular\"\n");
+  echoes_in(folder, ray_scene + "[run]\nengine = \"ray\"\nrays_per_beam = 7\nsampling = \"regular\"\n");
   stats = nlohmann::json::parse(bytes_of(folder / "results" / "stats.json"));
   EXPECT_EQ(stats["rays_per_beam"], 7);
   EXPECT_EQ(stats["sampling"], "regular");

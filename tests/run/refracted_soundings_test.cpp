@@ -21,7 +21,7 @@ using namespace multibeam_for_tests;
 using testing::Contains;
 using testing::ElementsAre;
 
-const std::string gradient =
+const std::string gradient_keys =
     "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = -1\nprofile_bottom_m = 40\n";
 constexpr double sonar_m = -10, seabed_m = -30;
 
@@ -77,7 +77,7 @@ GsfContent gsf_in(const std::filesystem::path& path) {
 
 TEST(RefractedSoundings, OfAFlatSeabedLieOnItInEveryFile) {
   const TestFolder folder;
-  run(folder, over_a_flat_seabed(gradient, fan));
+  run(folder, over_a_flat_seabed(gradient_keys, fan));
   const auto soundings = soundings_in(folder / "out/sonar-soundings.csv");
   ASSERT_EQ(soundings.size(), 101u);
   const GsfContent gsf = gsf_in(folder / "out/sonar.gsf");
@@ -110,7 +110,7 @@ TEST(RefractedSoundings, OfAFlatSeabedLieOnItInEveryFile) {
 
 TEST(RefractedSoundings, SayInGsfWhatWasDoneAndByWhichProfile) {
   const TestFolder folder;
-  run(folder, over_a_flat_seabed(gradient, fan));
+  run(folder, over_a_flat_seabed(gradient_keys, fan));
   const GsfContent traced = gsf_in(folder / "out/sonar.gsf");
   EXPECT_THAT(traced.parameters, Contains("DEPTH_CALCULATION=CORRECTED"));
   EXPECT_THAT(traced.parameters, Contains("RAY_TRACING=YES"));
@@ -136,7 +136,8 @@ TEST(RefractedSoundings, SayInGsfWhatWasDoneAndByWhichProfile) {
 TEST(RefractedSoundings, OfAnEchosounderLieOnTheRayOfItsAxis) {
   const TestFolder folder;
   std::string scene = over_a_flat_seabed(
-      gradient, "kind = \"echosounder\"\nbeam_deg = 1\nrange_min_m = 1\nrange_max_m = 41\nsamples = 4000\n");
+      gradient_keys,
+      "kind = \"echosounder\"\nbeam_deg = 1\nrange_min_m = 1\nrange_max_m = 41\nsamples = 4000\n");
   scene.replace(scene.find("roll_deg = 2"), 12, "roll_deg = 40");
   run(folder, scene);
   const auto rows = csv_rows(folder / "out/sonar.csv");
@@ -149,7 +150,7 @@ TEST(RefractedSoundings, OfAnEchosounderLieOnTheRayOfItsAxis) {
 
 TEST(RefractedSoundings, OfAnInterferometerLieOnTheSeabed) {
   const TestFolder folder;
-  run(folder, over_a_flat_seabed(gradient,
+  run(folder, over_a_flat_seabed(gradient_keys,
                                  "kind = \"interferometric\"\nfrequency_khz = 100\nbaseline_m = 0.007\n"
                                  "along_track_deg = 2\ndepression_min_deg = 10\ndepression_max_deg = 70\n"
                                  "range_min_m = 24\nrange_max_m = 84\nsamples = 240\n"));

@@ -24,7 +24,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr std::string_view scene = R"(
+constexpr std::string_view scene_with_relief = R"(
 [[materials]]
 name = "sand"
 lambert_db = -25
@@ -63,7 +63,7 @@ tolerance = 0
 )";
 
 std::string offline_scene(std::string_view more = "") {
-  return replaced(scene, "tolerance = 0", fmt::format("mode = \"offline\"{}", more));
+  return replaced(scene_with_relief, "tolerance = 0", fmt::format("mode = \"offline\"{}", more));
 }
 
 struct Result {
@@ -87,7 +87,7 @@ Result run_scene(const TestFolder& folder, const std::string& name, std::string_
 
 TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
   const TestFolder folder;
-  const Result online = run_scene(folder, "online", scene),
+  const Result online = run_scene(folder, "online", scene_with_relief),
                offline = run_scene(folder, "offline", offline_scene());
   ASSERT_FALSE(online.energy.empty());
   EXPECT_EQ(online.energy, offline.energy);
@@ -96,9 +96,9 @@ TEST(ReliefRun, OnlineEqualsOfflineEqualsTheFile) {
   ASSERT_EQ(refined.exit_code, 0) << refined.err;
   const Result loaded = run_scene(folder, "loaded", offline_scene("\nfile = \"bed.ply\""));
   EXPECT_EQ(loaded.energy, offline.energy);
-  EXPECT_EQ(run_scene(folder, "one", scene, {"--threads", "1"}).energy, online.energy);
+  EXPECT_EQ(run_scene(folder, "one", scene_with_relief, {"--threads", "1"}).energy, online.energy);
   // The result also differs from flat sand.
-  EXPECT_NE(run_scene(folder, "flat", replaced(scene, "tolerance = 0", "mode = \"off\"")).energy,
+  EXPECT_NE(run_scene(folder, "flat", replaced(scene_with_relief, "tolerance = 0", "mode = \"off\"")).energy,
             online.energy);
 
   const nlohmann::json& told = online.stats.at("relief");
@@ -161,16 +161,16 @@ TEST(ReliefRun, RefractingWaterSeesTheTransmissionsSurface) {
     const auto with = [&](const std::string& text) {
       return water + replaced(text, "pings = 3\nping_interval_s = 1", "pings = 1" + apart);
     };
-    const Result online = run_scene(folder, "online", with(std::string(scene))),
+    const Result online = run_scene(folder, "online", with(std::string(scene_with_relief))),
                  offline = run_scene(folder, "offline", with(offline_scene()));
     ASSERT_FALSE(online.energy.empty());
     EXPECT_EQ(online.energy, offline.energy);
     EXPECT_GT(online.stats.at("relief").at("facets_made").get<double>(), 500);
     EXPECT_EQ(online.stats.at("refraction").at("facets_in_shadow"), 0);
-    EXPECT_NE(
-        run_scene(folder, "even", replaced(scene, "pings = 3\nping_interval_s = 1", "pings = 1" + apart))
-            .energy,
-        online.energy);
+    EXPECT_NE(run_scene(folder, "even",
+                        replaced(scene_with_relief, "pings = 3\nping_interval_s = 1", "pings = 1" + apart))
+                  .energy,
+              online.energy);
   }
 }
 
@@ -185,7 +185,7 @@ TEST(ReliefRun, RefractingWaterEndsReliefAtTheSurface) {
            replaced(replaced(text, "pings = 3\nping_interval_s = 1", "pings = 1"), "tilt_deg = 35",
                     "tilt_deg = -12");
   };
-  const Result online = run_scene(folder, "online", with(std::string(scene))),
+  const Result online = run_scene(folder, "online", with(std::string(scene_with_relief))),
                offline = run_scene(folder, "offline", with(offline_scene()));
   ASSERT_FALSE(online.energy.empty());
   EXPECT_EQ(online.energy, offline.energy);
@@ -194,7 +194,8 @@ TEST(ReliefRun, RefractingWaterEndsReliefAtTheSurface) {
 
 TEST(ReliefRun, AuditAndFootprintsSeeTheTransmissionsSurface) {
   const TestFolder folder;
-  const auto file = folder.write("scene.toml", replaced(scene, "tolerance = 0", "tolerance = 0.05"));
+  const auto file =
+      folder.write("scene.toml", replaced(scene_with_relief, "tolerance = 0", "tolerance = 0.05"));
   const Outcome audit = run_program({"audit", file.string(), "--quiet"});
   EXPECT_EQ(audit.exit_code, 0) << audit.out;
   EXPECT_THAT(audit.out, HasSubstr("failures       0"));
@@ -209,7 +210,7 @@ TEST(ReliefRun, AuditAndFootprintsSeeTheTransmissionsSurface) {
 
 TEST(ReliefRun, OtherEnginesAndTheReferenceSeeItToo) {
   const TestFolder folder;
-  const std::string few = replaced(scene, "pings = 3", "pings = 1");
+  const std::string few = replaced(scene_with_relief, "pings = 3", "pings = 1");
   const Result tubes = run_scene(folder, "tubes", few);
   const Result rays = run_scene(folder, "rays", few, {"--engine", "ray", "--rays", "400000"});
   double sum = 0, apart = 0;
@@ -226,7 +227,8 @@ TEST(ReliefRun, OtherEnginesAndTheReferenceSeeItToo) {
 
 TEST(ReliefRun, TheRunsToleranceIsTheReliefsUnlessTheSceneSaysOne) {
   const TestFolder folder;
-  const std::string silent = replaced(replaced(scene, "tolerance = 0", ""), "pings = 3", "pings = 2"),
+  const std::string silent =
+                        replaced(replaced(scene_with_relief, "tolerance = 0", ""), "pings = 3", "pings = 2"),
                     spoken = replaced(silent, "cell_m = 0.05", "cell_m = 0.05\ntolerance = 0.2");
   const auto taken = [&](const std::string& name, std::string_view text, std::vector<std::string> more) {
     return run_scene(folder, name, text, std::move(more)).stats.at("relief").at("tolerance").get<double>();
@@ -245,14 +247,16 @@ receiver_arm_m = [0.03, 0, 0])";
 
 TEST(ReliefRun, ASeparateReceiverAndSensorsThatShareTransmissionsSeeTheTransmissionsSurface) {
   const TestFolder folder;
-  const std::string head(scene.substr(0, scene.find("[relief]"))), tail(scene.substr(scene.find("[relief]")));
+  const std::string head(scene_with_relief.substr(0, scene_with_relief.find("[relief]"))),
+      tail(scene_with_relief.substr(scene_with_relief.find("[relief]")));
   const std::string camera = head.substr(head.find("[[sensors]]"));
   // The second sensor has a longer range: the surface must extend to the longest range.
   const std::string two =
       head +
       replaced(replaced(camera, "\"camera\"", "\"far\""), "window_length_m = 2", "window_length_m = 3") +
       tail;
-  const std::string receiver = replaced(scene, "tilt_deg = 35", "tilt_deg = 35" + std::string(apart));
+  const std::string receiver =
+      replaced(scene_with_relief, "tilt_deg = 35", "tilt_deg = 35" + std::string(apart));
   for (const auto& [name, text] : {std::pair<std::string, std::string>{"two", two}, {"apart", receiver}}) {
     const Result online = run_scene(folder, name + "-online", text),
                  offline = run_scene(folder, name + "-offline",
@@ -277,7 +281,7 @@ TEST(ReliefRun, ASeparateReceiverAndSensorsThatShareTransmissionsSeeTheTransmiss
 TEST(ReliefRun, TransmissionsThatSeeNoReliefAreThoseOfFlatSurface) {
   const TestFolder folder;
   // Relief on an object only, next to the track; and a track that looks past everything.
-  const std::string object = replaced(scene, "[[terrain]]",
+  const std::string object = replaced(scene_with_relief, "[[terrain]]",
                                       R"([[materials]]
 name = "mud"
 lambert_db = -30
@@ -294,9 +298,9 @@ material = "mud")");
                flat = run_scene(folder, "flat", replaced(object, "tolerance = 0", "mode = \"off\""));
   ASSERT_FALSE(with.energy.empty());
   EXPECT_EQ(with.energy, flat.energy);
-  const Result over = run_scene(
-      folder, "over",
-      replaced(replaced(scene, "[0.2, -5, 1.5]", "[0.2, -5, 50]"), "[0.2, 5, 1.5]", "[0.2, 5, 50]"));
+  const Result over = run_scene(folder, "over",
+                                replaced(replaced(scene_with_relief, "[0.2, -5, 1.5]", "[0.2, -5, 50]"),
+                                         "[0.2, 5, 1.5]", "[0.2, 5, 50]"));
   ASSERT_FALSE(over.energy.empty());
   for (const double energy : over.energy) EXPECT_EQ(energy, 0);
   EXPECT_EQ(over.stats.at("relief").at("facets_made"), 0);
@@ -313,21 +317,22 @@ TEST(ReliefRun, RefusesWhatCannotBe) {
     return outcome.err;
   };
   // The sensor is 1 mm above the flat seabed, but under a crest of the relief somewhere.
-  EXPECT_THAT(refused(replaced(replaced(scene, "[0.2, -5, 1.5]", "[0.2, -5, 0.001]"), "[0.2, 5, 1.5]",
-                               "[0.2, 5, 0.001]")),
+  EXPECT_THAT(refused(replaced(replaced(scene_with_relief, "[0.2, -5, 1.5]", "[0.2, -5, 0.001]"),
+                               "[0.2, 5, 1.5]", "[0.2, 5, 0.001]")),
               HasSubstr("below the seabed"));
-  EXPECT_THAT(refused(replaced(scene, "cell_m = 0.05", "cell_m = 1e-6")),
+  EXPECT_THAT(refused(replaced(scene_with_relief, "cell_m = 0.05", "cell_m = 1e-6")),
               HasSubstr("too small for the grid"));
   const std::string vast =
       replaced(replaced(offline_scene(), "cell_m = 0.05", "cell_m = 0.001"), "width_m = 12", "width_m = 64");
   EXPECT_THAT(refused(vast), HasSubstr("facets, more than 100000000"));
-  EXPECT_THAT(refused(replaced(scene, "tolerance = 0", "mode = \"off\""), "refine"),
+  EXPECT_THAT(refused(replaced(scene_with_relief, "tolerance = 0", "mode = \"off\""), "refine"),
               HasSubstr("nothing to refine"));
   // A level mirror with relief is not level.
-  EXPECT_THAT(refused("[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = "
-                      "1\nprofile_bottom_m = 12\nsurface_height_m = 8\n" +
-                      replaced(scene, "lambert_db = -25", "lambert_db = -25\nspecular_loss_db = 10")),
-              AllOf(HasSubstr("is a mirror on facets that are not horizontal"), HasSubstr("scene.toml:")));
+  EXPECT_THAT(
+      refused("[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = "
+              "1\nprofile_bottom_m = 12\nsurface_height_m = 8\n" +
+              replaced(scene_with_relief, "lambert_db = -25", "lambert_db = -25\nspecular_loss_db = 10")),
+      AllOf(HasSubstr("is a mirror on facets that are not horizontal"), HasSubstr("scene.toml:")));
 }
 
 }  // namespace

@@ -17,9 +17,10 @@ namespace tubefoot {
 namespace {
 
 constexpr int beams = 12, samples = 200;
-constexpr double fan_rad = 2.4 * std::numbers::pi / 180, eye_m = 1, first_m = 3, length_m = 8, cell_m = 0.01;
+constexpr double shadow_fan_rad = 2.4 * std::numbers::pi / 180, eye_m = 1, first_m = 3, length_m = 8,
+                 cell_m = 0.01;
 
-constexpr std::string_view relief = R"([[materials.relief]]
+constexpr std::string_view shadowing_relief = R"([[materials.relief]]
 kind = "fbm"
 hurst = 0.8
 rms_height_m = 0.12
@@ -34,7 +35,7 @@ depth = 0.9
 
 /// A camera 1 m above the seabed that looks horizontally north. Beams are bounded by vertical planes. From
 /// 3 to 11 m of slant range, rays would meet a flat seabed at 19 to 5 degrees.
-std::string scene_of(std::string_view textures, std::string_view more = "") {
+std::string shadow_scene_of(std::string_view textures, std::string_view more = "") {
   return fmt::format(R"(
 [water]
 sound_speed_m_s = 1500
@@ -73,12 +74,12 @@ class HeightMarch {
   static constexpr double step_m = 0.005;
 
   HeightMarch(const ElevationField& field, int beam) : rays_(strips + 1), distance_m_(nodes()) {
-    const double spacing_m = 12 * fan_rad / (beams * strips);  // at 12 m, the farthest
+    const double spacing_m = 12 * shadow_fan_rad / (beams * strips);  // at 12 m, the farthest
     slack_m_ = 2e-6 + field.left_out(cell_m).largest_height_m +
                field.left_out(std::hypot(step_m, spacing_m)).largest_height_m;
     for (std::size_t k = 0; k < nodes(); ++k) distance_m_[k] = 0.5 + static_cast<double>(k) * step_m;
     for (int i = 0; i <= strips; ++i) {
-      const double azimuth = fan_rad * ((beam + static_cast<double>(i) / strips) / beams - 0.5);
+      const double azimuth = shadow_fan_rad * ((beam + static_cast<double>(i) / strips) / beams - 0.5);
       for (const double r : distance_m_)
         rays_[static_cast<std::size_t>(i)].push_back(
             field.height_m({r * std::sin(azimuth), r * std::cos(azimuth), 0}));
@@ -139,7 +140,7 @@ class HeightMarch {
   double slack_m_ = 0;
 };
 
-std::string seeded(int seed) { return fmt::format("{}seed = {}\n", relief, seed); }
+std::string seeded(int seed) { return fmt::format("{}seed = {}\n", shadowing_relief, seed); }
 
 const std::string online = fmt::format("[relief]\ncell_m = {}\ntolerance = 0\n", cell_m),
                   offline = fmt::format("[relief]\ncell_m = {}\nmode = \"offline\"\n", cell_m);
@@ -155,11 +156,11 @@ TEST(ReliefShadow, DarkPixelsAreThoseOfAMarchOverTheHeights) {
   int hidden = 0;
   for (const int seed : seeds) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
-    const Echoes echoes = echoes_of(scene_of(seeded(seed), online));
+    const Echoes echoes = echoes_of(shadow_scene_of(seeded(seed), online));
     ASSERT_EQ(echoes.energy.size(), beams * samples);
     const TestFolder folder;
     const Scene scene =
-        load_scene(read_scene_file(folder.write("scene.toml", scene_of(seeded(seed), online))));
+        load_scene(read_scene_file(folder.write("scene.toml", shadow_scene_of(seeded(seed), online))));
     int dark = 0, lit = 0;
     for (int beam = 0; beam < beams; ++beam) {
       const std::vector<Light> light = HeightMarch(*scene.relief.at(0), beam).samples_of_beam();
@@ -183,8 +184,8 @@ TEST(ReliefShadow, DarkPixelsAreThoseOfAMarchOverTheHeights) {
 }
 
 TEST(ReliefShadow, SameOnlineAndOffline) {
-  const Echoes transmission = echoes_of(scene_of(seeded(1), online)),
-               whole = echoes_of(scene_of(seeded(1), offline));
+  const Echoes transmission = echoes_of(shadow_scene_of(seeded(1), online)),
+               whole = echoes_of(shadow_scene_of(seeded(1), offline));
   EXPECT_GT(dark_fraction(transmission), 0.1);
   for (std::size_t k = 0; k < transmission.energy.size(); ++k)
     ASSERT_EQ(transmission.energy[k] == 0, whole.energy[k] == 0) << "pixel " << k;
@@ -192,13 +193,13 @@ TEST(ReliefShadow, SameOnlineAndOffline) {
 }
 
 TEST(ReliefShadow, MicroTextureMakesNone) {
-  const Echoes even = echoes_of(scene_of("")), textured = echoes_of(scene_of(micro));
+  const Echoes even = echoes_of(shadow_scene_of("")), textured = echoes_of(shadow_scene_of(micro));
   EXPECT_EQ(dark_fraction(even), 0);
   EXPECT_EQ(dark_fraction(textured), 0);
   EXPECT_GT(largest_relative_difference(even, textured), 0.3);
   // On relief, the shadows are those of the relief.
-  const Echoes rough = echoes_of(scene_of(seeded(1), online)),
-               both = echoes_of(scene_of(seeded(1) + std::string(micro), online));
+  const Echoes rough = echoes_of(shadow_scene_of(seeded(1), online)),
+               both = echoes_of(shadow_scene_of(seeded(1) + std::string(micro), online));
   EXPECT_GT(dark_fraction(rough), 0.1);
   for (std::size_t k = 0; k < rough.energy.size(); ++k)
     ASSERT_EQ(both.energy[k] == 0, rough.energy[k] == 0) << "pixel " << k;

@@ -10,11 +10,12 @@
 #include "fixtures/csv_rows.hpp"
 #include "fixtures/scene_texts.hpp"
 #include "fixtures/world/echoes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180, height_m = 4;
+constexpr double height_m = 4;
 
 std::string scene(const std::string& sensor, const std::string& carried = fixed_at(0, 0, height_m)) {
   return still_water() + lambert_material("bed", -27) + flat_terrain(128, 128) +

@@ -7,18 +7,18 @@
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
-#include <numbers>
 
 #include "fixtures/program.hpp"
 #include "fixtures/world/echoes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr double pi = std::numbers::pi, away_m = 6, radius_m = 1;
-const double mu = std::pow(10, -1.0);
+constexpr double away_m = 6, radius_m = 1;
+const double object_mu = std::pow(10, -1.0);
 
 std::string scene(const std::string& object, int samples) {
   return fmt::format(R"(
@@ -57,7 +57,7 @@ double closed_form(double from_m, double to_m) {
   return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
       [&](double r) {
         const double cosine = (d * d - a * a - r * r) / (2 * a * r);
-        return mu * cosine * cosine * std::pow(r, -4) * 2 * pi * a * r / d;
+        return object_mu * cosine * cosine * std::pow(r, -4) * 2 * pi * a * r / d;
       },
       from_m, to_m, 8, 1e-12);
 }

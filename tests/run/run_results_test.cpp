@@ -17,17 +17,18 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A camera and a sidescan over the tetrahedron.
-const std::string scene = std::string(small_scene) +
-                          "[[sensors]]\nname = \"side\"\nkind = \"sidescan\"\npings = 5\nsamples = 100\n"
-                          "range_max_m = 12\nalong_track_deg = 2\n"
-                          "[georeference]\norigin_lat_lon_deg = [48, -4]\n";
+const std::string results_scene =
+    std::string(small_scene) +
+    "[[sensors]]\nname = \"side\"\nkind = \"sidescan\"\npings = 5\nsamples = 100\n"
+    "range_max_m = 12\nalong_track_deg = 2\n"
+    "[georeference]\norigin_lat_lon_deg = [48, -4]\n";
 
 struct RunResults : testing::Test {
   TestFolder folder;
   const fs::path results = folder / "results";
   RunResults() { folder.write("thing.obj", tetrahedron); }
   Echoes run(const std::vector<std::string>& arguments = {}) const {
-    return echoes_in(folder, scene, arguments, "camera");
+    return echoes_in(folder, results_scene, arguments, "camera");
   }
 };
 

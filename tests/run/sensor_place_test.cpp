@@ -18,8 +18,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-std::string scene(const std::string& position, const std::string& sensor = "beams = 2\nhorizontal_deg = 2\n",
-                  const std::string& more = "") {
+std::string placed_scene(const std::string& position,
+                         const std::string& sensor = "beams = 2\nhorizontal_deg = 2\n",
+                         const std::string& more = "") {
   return R"([water]
 sound_speed_m_s = 1500
 absorption_db_per_km = 0
@@ -61,16 +62,16 @@ void expect_refused(const std::string& text, const std::vector<std::string>& wor
 }
 
 TEST(SensorPlace, OnASeabedAnEdgeOrAVertexIsRefused) {
-  expect_refused(scene("[1, 3, 0]"),
+  expect_refused(placed_scene("[1, 3, 0]"),
                  {"lies exactly on a facet of 'terrain' at ping 0", "by a millimetre or more"});
-  expect_refused(scene("[0, 3, 0]"), {"lies exactly on an edge of 'terrain'"});
-  expect_refused(scene("[0, 0, 0]"), {"lies exactly on a vertex of 'terrain'"});
+  expect_refused(placed_scene("[0, 3, 0]"), {"lies exactly on an edge of 'terrain'"});
+  expect_refused(placed_scene("[0, 0, 0]"), {"lies exactly on a vertex of 'terrain'"});
 }
 
 TEST(SensorPlace, OnAnObjectIsRefused) {
-  expect_refused(scene("[4.5, 4, 1.25]"), {"lies exactly on a facet of 'crate'"});
-  expect_refused(scene("[4, 4, 0.5]"), {"lies exactly on an edge of 'crate'"});
-  expect_refused(scene("[4, 4, 2]"), {"lies exactly on a vertex of 'crate'"});
+  expect_refused(placed_scene("[4.5, 4, 1.25]"), {"lies exactly on a facet of 'crate'"});
+  expect_refused(placed_scene("[4, 4, 0.5]"), {"lies exactly on an edge of 'crate'"});
+  expect_refused(placed_scene("[4, 4, 2]"), {"lies exactly on a vertex of 'crate'"});
 }
 
 TEST(SensorPlace, OnTheWayIsReportedWithItsPing) {
@@ -86,16 +87,18 @@ TEST(SensorPlace, OnTheWayIsReportedWithItsPing) {
 TEST(SensorPlace, InThePlaneOfAFacetButNotOnItIsAPlaceLikeAnother) {
   const TestFolder folder;
   // Next to the seabed, at the same height.
-  const Outcome outcome = run_program({"check", folder.write("scene.toml", scene("[15, 3, 0]")).string()});
+  const Outcome outcome =
+      run_program({"check", folder.write("scene.toml", placed_scene("[15, 3, 0]")).string()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 
 TEST(NarrowBeams, BelowWhatDirectionsTellApartAreRefused) {
   for (const char* sensor : {"beams = 4\nhorizontal_deg = 4e-7\n", "beams = 4\nhorizontal_deg = 3.9e-5\n",
                              "beams = 4096\nhorizontal_deg = 0.04\n"})
-    expect_refused(scene("[0, 0, 3]", sensor), {"degrees, but the resolution of directions is 6e-8 degrees",
-                                                "at least 1e-05 degrees", "fewer beams"});
-  std::string thin = scene("[0, 0, 3]");
+    expect_refused(placed_scene("[0, 0, 3]", sensor),
+                   {"degrees, but the resolution of directions is 6e-8 degrees", "at least 1e-05 degrees",
+                    "fewer beams"});
+  std::string thin = placed_scene("[0, 0, 3]");
   thin.replace(thin.find("vertical_deg = 20"), 17, "vertical_deg = 1e-7");
   expect_refused(thin, {"at least 1e-05 degrees"});
 }
@@ -105,7 +108,8 @@ TEST(NarrowBeams, AreWorthWhatTheWarningSays) {
   // the limit.
   const TestFolder folder;
   const auto total = [&](const std::string& name, double width_deg, bool told) {
-    const std::string text = scene("[0, 0, 3]", fmt::format("beams = 1\nhorizontal_deg = {}\n", width_deg));
+    const std::string text =
+        placed_scene("[0, 0, 3]", fmt::format("beams = 1\nhorizontal_deg = {}\n", width_deg));
     const Outcome outcome =
         run_program({"run", folder.write(name + ".toml", text).string(), "-o", (folder / name).string()});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;

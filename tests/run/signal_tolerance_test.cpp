@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <optional>
 
 #include "fixtures/program.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "run/simulation.hpp"
 #include "run/survey.hpp"
 #include "sensors/kinds/scene_file.hpp"
@@ -20,7 +20,6 @@
 namespace tubefoot {
 namespace {
 
-using std::numbers::pi;
 using Complex = std::complex<double>;
 
 /// Transmit pulse of an array, in the keys of the scene.

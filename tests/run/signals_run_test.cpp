@@ -10,12 +10,12 @@
 #include <complex>
 #include <functional>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "engine/signal/surface_field.hpp"
 #include "files/input_error.hpp"
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "run/signals.hpp"
 #include "run/simulation.hpp"
 #include "run/survey.hpp"
@@ -27,7 +27,6 @@
 namespace tubefoot {
 namespace {
 
-using std::numbers::pi;
 using testing::AllOf;
 using testing::HasSubstr;
 using Complex = std::complex<double>;

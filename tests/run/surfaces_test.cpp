@@ -8,25 +8,25 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
 #include "fixtures/world/echoes.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/kinds/scene_file.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180, height_m = 2, half_width_m = 4, ahead_m = 9;
+constexpr double sonar_height_m = 2, half_width_m = 4, ahead_m = 9;
 
 /// A camera 2 m above the middle of a seabed that ends 4 m to either side and 9 m ahead. The camera is
 /// level, so that the walls of its beams are vertical.
 std::string seabed_seen(const std::string& more = {}, const std::string& keys = {}) {
   return lambert_material("sand", -27) +
          flat_terrain(2 * half_width_m, 2 * ahead_m, "material = \"sand\"\n") + more +
-         fixed_at(0, 0, height_m) +
+         fixed_at(0, 0, sonar_height_m) +
          "[[sensors]]\nname = \"camera\"\nkind = \"didson\"\nbeams = 24\nhorizontal_deg = 120\nvertical_deg "
          "= 80\n"
          "samples = 400\nwindow_start_m = 1\nwindow_length_m = 14\n" +
@@ -55,7 +55,7 @@ double farthest_m(double from, double to) {
     farthest =
         std::max(farthest, std::min(ahead_m / std::cos(azimuth), half_width_m / std::abs(std::sin(azimuth))));
   }
-  return std::hypot(farthest, height_m);
+  return std::hypot(farthest, sonar_height_m);
 }
 
 TEST(Surfaces, EndWhereTheSeabedEnds) {

@@ -10,20 +10,20 @@
 #include <GeographicLib/UTMUPS.hpp>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "fixtures/camera_file_reader.hpp"
 #include "fixtures/csv_rows.hpp"
 #include "fixtures/netcdf_reader.hpp"
 #include "fixtures/packet_reader.hpp"
 #include "fixtures/program.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "scene/rasters/georeference.hpp"
 
 namespace tubefoot {
 namespace {
 
 using samples::PacketReader;
-constexpr double degree = std::numbers::pi / 180, sound_speed_m_s = 1500;
+constexpr double sound_speed_m_s = 1500;
 
 /// A map, a position on it, and the angle of a direction from true north, by the law of the map.
 struct Map {

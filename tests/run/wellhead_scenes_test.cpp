@@ -15,21 +15,21 @@ namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path scenes = fs::path(TUBEFOOT_SOURCE_DIR) / "scenes/wellhead";
+const fs::path wellhead_scenes = fs::path(TUBEFOOT_SOURCE_DIR) / "scenes/wellhead";
 
 TEST(WellHead, IsWhatItsScriptWrites) {
   const TestFolder folder;
-  fs::copy(scenes / "make_wellhead.py", folder / "make_wellhead.py");
+  fs::copy(wellhead_scenes / "make_wellhead.py", folder / "make_wellhead.py");
   if (std::system("python3 -c pass >/dev/null 2>&1") != 0) GTEST_SKIP() << "no Python";
   ASSERT_EQ(std::system(fmt::format("python3 '{}'", (folder / "make_wellhead.py").string()).c_str()), 0);
-  EXPECT_TRUE(bytes_of(folder / "wellhead.obj") == bytes_of(scenes / "wellhead.obj"));
-  EXPECT_LT(fs::file_size(scenes / "wellhead.obj"), 100000u);
+  EXPECT_TRUE(bytes_of(folder / "wellhead.obj") == bytes_of(wellhead_scenes / "wellhead.obj"));
+  EXPECT_LT(fs::file_size(wellhead_scenes / "wellhead.obj"), 100000u);
 }
 
 /// Each mesh that the scenes name is read completely: no facet is dropped, and all facets are of steel.
 TEST(WellHead, IsReadWholeByTheScenesThatNameIt) {
   for (const char* scene : {"mesh.toml", "crosstalk.toml", "plain.toml"}) {
-    const Outcome outcome = run_program({"check", (scenes / scene).string()});
+    const Outcome outcome = run_program({"check", (wellhead_scenes / scene).string()});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("well-head"), std::string::npos) << outcome.out;
     EXPECT_EQ(outcome.err.find("warning"), std::string::npos) << outcome.err;
@@ -41,7 +41,7 @@ TEST(WellHead, IsReadWholeByTheScenesThatNameIt) {
 std::size_t bright_water(const char* scene) {
   const TestFolder folder;
   const Outcome outcome =
-      run_program({"run", (scenes / scene).string(), "-o", (folder / "out").string(), "--quiet"});
+      run_program({"run", (wellhead_scenes / scene).string(), "-o", (folder / "out").string(), "--quiet"});
   if (outcome.exit_code != 0) throw std::runtime_error(outcome.err);
   EXPECT_TRUE(fs::exists(folder / "out/camera-0000-received.png"));
   const Echoes echoes = read_echoes(folder / "out/echoes.nc");

@@ -11,17 +11,15 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "fixtures/geometry/near.hpp"
+
 namespace tubefoot {
 namespace {
 
+using test::expect_near;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance = 1e-9) {
-  EXPECT_LE(glm::distance(a, b), tolerance)
-      << "(" << a.x << ", " << a.y << ", " << a.z << ") and (" << b.x << ", " << b.y << ", " << b.z << ")";
-}
 
 /// Three lines of 80 m, 10 m apart, at 2 m/s.
 SurveyTrajectory mown() {

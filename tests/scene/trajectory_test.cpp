@@ -12,22 +12,19 @@
 #include <glm/trigonometric.hpp>
 #include <numbers>
 
+#include "fixtures/geometry/near.hpp"
 #include "scene/tracks.hpp"
 
 namespace tubefoot {
 namespace {
 
+using test::expect_near;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 constexpr double kRight = std::numbers::pi / 2;
 const glm::dvec3 kStarboard(1, 0, 0), kForward(0, 1, 0), kUp(0, 0, 1);
-
-void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance = 1e-12) {
-  EXPECT_LE(glm::distance(a, b), tolerance)
-      << "(" << a.x << ", " << a.y << ", " << a.z << ") and (" << b.x << ", " << b.y << ", " << b.z << ")";
-}
 
 TEST(Attitude, IdentityLooksNorth) { expect_near(attitude_from_angles(0, 0, 0) * kForward, {0, 1, 0}); }
 

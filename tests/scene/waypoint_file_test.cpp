@@ -12,22 +12,19 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "fixtures/geometry/near.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "scene/tracks.hpp"
 
 namespace tubefoot {
 namespace {
 
+using test::expect_near;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-const glm::dvec3 kForward(0, 1, 0);
-
-void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance = 1e-12) {
-  EXPECT_LE(glm::distance(a, b), tolerance)
-      << "(" << a.x << ", " << a.y << ", " << a.z << ") and (" << b.x << ", " << b.y << ", " << b.z << ")";
-}
+const glm::dvec3 kNorthward(0, 1, 0);
 
 Trajectory read(const std::filesystem::path& file) { return read_waypoints({file, {}}, {}); }
 
@@ -42,7 +39,7 @@ TEST(Waypoints, AreReadInAnyColumnOrderWithCommentsAndFurtherColumns) {
                         "start,-3,0,1,2,90,0,0\r\n"
                         "end,-5,2,3,4,90,0,0\r\n"));
   expect_near(t.at(1).position_m, {2, 3, -4});
-  expect_near(t.at(1).attitude * kForward, {1, 0, 0});
+  expect_near(t.at(1).attitude * kNorthward, {1, 0, 0});
 }
 
 struct BadCsv {
@@ -160,13 +157,13 @@ TEST(Waypoints, WithoutHeadingsLookAlongTheTrack) {
   const Trajectory t = read(folder.write("route.csv",
                                          "time_s,east_m,north_m,up_m,roll_deg\n"
                                          "0,0,0,-3,0\n1,0,5,-3,0\n2,5,5,-3,20\n3,5,5,-4,0\n"));
-  expect_near(t.at(0).attitude * kForward, {0, 1, 0});
+  expect_near(t.at(0).attitude * kNorthward, {0, 1, 0});
   // half of the turn at the corner
-  expect_near(t.at(1).attitude * kForward, {std::sqrt(0.5), std::sqrt(0.5), 0});
-  expect_near(t.at(2).attitude * kForward, {1, 0, 0});
+  expect_near(t.at(1).attitude * kNorthward, {std::sqrt(0.5), std::sqrt(0.5), 0});
+  expect_near(t.at(2).attitude * kNorthward, {1, 0, 0});
   expect_near(t.at(2).attitude * glm::dvec3(1, 0, 0),
               {0, -std::cos(glm::radians(20.0)), -std::sin(glm::radians(20.0))});
-  expect_near(t.at(3).attitude * kForward, {1, 0, 0});  // it only descended
+  expect_near(t.at(3).attitude * kNorthward, {1, 0, 0});  // it only descended
 }
 
 // For a stop of any length, the reader finds the heading in one pass.
@@ -177,8 +174,8 @@ TEST(Waypoints, ACarrierThatStaysLooksWhereItCameAlong) {
   for (int k = 0; k < rows; ++k) text += fmt::format("{},0,0,0\n", k);
   text += fmt::format("{},7,0,0\n", rows);
   const Trajectory t = read(folder.write("anchored.csv", text));
-  expect_near(t.at(rows / 2).attitude * kForward, {std::sqrt(0.5), std::sqrt(0.5), 0});
-  expect_near(t.at(rows).attitude * kForward, {1, 0, 0});
+  expect_near(t.at(rows / 2).attitude * kNorthward, {std::sqrt(0.5), std::sqrt(0.5), 0});
+  expect_near(t.at(rows).attitude * kNorthward, {1, 0, 0});
 }
 
 TEST(Waypoints, AWayTooShortToTakeTimeIsRefused) {
@@ -225,8 +222,8 @@ TEST(Waypoints, AreDividedWhereTheirLineChanges) {
   ASSERT_EQ(timed.lines().size(), 2u);
   EXPECT_EQ(timed.lines()[0].end_s, 10);
   EXPECT_EQ(timed.lines()[1].begin_s, 100);
-  expect_near(timed.at(10).attitude * kForward, {0, 1, 0});  // the turn does not bend the end of the line
-  expect_near(timed.at(100).attitude * kForward, {0, -1, 0});
+  expect_near(timed.at(10).attitude * kNorthward, {0, 1, 0});  // the turn does not bend the end of the line
+  expect_near(timed.at(100).attitude * kNorthward, {0, -1, 0});
 
   const auto file =
       folder.write("route.csv", "line,east_m,north_m,up_m\n1,0,0,0\n1,0,20,0\n2,5,20,0\n2,5,0,0\n");

@@ -13,6 +13,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/recordings/echo_reader.hpp"
 #include "suite/packed.hpp"
 
@@ -20,7 +21,6 @@ namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr double degree = std::numbers::pi / 180;
 
 /// A scene of a benchmark suite, with its answer.
 struct Scene {

@@ -27,6 +27,7 @@
 #include "relief_figures.hpp"
 #include "survey_figures.hpp"
 #include "terrain.hpp"
+#include "timing.hpp"
 
 namespace {
 
@@ -36,12 +37,6 @@ double milliseconds(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 /// Runs all works in turn, `repeats` times, and returns the median time of each.

@@ -20,6 +20,7 @@
 
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/visibility/visibility.hpp"
+#include "timing.hpp"
 
 namespace tubefoot {
 namespace {
@@ -64,11 +65,6 @@ double seconds(const Work& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 }  // namespace

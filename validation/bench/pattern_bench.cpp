@@ -13,12 +13,12 @@
 
 #include "engine/echo/echo.hpp"
 #include "engine/visibility/tube_engine.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "terrain.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double degree = 0.017453292519943295;
 constexpr int beams = 12;
 
 /// Beams of one cycle: every eighth of 96 beams over 29 degrees.

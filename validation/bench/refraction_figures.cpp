@@ -13,7 +13,7 @@ namespace tubefoot {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int pings = 100;
+constexpr int refracted_pings = 100;
 
 double seconds_of(const Survey& survey) {
   const auto start = std::chrono::steady_clock::now();
@@ -30,8 +30,8 @@ void refraction_figures(const std::function<void(const std::string& name, double
   SceneDescription description = read_scene_file(scenes / "survey/scene.toml");
   SensorDescription& line = description.sensors.front();
   // Fewer pings over the same track.
-  line.ping_interval_s *= static_cast<double>(line.pings.value_or(1)) / pings;
-  line.pings = pings;
+  line.ping_interval_s *= static_cast<double>(line.pings.value_or(1)) / refracted_pings;
+  line.pings = refracted_pings;
   const auto straight = open_survey(description);
   description.water.profile = "cast";
   description.water.profile_file = scenes / "refraction/cast.csv";

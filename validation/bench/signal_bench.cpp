@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <numbers>
 #include <string>
@@ -18,21 +17,15 @@
 #include "engine/signal/coherent_signals.hpp"
 #include "engine/signal/surface_scatterers.hpp"
 #include "engine/visibility/tube_engine.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "scene/scene.hpp"
 #include "sensors/kinds/scene_file.hpp"
+#include "timing.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180, carrier_hz = 100e3, sound_speed = 1500,
-                 wavelength = sound_speed / carrier_hz;
-
-template <class Run>
-double seconds(const Run& run) {
-  const std::clock_t start = std::clock();
-  run();
-  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-}
+constexpr double carrier_hz = 100e3, sound_speed = 1500, wavelength = sound_speed / carrier_hz;
 
 /// Returns elements half a wavelength apart along x that look along y.
 CoherentReceiver array_of(int elements, double bandwidth_hz, glm::dvec3 place_m, double reach_m) {

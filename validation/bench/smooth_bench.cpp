@@ -8,28 +8,21 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
-#include <numbers>
 
 #include "engine/signal/smooth_amplitude.hpp"
 #include "engine/signal/smooth_signals.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "geometry/integrals/polygon_transform.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "scene/scene.hpp"
 #include "sensors/kinds/scene_file.hpp"
+#include "timing.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi, carrier_hz = 100e3, sound_speed = 1500, bandwidth_hz = 10e3;
-
-template <class Run>
-double seconds(const Run& run) {
-  const std::clock_t start = std::clock();
-  run();
-  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-}
+constexpr double carrier_hz = 100e3, sound_speed = 1500, bandwidth_hz = 10e3;
 
 const SmoothSurface rigid;
 
@@ -103,7 +96,6 @@ void run(int elements, int exact_elements) {
   tubes.apex = scene.grid.snap({-24, 16, -8});
   tubes.reach = 40 / scene.grid.unit_m();
   AngularGrid grid;
-  constexpr double degree = pi / 180;
   for (int k = 0; k <= 12; ++k) grid.azimuth_edges_rad.push_back(5 * (k - 6) * degree);
   for (int k = 0; k <= 2; ++k) grid.elevation_edges_rad.push_back((-60 + 30 * k) * degree);
   grid.frame = glm::dmat3(glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1));

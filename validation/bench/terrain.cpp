@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "geometry/numbers/scalars.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -64,7 +66,6 @@ FacetMesh benchmark_terrain(int n, int hidden_behind) {
 }
 
 TubeSet benchmark_sector(int columns) {
-  constexpr double degree = 0.017453292519943295;
   AngularGrid grid;
   for (int k = 0; k <= columns; ++k) grid.azimuth_edges_rad.push_back((29.0 * k / columns - 14.5) * degree);
   grid.elevation_edges_rad = {-12 * degree, 12 * degree};

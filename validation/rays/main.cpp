@@ -7,18 +7,16 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "engine/water/eigenray.hpp"
 #include "engine/water/ray_trace.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 struct Figure {
   std::string water, what;

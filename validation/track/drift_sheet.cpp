@@ -14,7 +14,7 @@ namespace tubefoot {
 namespace {
 
 constexpr std::size_t frames_shown = 8, in_a_row = 4;
-constexpr double pixel_m = 0.005, ahead_m = 4.0;  // of the centres of the squares
+constexpr double sheet_pixel_m = 0.005, ahead_m = 4.0;  // of the centres of the squares
 constexpr int side = 300, gap = 12, head = 84, label = 30;
 constexpr double swing = 0.2;  // range of the flattened energies, from dark to bright
 constexpr Colour mark{0.25f, 0.95f, 1.0f};
@@ -25,16 +25,17 @@ struct Spot {
 };
 
 Spot spot_of(TrackStep place) {
-  return {side / 2.0 + place.starboard_m / pixel_m, side / 2.0 - (place.ahead_m - ahead_m) / pixel_m};
+  return {side / 2.0 + place.starboard_m / sheet_pixel_m,
+          side / 2.0 - (place.ahead_m - ahead_m) / sheet_pixel_m};
 }
 
 TrackStep place_of(int x, int y) {
-  return {(x + 0.5 - side / 2.0) * pixel_m, ahead_m - (y + 0.5 - side / 2.0) * pixel_m};
+  return {(x + 0.5 - side / 2.0) * sheet_pixel_m, ahead_m - (y + 0.5 - side / 2.0) * sheet_pixel_m};
 }
 
 double value_at(const PixelMap& map, TrackStep place) {
-  const double column = place.starboard_m / pixel_m + static_cast<double>(map.columns - 1) / 2,
-               row = place.ahead_m / pixel_m;
+  const double column = place.starboard_m / sheet_pixel_m + static_cast<double>(map.columns - 1) / 2,
+               row = place.ahead_m / sheet_pixel_m;
   if (!(column >= 0 && row >= 0)) return std::nan("");
   const auto c = static_cast<std::size_t>(std::lround(column)),
              r = static_cast<std::size_t>(std::lround(row));
@@ -71,7 +72,7 @@ Canvas draw_drift(const Recording& recording, const std::vector<std::vector<doub
   if (frames.size() < frames_shown) throw std::invalid_argument("a sheet of drift needs eight frames");
   std::vector<PixelMap> maps;
   for (std::size_t ping = 0; ping < frames_shown; ++ping)
-    maps.push_back(ground_picture(recording, ping, frames[ping], {seabed_m, pixel_m}));
+    maps.push_back(ground_picture(recording, ping, frames[ping], {seabed_m, sheet_pixel_m}));
   const glm::dvec3 place_m = place_seen(recording.ping_pose[0], brightest(maps[0]), seabed_m);
 
   constexpr int rows = static_cast<int>(frames_shown / in_a_row), columns = static_cast<int>(in_a_row);
@@ -81,7 +82,7 @@ Canvas draw_drift(const Recording& recording, const std::vector<std::vector<doub
       gap, 58,
       fmt::format(
           "squares of {} m; ring: one point of the seabed, from the true track; dots: its earlier positions",
-          side * pixel_m),
+          side * sheet_pixel_m),
       label_size, palette.faint_ink);
   std::vector<Spot> way;
   for (std::size_t ping = 0; ping < frames_shown; ++ping) {

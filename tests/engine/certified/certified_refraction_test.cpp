@@ -16,6 +16,7 @@
 #include <random>
 
 #include "fixtures/world/gradient_seabed.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -25,15 +26,14 @@ using test::seabed_fan;
 using test::seabed_gradient;
 using test::Triangle;
 
-constexpr double degree = GradientSeabed::degree;
-const double mu = GradientSeabed::mu;
+const double gradient_mu = GradientSeabed::mu;
 
 /// Returns the energy of the ring between two one-way travel times, per radian of azimuth.
 double ring_energy(double g, double t1, double t2, double absorption) {
   return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
       [&](double t) {
         const test::SeabedRay ray(g, t, absorption);
-        return mu * ray.sine * ray.sine * ray.density;
+        return gradient_mu * ray.sine * ray.sine * ray.density;
       },
       t1, t2, 5, 1e-13);
 }
@@ -207,7 +207,7 @@ struct EnclosuresAgainstRays {
         EXPECT_LE(factor, facet.factor.hi);
         closest_factor =
             std::max(closest_factor, std::abs(factor - facet.factor.middle()) / (facet.factor.width() / 2));
-        EXPECT_LE(3 * mu * per_sr, facet.most_per_sr);
+        EXPECT_LE(3 * gradient_mu * per_sr, facet.most_per_sr);
       }
     }
   }

@@ -12,6 +12,7 @@
 #include "engine/scattering/sediment.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -19,8 +20,7 @@ namespace {
 using Law = std::shared_ptr<const ScatteringModel>;
 using Real = long double;
 
-constexpr double pi = std::numbers::pi, degree = pi / 180;
-constexpr double height = 8;
+constexpr double scattering_height = 8;
 
 Law shared(ScatteringModel model) { return std::make_shared<const ScatteringModel>(std::move(model)); }
 Law three_terms() { return shared(ScatteringModel::gsab({0.4, 4 * degree, 0.01, 1.7, 0.03, 22 * degree})); }
@@ -34,7 +34,8 @@ struct Seabed {
   explicit Seabed(glm::dvec3 up = {0, 0, 1}) : grid(20, glm::dvec3(0)) {
     up = glm::normalize(up);
     const glm::dvec3 a = 256.0 * glm::normalize(glm::cross(up, glm::dvec3(0, 1, 0.1))), b = glm::cross(up, a),
-                     centre = -height * up + 0.1 * a + 0.03 * b;  // no edge contains the foot point
+                     centre =
+                         -scattering_height * up + 0.1 * a + 0.03 * b;  // no edge contains the foot point
     MeshBuilder builder(grid);
     builder.add({centre - a - b, centre + a - b, centre + a + b, centre - a + b}, {{0, 1, 2}, {0, 2, 3}}, 0,
                 0);
@@ -80,7 +81,7 @@ struct Seabed {
 };
 
 /// A tube from straight below almost to the horizon, between two vertical planes.
-const std::array<glm::dvec3, 4> wedge{
+const std::array<glm::dvec3, 4> scattering_wedge{
     glm::dvec3(0x1p-12, 0, -1), {0.5, 0, -0x1p-6}, {0.5, 0.125, -0x1p-6}, {0x1p-12, 0x1p-14, -1}};
 
 /// Computes the published formulas in long doubles, without the evaluation code of `ScatteringModel`.
@@ -103,7 +104,7 @@ Real table_value(Real phi) {
 }
 
 double truth(Real (*value)(Real), bool table, double dphi, double from, double to, double absorption) {
-  const Real beta = 2 * Real(absorption) * std::numbers::ln10_v<Real> / 10, h = height;
+  const Real beta = 2 * Real(absorption) * std::numbers::ln10_v<Real> / 10, h = scattering_height;
   std::vector<Real> ends{std::max<Real>(from, h), to};
   if (table)
     for (const double g : sediment_grazing_deg)
@@ -124,7 +125,7 @@ double truth(Real (*value)(Real), bool table, double dphi, double from, double t
 
 TEST(CertifiedScattering, FanIsASingleIntegralWithinTheBound) {
   const Seabed seabed;
-  const TubeSet set = Seabed::tube(wedge, 40, seabed.grid);
+  const TubeSet set = Seabed::tube(scattering_wedge, 40, seabed.grid);
   const double dphi = std::atan2(double(set.rays[2].y), double(set.rays[2].x));
   const RangeSamples samples{9, 0.5, 40};
   const struct {
@@ -153,7 +154,7 @@ TEST(CertifiedScattering, FanIsASingleIntegralWithinTheBound) {
 
 TEST(CertifiedScattering, BoundDoesNotHoldForAnotherLaw) {
   const Seabed seabed;
-  const TubeSet set = Seabed::tube(wedge, 40, seabed.grid);
+  const TubeSet set = Seabed::tube(scattering_wedge, 40, seabed.grid);
   const RangeSamples samples{9, 1, 20};
   const auto right = seabed.run(set, samples, three_terms(), 1e-9);
   const auto wrong =

@@ -14,6 +14,7 @@
 #include <random>
 
 #include "fixtures/geometry/metre_meshes.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/search/scene_tree.hpp"
 
 namespace tubefoot {
@@ -80,7 +81,6 @@ std::vector<double> borders_of(double from, double step, int count) {
 }
 
 std::vector<std::shared_ptr<const ScatteringModel>> models() {
-  constexpr double degree = std::numbers::pi / 180;
   const auto shared = [](ScatteringModel model) {
     return std::make_shared<const ScatteringModel>(std::move(model));
   };

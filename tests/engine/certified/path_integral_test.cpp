@@ -31,8 +31,8 @@ class InBalls : public CertifiedIntegrand {
 };
 
 /// A triangle 5 m below two apexes, in coordinates about the foot point of the first apex.
-struct Seabed {
-  Seabed() {
+struct TriangleSeabed {
+  TriangleSeabed() {
     plane.distance = Ball(5);
     plane.u = {Ball(1), Ball(0), Ball(0)};
     plane.v = {Ball(0), Ball(1), Ball(0)};
@@ -69,7 +69,7 @@ struct Seabed {
   EchoModel echo{mu, material, 0.04, nullptr};
 };
 
-std::vector<ScatteringModel> models() {
+std::vector<ScatteringModel> path_models() {
   return {ScatteringModel::gsab({0.1, 0.2, 0.02, 1.7, 0.01, 0.6}),
           ScatteringModel::table(std::vector<double>{20, 50, 80}, std::vector<double>{-30, -22, -12})};
 }
@@ -77,8 +77,8 @@ std::vector<ScatteringModel> models() {
 TEST(PathIntegral, IntervalsHoldWhatBallsSayOfEveryPlace) {
   std::mt19937_64 random(27);
   std::uniform_real_distribution<double> x(-3, 6), y(-4, 4), part(0, 1), decades(-12, 0);
-  const Seabed seabed;
-  std::vector<ScatteringModel> all = models();
+  const TriangleSeabed seabed;
+  std::vector<ScatteringModel> all = path_models();
   for (const ScatteringModel* model : std::vector<const ScatteringModel*>{nullptr, &all[0], &all[1]}) {
     CertifiedPathIntegrand integrand = seabed.integrand(model);
     integrand.take_whole();
@@ -105,11 +105,11 @@ TEST(PathIntegral, IntervalsHoldWhatBallsSayOfEveryPlace) {
 }
 
 TEST(PathIntegral, DoublesMeetBallsAndKeepWhatIsRequested) {
-  Seabed seabed;
+  TriangleSeabed seabed;
   // the integrand is not analytic where the cubics of the table meet: the integrator bisects to the work
   // limit
   seabed.patterns.pop_back();
-  std::vector<ScatteringModel> all = models();
+  std::vector<ScatteringModel> all = path_models();
   const std::vector<double> borders{5.5, 5.75, 6};
   for (const ScatteringModel* model : std::vector<const ScatteringModel*>{nullptr, &all[0]})
     for (const double tolerance : {1e-3, 1e-8}) {

@@ -16,8 +16,8 @@
 namespace tubefoot {
 namespace {
 
-const double mu = std::pow(10, -2.7);
-const std::vector<double> material_mu{mu};
+const double path_mu = std::pow(10, -2.7);
+const std::vector<double> path_material_mu{path_mu};
 using Facets = std::vector<std::array<glm::dvec3, 3>>;
 
 /// The mesh, tubes and patterns that two apexes share, on a grid of 2^-20 m. Each apex has one tube.
@@ -37,7 +37,7 @@ struct Pair {
   }
 
   EchoModel model(double absorption = 0, const BeamPatterns* patterns = nullptr) const {
-    EchoModel model{material_mu, mesh.material, absorption, patterns};
+    EchoModel model{path_material_mu, mesh.material, absorption, patterns};
     model.path.tx.apex_m = apex_m;
     return model;
   }
@@ -63,7 +63,7 @@ struct Pair {
 Facets square(glm::dvec3 centre, glm::dvec3 a, glm::dvec3 b) {
   return {{centre - a - b, centre + a - b, centre + a + b}, {centre - a - b, centre + a + b, centre - a + b}};
 }
-Facets flat_seabed() { return square({0, 0, 0}, {512, 0, 0}, {0, 512, 0}); }
+Facets flat_facets() { return square({0, 0, 0}, {512, 0, 0}, {0, 512, 0}); }
 
 const std::array<glm::dvec3, 4> down{glm::dvec3(-1, -1, -0.1), {1, -1, -0.1}, {1, 1, -0.1}, {-1, 1, -0.1}};
 /// The bounds contain the ordinary energies, are as narrow as requested, and contain no energy that is
@@ -85,13 +85,13 @@ void expect_holds(const Pair::Result& result, double tolerance, double ordinary_
 long double rings(long double h1, long double h2, long double half_path) {
   const long double path = 2 * half_path, a = h1 * h1, b = h2 * h2;
   const long double r1 = (path + (a - b) / path) / 2, u = std::max(r1 * r1 - a, 0.0L);
-  return -2 * std::numbers::pi_v<long double> * mu * h1 * h2 * (2 * u + a + b) /
+  return -2 * std::numbers::pi_v<long double> * path_mu * h1 * h2 * (2 * u + a + b) /
          ((a - b) * (a - b) * std::sqrt((u + a) * (u + b)));
 }
 
 TEST(PathReference, RingsOfOneApexAboveTheOtherInClosedForm) {
   const double h1 = 10, h2 = 4;
-  const Pair pair(flat_seabed(), {0, 0, h1}, {0, 0, h2}, down, down);
+  const Pair pair(flat_facets(), {0, 0, h1}, {0, 0, h2}, down, down);
   for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
     const RangeSamples samples{7, 0.375, 8};  // a bin border at the shortest path
     const auto result = pair.run(samples, pair.model(), tolerance);

@@ -14,7 +14,7 @@
 namespace tubefoot {
 namespace {
 
-const std::vector<double> material_mu{0.003};
+const std::vector<double> pair_material_mu{0.003};
 
 /// A seabed of random heights with a wall on it, which the sonar views sideways.
 struct ReceiverPairScene {
@@ -55,7 +55,7 @@ struct ReceiverPairScene {
     const ReceiverPairHistory history = trace_receiver_pair(
         mesh, tree, grid.unit_m(), {}, tubes_from(glm::dvec3(0)), tubes_from(middle_m), receiver_pair);
     const BeamPatterns patterns{{transmit}, {receive}, {0}, {{0, 1}}, {receiver_pair}};
-    const EchoModel model{material_mu, mesh.material, 0.05, &patterns};
+    const EchoModel model{pair_material_mu, mesh.material, 0.05, &patterns};
     Result result{integrate_receiver_pair_echo(history, receiver_pair, 0, 0, samples, model), {}};
     result.certified = certify_receiver_pair_echo(mesh, history, grid.unit_m(), receiver_pair, samples, model,
                                                   result.ordinary, tolerance);
@@ -66,7 +66,7 @@ struct ReceiverPairScene {
   CertifiedEcho run_apart(glm::dvec3 at_m, double tolerance) const {
     const BistaticHistory history =
         trace_bistatic(mesh, tree, grid.unit_m(), {}, tubes_from(glm::dvec3(0)), tubes_from(at_m));
-    const EchoModel model{material_mu, mesh.material, 0.05};
+    const EchoModel model{pair_material_mu, mesh.material, 0.05};
     const std::vector<std::uint32_t> beam{0};
     const Echo ordinary = integrate_echo(history, {1, beam}, samples, model);
     return certify_echo(mesh, history, {1, beam}, samples, model, ordinary, tolerance);
@@ -225,7 +225,7 @@ TEST(ReceiverPairReference, FortyDigitsFromOutsideTheProgram) {
 TEST(ReceiverPairReference, RefusesFacetsThatAreSeenElsewhere) {
   ReceiverPairHistory history;
   history.bistatic_upper.resize(1);
-  const EchoModel model{material_mu, {}, 0};
+  const EchoModel model{pair_material_mu, {}, 0};
   EXPECT_THROW(certify_receiver_pair_echo({}, history, 1, {}, {1, 1, 1}, model, {}, 1e-3),
                std::invalid_argument);
 }

@@ -17,11 +17,11 @@
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 const double mu = std::pow(10, -2.7);
 
 /// A scene on a grid of 2^-20 m about the apex, which is the origin of the scene.
@@ -68,12 +68,12 @@ struct Bench {
   std::unique_ptr<SceneTree> tree;
 };
 
-std::vector<std::array<glm::dvec3, 3>> square(glm::dvec3 centre, glm::dvec3 a, glm::dvec3 b) {
+std::vector<std::array<glm::dvec3, 3>> square_facets(glm::dvec3 centre, glm::dvec3 a, glm::dvec3 b) {
   return {{centre - a - b, centre + a - b, centre + a + b}, {centre - a - b, centre + a + b, centre - a + b}};
 }
 
 constexpr double height = 8;
-Bench flat_seabed() { return Bench(square({0, 0, -height}, {512, 0, 0}, {0, 512, 0})); }
+Bench flat_seabed() { return Bench(square_facets({0, 0, -height}, {512, 0, 0}, {0, 512, 0})); }
 
 /// A tube from straight below almost to the horizon, between two vertical planes. The rays of the tube are
 /// exact on the grid: y = 1/4 x, so that the azimuth is atan(1/4).
@@ -195,9 +195,9 @@ TEST(Reference, PyramidAndWholeRangeAgreeWithSolidAngleIntegrals) {
 TEST(Reference, ThinWallHidesExactlyItsShadow) {
   // A wall of height 1 at x = 10, seen from 5 above the seabed, shadows the seabed from 10 to 12.5 (physics
   // sheet 7.2).
-  auto facets = square({0, 0, -5}, {512, 0, 0}, {0, 512, 0});
+  auto facets = square_facets({0, 0, -5}, {512, 0, 0}, {0, 512, 0});
   const glm::dvec3 foot(10, 0, -5);
-  for (const auto& facet : square(foot + glm::dvec3(0, 0, 0.5), {0, 64, 0}, {0, 0, 0.5}))
+  for (const auto& facet : square_facets(foot + glm::dvec3(0, 0, 0.5), {0, 64, 0}, {0, 0, 0.5}))
     facets.push_back(facet);
   const Bench scene(facets);
   const TubeSet set = scene.tubes(

@@ -13,6 +13,7 @@
 
 #include "fixtures/world/gradient_seabed.hpp"
 #include "fixtures/world/textures.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,7 +24,6 @@ using test::seabed_gradient;
 using test::SeabedRay;
 using test::Triangle;
 
-constexpr double pi = std::numbers::pi, degree = pi / 180;
 constexpr std::array<double, 5> table_deg{10, 24, 37, 52, 80}, table_db{-38, -30, -27, -22, -12};
 
 /// A scattering model, and its published formula as a function of the angle of incidence.

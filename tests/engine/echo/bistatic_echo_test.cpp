@@ -16,6 +16,7 @@
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -25,15 +26,14 @@ using test::piece_on;
 using test::Polygon2;
 using test::total;
 
-constexpr double pi = std::numbers::pi;
-const double mu = std::pow(10, -2.7);
-const std::vector<double> material_mu{mu};
+const double bistatic_mu = std::pow(10, -2.7);
+const std::vector<double> bistatic_material_mu{bistatic_mu};
 
 Echo echo_of(const BistaticHistory& history, const RangeSamples& samples, double absorption = 0,
              const BeamPatterns* patterns = nullptr) {
   const std::vector<std::uint16_t> material(100000, 0);
   const std::vector<std::uint32_t> beam(history.receive.tubes.size(), 0);
-  return integrate_echo(history, {1, beam}, samples, {material_mu, material, absorption, patterns});
+  return integrate_echo(history, {1, beam}, samples, {bistatic_material_mu, material, absorption, patterns});
 }
 
 const Polygon2 endless{{-1e5, -1e5}, {1e5, -1e5}, {1e5, 1e5}, {-1e5, 1e5}};
@@ -45,7 +45,8 @@ TEST(BistaticEcho, TheWholePlaneIsAPoissonKernel) {
   for (const auto& [h1, h2, b] :
        {std::tuple{5.0, 5.0, 0.0}, {5.0, 2.0, 3.0}, {0.5, 0.4, 20.0}, {9.0, 0.05, 2.0}, {3.0, 3.0, 50.0}}) {
     const BistaticHistory history = piece_on(test::flat_seabed(h1), endless, {0.6 * b, -0.8 * b, h2 - h1});
-    const double image = std::hypot(h1 + h2, b), expected = 2 * pi * mu * (h1 + h2) / (image * image * image);
+    const double image = std::hypot(h1 + h2, b),
+                 expected = 2 * pi * bistatic_mu * (h1 + h2) / (image * image * image);
     EXPECT_NEAR(total(echo_of(history, {0, 2e5, 1})), expected, 1e-9 * expected)
         << h1 << ' ' << h2 << ' ' << b;
     EXPECT_NEAR(total(echo_of(history, {0, 0.75, 400})) + total(echo_of(history, {300, 2e5, 1})), expected,
@@ -59,7 +60,8 @@ double rings(double h1, double h2, double half_path) {
   const double path = 2 * half_path, a = h1 * h1, b = h2 * h2;
   if (path <= h1 + h2) return rings(h1, h2, (h1 + h2) / 2 * (1 + 1e-15));
   const double r1 = (path + (a - b) / path) / 2, u = r1 * r1 - a;
-  return -2 * pi * mu * h1 * h2 * (2 * u + a + b) / ((a - b) * (a - b) * std::sqrt((u + a) * (u + b)));
+  return -2 * pi * bistatic_mu * h1 * h2 * (2 * u + a + b) /
+         ((a - b) * (a - b) * std::sqrt((u + a) * (u + b)));
 }
 
 TEST(BistaticEcho, RingsOfOneApexAboveTheOtherInClosedForm) {
@@ -87,7 +89,7 @@ TEST(BistaticEcho, RingsWithAbsorptionAreASingleIntegral) {
   for (int k = 0; k < samples.count; ++k) {
     const auto density = [&](double rho) {
       const double r1 = std::hypot(h1, rho), r2 = std::hypot(h2, rho);
-      return 2 * pi * rho * mu * h1 * h2 * std::pow(r1 * r2, -3) * std::exp(-beta * (r1 + r2));
+      return 2 * pi * rho * bistatic_mu * h1 * h2 * std::pow(r1 * r2, -3) * std::exp(-beta * (r1 + r2));
     };
     const double from = samples.first_m + k * samples.step_m;
     const double expected =
@@ -133,7 +135,7 @@ TEST(BistaticEcho, TiltedFacetsAgreeWithQuadratureInSpaceWithAndWithoutPatterns)
       const double rt = glm::length(q), rr = glm::length(q - receiver);
       const double st = std::abs(glm::dot(plane.normal, q)) / rt,
                    sr = std::abs(glm::dot(plane.normal, q - receiver)) / rr;
-      return mu * st * sr / (rt * rt * rr * rr) * std::exp(-beta * (rt + rr));
+      return bistatic_mu * st * sr / (rt * rt * rr * rr) * std::exp(-beta * (rt + rr));
     };
     const double expected = over_polygon(corners, density);
     EXPECT_NEAR(total(echo_of(history, {0, 0.05, 1000}, absorption)), expected, 2e-10 * expected) << i;
@@ -147,14 +149,14 @@ TEST(BistaticEcho, TiltedFacetsAgreeWithQuadratureInSpaceWithAndWithoutPatterns)
 
 // Scenes of the tests of the visibility kernel, in metres.
 
-constexpr double unit = 0x1p-20;
+constexpr double unit_m = 0x1p-20;
 
 struct Scenery {
   FacetMesh mesh;
   SceneTree tree;
   explicit Scenery(FacetMesh m) : mesh(std::move(m)), tree(mesh) {}
   BistaticHistory both(const TubeSet& transmit, const TubeSet& receive) const {
-    return trace_bistatic(mesh, tree, unit, {}, transmit, receive);
+    return trace_bistatic(mesh, tree, unit_m, {}, transmit, receive);
   }
   Echo echo(const TubeSet& transmit, const TubeSet& receive, const RangeSamples& samples,
             double absorption) const {
@@ -186,7 +188,7 @@ TEST(BistaticEcho, InOnePlaceItIsTheMonostaticEcho) {
     const TubeSet tubes = test::forward_tubes({0, 0, 0}, 6, 1, 50, 30, 20);
     const std::vector<std::uint32_t> beams{0, 1, 2, 3, 4, 5}, none(6, 0);
     const RangeSamples samples{2, 0.0625, 300};
-    const History history = TubeEngine(run.mesh, run.tree, unit, {}).trace(tubes);
+    const History history = TubeEngine(run.mesh, run.tree, unit_m, {}).trace(tubes);
     const BistaticHistory both = run.both(tubes, tubes);
 
     const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 5};
@@ -199,7 +201,7 @@ TEST(BistaticEcho, InOnePlaceItIsTheMonostaticEcho) {
     }
     const BeamPatterns patterns{{line}, receive, none, all};
     for (const BeamPatterns* p : {static_cast<const BeamPatterns*>(nullptr), &patterns}) {
-      EchoModel model{material_mu, run.mesh.material, 0.1, p};
+      EchoModel model{bistatic_material_mu, run.mesh.material, 0.1, p};
       model.pattern_tolerance = 1e-12;
       const Echo expected = integrate_echo(history, {6, beams}, samples, model);
       const Echo echo = integrate_echo(both, {6, beams}, samples, model);
@@ -220,7 +222,7 @@ TEST(BistaticEcho, DoublesSeeTheSameWhereNothingIsDegenerate) {
   VisibilityOptions doubles;
   doubles.arithmetic = Arithmetic::plain_double;
   const BistaticHistory exact = run.both(a, b),
-                        plain = trace_bistatic(run.mesh, run.tree, unit, doubles, a, b);
+                        plain = trace_bistatic(run.mesh, run.tree, unit_m, doubles, a, b);
   EXPECT_EQ(plain.shared.pieces.size(), exact.shared.pieces.size());
   const RangeSamples samples{2, 0.125, 160};
   const Echo expected = echo_of(exact, samples, 0.1), echo = echo_of(plain, samples, 0.1);
@@ -250,7 +252,7 @@ TEST(BistaticEcho, DoublesInADegenerateSceneStayFinite) {
     VisibilityOptions doubles;
     doubles.arithmetic = Arithmetic::plain_double;
     doubles.tolerance = tolerance;
-    const double plain = total(echo_of(trace_bistatic(run.mesh, run.tree, unit, doubles, a, b), samples));
+    const double plain = total(echo_of(trace_bistatic(run.mesh, run.tree, unit_m, doubles, a, b), samples));
     EXPECT_TRUE(std::isfinite(plain)) << tolerance;
     EXPECT_NEAR(plain, exact, 0.01 * exact) << tolerance;
   }
@@ -309,7 +311,7 @@ TEST(BistaticEcho, AWallHidesWhatEitherOfThemCannotSee) {
   const auto strip = [&](double from, double to) {
     return over_polygon({{from, 2, -4}, {to, 2, -4}, {to, 18, -4}, {from, 18, -4}}, [](glm::dvec3 p) {
       const double rt = glm::length(p - glm::dvec3(-2, 0, 0)), rr = glm::length(p - glm::dvec3(2, 0, 0));
-      return mu * 16 * std::pow(rt * rr, -3);
+      return bistatic_mu * 16 * std::pow(rt * rr, -3);
     });
   };
   const RangeSamples samples{0, 40, 1};
@@ -338,7 +340,7 @@ TEST(BistaticEcho, ARandomSampleOfPathsAgrees) {
   const Echo echo = run.echo(transmit, receive, samples, 0.1);
 
   const auto point = [&](VertexId v) {
-    return glm::dvec3(mesh.vertices[v].x, mesh.vertices[v].y, mesh.vertices[v].z) * unit;
+    return glm::dvec3(mesh.vertices[v].x, mesh.vertices[v].y, mesh.vertices[v].z) * unit_m;
   };
   const auto hidden = [&](glm::dvec3 apex, glm::dvec3 p) {
     for (const auto& f : mesh.facets) {
@@ -383,7 +385,7 @@ TEST(BistaticEcho, ARandomSampleOfPathsAgrees) {
       if (k < 0 || k >= 10 || !inside(transmit, p - t) || !inside(receive, p - r) || hidden(t, p) ||
           hidden(r, p))
         continue;
-      const double e = area * mu * std::abs(glm::dot(normal, p - t) * glm::dot(normal, p - r)) *
+      const double e = area * bistatic_mu * std::abs(glm::dot(normal, p - t) * glm::dot(normal, p - r)) *
                        std::pow(rt * rr, -3) * std::exp(-beta * (rt + rr));
       part[k] += e / points;
       squares[k] += e * e / points;
@@ -406,7 +408,7 @@ TEST(BistaticEcho, FansHearTheirOwnTransmissionsAndBeamsTheirOwnTubes) {
   const TubeSet transmit = test::forward_tubes({0, 0, 0}, 2, 1, 60, 40, 20),
                 receive = test::forward_tubes({1000000, 0, 0}, 2, 1, 60, 40, 20);
   const BistaticHistory history = run.both(transmit, receive);
-  const EchoModel model{material_mu, run.mesh.material, 0, nullptr};
+  const EchoModel model{bistatic_material_mu, run.mesh.material, 0, nullptr};
   const RangeSamples samples{0, 30, 1};
   const std::vector<std::uint32_t> beams{0, 1}, swapped{1, 0}, first{0, 0}, second{1, 1};
   const Echo all = integrate_echo(history, {2, beams}, samples, model);
@@ -437,7 +439,7 @@ TEST(BistaticEcho, BadInputIsRefused) {
   const BistaticHistory history = piece_on(test::flat_seabed(5), endless, {1, 0, 0});
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beams{0}, too_far{3}, none, two{0, 0};
-  const EchoModel model{material_mu, material, 0, nullptr};
+  const EchoModel model{bistatic_material_mu, material, 0, nullptr};
   const RangeSamples samples{0, 1, 10};
   const auto run = [&](const ReceiveBeams& b, const RangeSamples& s, const EchoModel& l,
                        double tolerance = 1e-10) {
@@ -453,12 +455,13 @@ TEST(BistaticEcho, BadInputIsRefused) {
   EXPECT_THROW(run({1, beams}, {-1, 1, 10}, model), std::invalid_argument);
   EXPECT_THROW(run({1, beams}, {0, 1, 0}, model), std::invalid_argument);
   EXPECT_THROW(run({1, beams}, {0, std::nan(""), 10}, model), std::invalid_argument);
-  EXPECT_THROW(run({1, beams}, samples, {material_mu, material, -1, nullptr}), std::invalid_argument);
-  EXPECT_THROW(run({1, beams}, samples, {material_mu, {}, 0, nullptr}), std::invalid_argument);
+  EXPECT_THROW(run({1, beams}, samples, {bistatic_material_mu, material, -1, nullptr}),
+               std::invalid_argument);
+  EXPECT_THROW(run({1, beams}, samples, {bistatic_material_mu, {}, 0, nullptr}), std::invalid_argument);
   EXPECT_THROW(run({1, beams}, samples, {{}, material, 0, nullptr}), std::invalid_argument);
   EXPECT_THROW(run({1, beams}, samples, model, 0), std::invalid_argument);
   const BeamPatterns other{{Directivity{}}, {Directivity{}, Directivity{}}, {0}, {{0, 2}}};
-  EXPECT_THROW(run({1, beams}, samples, {material_mu, material, 0, &other}), std::invalid_argument);
+  EXPECT_THROW(run({1, beams}, samples, {bistatic_material_mu, material, 0, &other}), std::invalid_argument);
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <random>
@@ -20,19 +19,22 @@
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
 #include "fixtures/world/textures.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using test::add_footprint;
 using test::Field;
+using test::line;
 using test::map_askew;
 using test::on_plane;
 using test::perlin;
 using test::Polygon2;
+using test::rectangle;
 
-constexpr double pi = std::numbers::pi, degree = pi / 180, height = 4;
-const FacetPlane seabed = test::flat_seabed(height);
+constexpr double seabed_height_m = 4;
+const FacetPlane flat_bed = test::flat_seabed(seabed_height_m);
 
 /// A scattering model and an independent formula: cross-section by angle of incidence.
 struct Law {
@@ -71,14 +73,11 @@ Law table(double mu = 0.5) {
 std::vector<Law> models() { return {lambert(), gsab(), table()}; }
 
 /// Textures that are smooth enough for quadrature rules without knowledge of texture cells.
-std::vector<Field> textures() {
+std::vector<Field> smooth_textures() {
   return {nullptr, perlin(0.5, 2, 0.5, 5),
           std::make_shared<LayeredReflectivity>(std::vector{perlin(0.9, 1, 0.5, 5), perlin(0.7, 1, 0.5, 5)})};
 }
 
-Directivity line(double size, double steered_rad, glm::dvec3 axis) {
-  return {Directivity::Kind::line, axis, false, std::sin(steered_rad), size, {}};
-}
 /// No patterns; beams of one array, which the integrator computes from moments; beams without a common
 /// axis; tables.
 std::vector<std::optional<BeamPatterns>> pattern_sets(std::uint32_t tubes) {
@@ -109,7 +108,7 @@ struct Given {
                : patterns->transmit[0].gain(direction) * patterns->receive[beam].gain(direction);
   }
   /// Returns the energy per square metre of a level seabed at a position relative to the apex.
-  double density(glm::dvec3 p, std::size_t beam, double distance = height) const {
+  double density(glm::dvec3 p, std::size_t beam, double distance = seabed_height_m) const {
     const double r = glm::length(p);
     return model.value(std::acos(std::min(distance / r, 1.0))) * (texture ? texture->factor(apex_m + p) : 1) *
            gain(p / r, beam) * std::exp(-beta() * r) / std::pow(r, 4);
@@ -158,13 +157,11 @@ std::vector<double> panels(glm::dvec2 lo, glm::dvec2 hi, glm::ivec2 n, std::size
   return sums;
 }
 
-glm::dvec3 surface_apex(glm::dvec2 p, double distance = height) {
+glm::dvec3 surface_apex(glm::dvec2 p, double distance = seabed_height_m) {
   const FacetPlane plane = test::flat_seabed(distance);
   const PlaneFrame frame(plane);
   return -distance * plane.normal + p.x * frame.u + p.y * frame.v;
 }
-
-Polygon2 rectangle(glm::dvec2 lo, glm::dvec2 hi) { return {lo, {hi.x, lo.y}, hi, {lo.x, hi.y}}; }
 
 /// Makes one footprint of tube 0 per polygon, on facets 0, 1, ...
 History history_of(const std::vector<std::pair<FacetPlane, Polygon2>>& parts) {
@@ -175,13 +172,13 @@ History history_of(const std::vector<std::pair<FacetPlane, Polygon2>>& parts) {
   return history;
 }
 
-const std::vector<std::uint32_t> beam_of_tube{0};
+const std::vector<std::uint32_t> one_beam{0};
 
 template <class Check>
 void for_all(std::uint32_t tubes, const Check& check) {
   for (const auto& patterns : pattern_sets(tubes))
     for (const Law& model : models())
-      for (const Field& texture : textures()) {
+      for (const Field& texture : smooth_textures()) {
         const Given given{model, texture, patterns ? &*patterns : nullptr};
         SCOPED_TRACE(given.name());
         check(given);
@@ -193,7 +190,7 @@ TEST(CombinedLaws, OrdinaryEchoAgreesWithBruteForce) {
   const std::vector<std::pair<glm::dvec2, glm::dvec2>> places{
       {{-0.7, -0.5}, {0.4, 0.5}}, {{0.3, 0.2}, {1.2, 1}}, {{6, 1}, {7, 1.9}}};
   for (const auto& [lo, hi] : places) {
-    const History history = history_of({{seabed, rectangle(lo, hi)}});
+    const History history = history_of({{flat_bed, rectangle(lo, hi)}});
     for_all(1, [&, lo = lo, hi = hi](const Given& given) {
       const auto expected = panels<4>(lo, hi, {45, 45}, given.beams(), [&](glm::dvec2 p, std::size_t b) {
         return given.density(surface_apex(p), b);
@@ -209,8 +206,7 @@ TEST(CombinedLaws, OrdinaryEchoAgreesWithBruteForce) {
         Given own = given;
         own.tolerance = tolerance;
         const Laws l(own);
-        const Echo echo =
-            integrate_echo(history, {int(given.beams()), beam_of_tube}, {0.1, 0.31, 80}, l.model);
+        const Echo echo = integrate_echo(history, {int(given.beams()), one_beam}, {0.1, 0.31, 80}, l.model);
         for (std::size_t b = 0; b < given.beams(); ++b) {
           const auto row = echo.energy.begin() + std::ptrdiff_t(b) * echo.samples;
           EXPECT_NEAR(std::accumulate(row, row + echo.samples, 0.0) / peak, expected[b] / peak,
@@ -223,14 +219,15 @@ TEST(CombinedLaws, OrdinaryEchoAgreesWithBruteForce) {
 }
 
 TEST(CombinedLaws, RangeSamplesAreRings) {
-  const History history = history_of({{seabed, rectangle({-4, -4}, {4, 4})}});
+  const History history = history_of({{flat_bed, rectangle({-4, -4}, {4, 4})}});
   const RangeSamples samples{4.07, 0.11, 4};  // between the ranges of the kinks of the table
   for_all(1, [&](const Given& given) {
     const Laws l(given);
-    const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.model);
+    const Echo echo = integrate_echo(history, {int(given.beams()), one_beam}, samples, l.model);
     for (int k = 0; k < samples.count; ++k) {
       const auto rho = [&](int i) {
-        return std::sqrt(std::pow(samples.first_m + i * samples.step_m, 2) - height * height);
+        return std::sqrt(std::pow(samples.first_m + i * samples.step_m, 2) -
+                         seabed_height_m * seabed_height_m);
       };
       const auto ring = [&](const Given& g, glm::ivec2 n) {
         return panels<4>({rho(k), 0}, {rho(k + 1), 2 * pi}, n, g.beams(), [&](glm::dvec2 p, std::size_t b) {
@@ -263,13 +260,13 @@ TEST(CombinedLaws, ToleranceIsKeptByTheProductOfAllFactors) {
           const auto energies = [&](double tolerance) {
             const Laws l(
                 {model, texture, patterns ? &*patterns : nullptr, 0.2, {123.456, -78.9, 4.2}, tolerance});
-            return integrate_echo(history, {patterns ? int(patterns->receive.size()) : 1, beam_of_tube},
+            return integrate_echo(history, {patterns ? int(patterns->receive.size()) : 1, one_beam},
                                   {0.1, 100, 1}, l.model)
                 .energy;
           };
           const Laws ideal({model, nullptr});
           const double peak =
-              2 * integrate_echo(history, {1, beam_of_tube}, {0.1, 100, 1}, ideal.model).energy[0];
+              2 * integrate_echo(history, {1, one_beam}, {0.1, 100, 1}, ideal.model).energy[0];
           const auto exact = energies(1e-12);
           for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
             const auto own = energies(tolerance);
@@ -294,7 +291,8 @@ TEST(CombinedLaws, FacetsOfAllKindsBesideEachOtherAddUp) {
   std::vector<std::shared_ptr<const ScatteringModel>> scattering;
   for (int i = 0; i < 24; ++i) {
     const double x = 0.9 * (i % 6) - 0.4, y = 0.7 * (i / 6) - 0.3;
-    parts.push_back({test::flat_seabed(i % 5 == 3 ? 3.5 : height), rectangle({x, y}, {x + 0.8, y + 0.6})});
+    parts.push_back(
+        {test::flat_seabed(i % 5 == 3 ? 3.5 : seabed_height_m), rectangle({x, y}, {x + 0.8, y + 0.6})});
     const Law& model = all[std::size_t(i * 7) % all.size()];
     mu.push_back(model.mu);
     material.push_back(std::uint16_t(i));
@@ -308,13 +306,13 @@ TEST(CombinedLaws, FacetsOfAllKindsBesideEachOtherAddUp) {
     model.scattering = scattering;
     model.path.tx.apex_m = {123.456, -78.9, 4.2};
     const int beams = patterns ? int(patterns->receive.size()) : 1;
-    const Echo together = integrate_echo(history_of(parts), {beams, beam_of_tube}, samples, model);
+    const Echo together = integrate_echo(history_of(parts), {beams, one_beam}, samples, model);
     std::vector<double> sum(together.energy.size(), 0);
     for (std::size_t i = 0; i < parts.size(); ++i) {
       EchoModel own = model;
       const std::vector<std::uint16_t> own_material{material[i]};
       own.material = own_material;
-      const Echo one = integrate_echo(history_of({parts[i]}), {beams, beam_of_tube}, samples, own);
+      const Echo one = integrate_echo(history_of({parts[i]}), {beams, one_beam}, samples, own);
       EXPECT_GT(std::accumulate(one.energy.begin(), one.energy.end(), 0.0), 0);
       for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += one.energy[k];
     }
@@ -326,14 +324,13 @@ TEST(CombinedLaws, FacetsOfAllKindsBesideEachOtherAddUp) {
 
 TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
   const glm::dvec2 lo{1, 0.4}, hi{1.3, 0.8};
-  const History tubes = history_of({{seabed, rectangle(lo, hi)}});
+  const History tubes = history_of({{flat_bed, rectangle(lo, hi)}});
   const glm::dvec3 centroid = tubes.footprints.footprints[0].centroid_m;
   for_all(1, [&](const Given& given) {
     const Laws l(given);
     const auto total = [&](const History& history, Binning binning, std::size_t beam) {
       const RangeSamples samples{0.1, 0.2, 60};
-      const Echo echo =
-          integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.model, binning);
+      const Echo echo = integrate_echo(history, {int(given.beams()), one_beam}, samples, l.model, binning);
       const auto row = echo.energy.begin() + std::ptrdiff_t(beam) * echo.samples;
       return std::accumulate(row, row + echo.samples, 0.0);
     };
@@ -350,7 +347,7 @@ TEST(CombinedLaws, FastBinningAndRaysTakeAllOfThemAtOnePlace) {
     double size = 0;
     for (int i = 0; i < n * n; ++i) {
       const glm::dvec3 p = surface_apex(lo + cell * glm::dvec2(i % n + 0.5, i / n + 0.5));
-      const double r = glm::length(p), sine = height / r;
+      const double r = glm::length(p), sine = seabed_height_m / r;
       rays.hits.push_back({0, 0, r, sine, cell.x * cell.y * sine / (r * r), glm::vec3(p / r)});
       for (std::size_t b = 0; b < given.beams(); ++b) sum[b] += given.density(p, b) * cell.x * cell.y;
       size += given.model.value(std::acos(sine)) * std::pow(r, -4) * cell.x * cell.y;
@@ -380,7 +377,7 @@ double apart_density(const Given& g, const Path* path, glm::dvec3 t, double ht, 
 TEST(CombinedLaws, BistaticEchoAndLossAgreeWithBruteForce) {
   const glm::dvec2 lo{0.4, 0.1}, hi{1.3, 0.8};
   const glm::dvec3 receiver{0.7, -1.1, 0.8};
-  const BistaticHistory history = test::piece_on(seabed, rectangle(lo, hi), receiver);
+  const BistaticHistory history = test::piece_on(flat_bed, rectangle(lo, hi), receiver);
   Path over_mirrors;
   over_mirrors.tx.loss = {0.7, {{0, 0, 1}}, 3};
   over_mirrors.rx = Leg{};
@@ -395,13 +392,14 @@ TEST(CombinedLaws, BistaticEchoAndLossAgreeWithBruteForce) {
       }
       const auto expected = panels<4>(lo, hi, {25, 25}, given.beams(), [&](glm::dvec2 p, std::size_t b) {
         const glm::dvec3 t = surface_apex(p);
-        return apart_density(given, mirrors, t, height, t - receiver, height + receiver.z, b);
+        return apart_density(given, mirrors, t, seabed_height_m, t - receiver, seabed_height_m + receiver.z,
+                             b);
       });
       const double most = *std::max_element(expected.begin(), expected.end());
       const double tolerance = given.model.name == "table" ? 1e-5 : 1e-6;
       for (const RangeSamples samples : {RangeSamples{0, 100, 1}, RangeSamples{0, 0.09, 1000}}) {
-        const Echo echo = integrate_echo(history, {int(given.beams()), beam_of_tube}, samples, l.model,
-                                         {Binning::exact, 1e-8});
+        const Echo echo =
+            integrate_echo(history, {int(given.beams()), one_beam}, samples, l.model, {Binning::exact, 1e-8});
         for (std::size_t b = 0; b < given.beams(); ++b) {
           const auto row = echo.energy.begin() + std::ptrdiff_t(b) * echo.samples;
           EXPECT_NEAR(std::accumulate(row, row + echo.samples, 0.0) / most, expected[b] / most, tolerance)
@@ -423,9 +421,10 @@ struct Bench {
             std::int32_t(std::lround(p.z / unit))};
   }
   void add_seabed(glm::dvec2 lo, glm::dvec2 hi) {
-    const VertexId v[] = {
-        test::add_vertex(mesh, at({lo, -height})), test::add_vertex(mesh, at({hi.x, lo.y, -height})),
-        test::add_vertex(mesh, at({hi, -height})), test::add_vertex(mesh, at({lo.x, hi.y, -height}))};
+    const VertexId v[] = {test::add_vertex(mesh, at({lo, -seabed_height_m})),
+                          test::add_vertex(mesh, at({hi.x, lo.y, -seabed_height_m})),
+                          test::add_vertex(mesh, at({hi, -seabed_height_m})),
+                          test::add_vertex(mesh, at({lo.x, hi.y, -seabed_height_m}))};
     test::add_facet(mesh, v[0], v[1], v[2]);
     test::add_facet(mesh, v[0], v[2], v[3]);
   }
@@ -448,7 +447,7 @@ TEST(CombinedLaws, CertifiedBoundHoldsTheBruteForceValue) {
   const Field texture = perlin(0.5, 2, 0.5, 5);
   Bench bench;
   bench.add_seabed({-20, -20}, {20, 20});
-  bench.add_tube(lo, hi, -height);
+  bench.add_tube(lo, hi, -seabed_height_m);
   const SceneTree tree(bench.mesh);
   const VisibilityOptions options;
   const History history = TubeEngine(bench.mesh, tree, Bench::unit, options).trace(bench.tubes);
@@ -464,14 +463,14 @@ TEST(CombinedLaws, CertifiedBoundHoldsTheBruteForceValue) {
       given.apex_m = {32.25, -17.5, 4.125};
       SCOPED_TRACE(given.name());
       const Laws l(given);
-      const Echo ordinary = integrate_echo(history, {1, beam_of_tube}, samples, l.model);
+      const Echo ordinary = integrate_echo(history, {1, one_beam}, samples, l.model);
       const double tolerance = 1e-7;
-      const CertifiedEcho certified = certify_echo(bench.mesh, tree, history, options, beam_of_tube, samples,
-                                                   l.model, ordinary, tolerance);
+      const CertifiedEcho certified =
+          certify_echo(bench.mesh, tree, history, options, one_beam, samples, l.model, ordinary, tolerance);
       // The pieces of a table meet on a circle, which the panels do not resolve.
       const int n = model.name == "table" ? 120 : 12;
       const double truth = panels<10>(lo, hi, {n, n}, 1, [&](glm::dvec2 q, std::size_t) {
-        return given.density({q, -height}, 0);
+        return given.density({q, -seabed_height_m}, 0);
       })[0];
       const double oracle = model.name == "table" ? 2e-7 : 2e-8;  // corners are rounded to rays
       EXPECT_EQ(certified.bins_over, 0u);
@@ -488,8 +487,8 @@ TEST(CombinedLaws, MirroredEchoAgreesWithBruteForce) {
   Bench bench;
   bench.add_seabed(lo, hi);
   const glm::dvec2 margin{0.1, 0.1};
-  bench.add_tube(lo - margin, hi + margin, -height);
-  bench.add_tube(lo - margin, hi + margin, height + 2 * surface);
+  bench.add_tube(lo - margin, hi + margin, -seabed_height_m);
+  bench.add_tube(lo - margin, hi + margin, seabed_height_m + 2 * surface);
   const SceneTree tree(bench.mesh);
   const std::vector<std::uint32_t> beam(2, 0);
   PathSettings settings;
@@ -502,7 +501,7 @@ TEST(CombinedLaws, MirroredEchoAgreesWithBruteForce) {
   // For the path over the water surface, the transmitter has its mirror image at 2 * surface. Sound from
   // there travels downwards.
   const glm::dvec3 image{0, 0, 2 * surface};
-  const double far = height + 2 * surface;
+  const double far = seabed_height_m + 2 * surface;
   const glm::dmat3 flipped{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
   const auto patterns = pattern_sets(2);
   for (const auto& set : patterns)
@@ -515,12 +514,12 @@ TEST(CombinedLaws, MirroredEchoAgreesWithBruteForce) {
         const PathEcho paths = path_echo(bench.mesh, tree, Bench::unit, VisibilityOptions(), bench.tubes,
                                          bench.tubes, {int(given.beams()), beam}, samples, l.model, settings);
         const auto expected = panels<4>(lo, hi, {25, 25}, given.beams(), [&](glm::dvec2 q, std::size_t b) {
-          const glm::dvec3 p{q, -height}, from_image = p - image;
+          const glm::dvec3 p{q, -seabed_height_m}, from_image = p - image;
           const double rt = glm::length(from_image), rr = glm::length(p);
           const double lost = 0.8 * std::exp(-roughness * std::pow(far / rt, 2));
-          double value =
-              std::sqrt(given.model.value(std::acos(far / rt)) * given.model.value(std::acos(height / rr))) *
-              std::exp(-given.beta() / 2 * (rt + rr)) / (rt * rt * rr * rr) * lost;
+          double value = std::sqrt(given.model.value(std::acos(far / rt)) *
+                                   given.model.value(std::acos(seabed_height_m / rr))) *
+                         std::exp(-given.beta() / 2 * (rt + rr)) / (rt * rt * rr * rr) * lost;
           if (given.texture) value *= given.texture->factor(given.apex_m + p);
           if (!given.patterns) return 2 * value;
           const glm::dvec3 up = flipped * from_image / rt, down = p / rr;

@@ -19,13 +19,13 @@ namespace {
 
 using Kind = Directivity::Kind;
 
-Directivity line(double length_over_wavelength, double steered_rad) {
+Directivity line_along_x(double length_over_wavelength, double steered_rad) {
   return {Kind::line, {1, 0, 0}, false, std::sin(steered_rad), length_over_wavelength};
 }
 
 TEST(DirectionSpans, AreIntegralsOverTheCosineAcrossPanelsAndBothWays) {
   using boost::math::quadrature::gauss_kronrod;
-  const std::vector<Directivity> beams{line(40, -0.2), line(40, 0), line(40, 0.3)};
+  const std::vector<Directivity> beams{line_along_x(40, -0.2), line_along_x(40, 0), line_along_x(40, 0.3)};
   const auto gains = std::make_shared<GainPanels>(
       beams.size(),
       [&](double cosine, std::span<double> values) {
@@ -114,7 +114,7 @@ void expect_integrals_in_space(double thinness, std::initializer_list<double> to
   std::mt19937_64 random(27182);
   std::uniform_real_distribution<double> across(-3, 3), ahead(-2, 9), size(0.01, 0.12), distance(0.3, 5);
   std::vector<Directivity> beams;
-  for (int k = 0; k < 8; ++k) beams.push_back(line(123, 0.042 * k - 0.15));
+  for (int k = 0; k < 8; ++k) beams.push_back(line_along_x(123, 0.042 * k - 0.15));
   const TransmitPattern sent(beams);
   const BeamPatterns patterns{{sent}, beams, {0}, {{0, std::uint32_t(beams.size())}}};
   const std::vector<double> mu{1};

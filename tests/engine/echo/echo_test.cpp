@@ -9,13 +9,13 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/expint.hpp>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "engine/scattering/lambert.hpp"
 #include "engine/scattering/radial_model.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -24,11 +24,11 @@ using test::add_footprint;
 using test::flat_seabed;
 using test::on_plane;
 using test::Polygon2;
+using test::total;
 
-constexpr double pi = std::numbers::pi;
 constexpr double slice = 1.5 * pi / 180;  // azimuth
 constexpr double height = 10;
-const double mu = lambert_mu(-27);
+const double sand_mu = lambert_mu(-27);
 
 double relative(double value, double expected) { return std::abs(value / expected - 1); }
 
@@ -39,7 +39,7 @@ double closed_form(double dphi, double r1, double r2, double absorption_db_per_m
   const auto antiderivative = [beta](double r) {
     return std::pow(r, -4) * (beta > 0 ? boost::math::expint(5, beta * r) : 0.25);
   };
-  return mu * height * height * dphi * (antiderivative(r1) - antiderivative(r2));
+  return sand_mu * height * height * dphi * (antiderivative(r1) - antiderivative(r2));
 }
 
 /// A tube between two vertical planes that meet below the apex, with straight near and far walls.
@@ -52,13 +52,11 @@ Polygon2 wedge(double dphi, double near, double far) {
 const std::vector<std::uint16_t> one_facet{0};
 
 Echo echo_of(const History& history, const RangeSamples& samples, double absorption_db_per_m = 0) {
-  const std::vector<double> material_mu{mu};
+  const std::vector<double> material_mu{sand_mu};
   const std::vector<std::uint32_t> beam_of_tube{0};
   return integrate_echo(history, {1, beam_of_tube}, samples,
                         EchoModel{material_mu, one_facet, absorption_db_per_m});
 }
-
-double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
 
 TEST(Lambert, ParameterAndCrossSection) {
   EXPECT_NEAR(pi * lambert_mu(-27), 0.0062683, 5e-8);
@@ -172,7 +170,7 @@ TEST(Echo, TiltedFacetsAgreeWithQuadratureOverTheirArea) {
       const auto density = [&](double x, double y) {
         const glm::dvec3 q = a + x * (b + y * c);
         const double r = glm::length(q), sine = std::abs(glm::dot(plane.normal, q)) / r;
-        return mu * sine * sine * std::pow(r, -4) * std::exp(-beta * r);
+        return sand_mu * sine * sine * std::pow(r, -4) * std::exp(-beta * r);
       };
       const auto line = [&](double x) {
         return x * gauss_kronrod<double, 31>::integrate([&](double y) { return density(x, y); }, 0.0, 1.0, 5,
@@ -207,8 +205,9 @@ TEST(Echo, RayHitsCountWithTheirSolidAngle) {
   History history;
   history.hits = {{0, 0, 20.5, 0.5, 1e-4}, {0, 0, 21, 0.5, 1e-4}, {0, 0, 19.99, 1, 1}, {0, 0, 24, 1, 1}};
   const Echo echo = echo_of(history, {20, 1, 4}, 0.1);
-  EXPECT_LT(relative(echo.at(0, 0), mu * 0.5 * 1e-4 / (20.5 * 20.5) * std::pow(10, -0.2 * 20.5 / 10)), 1e-14);
-  EXPECT_LT(relative(echo.at(0, 1), mu * 0.5 * 1e-4 / (21 * 21) * std::pow(10, -0.2 * 21 / 10)), 1e-14);
+  EXPECT_LT(relative(echo.at(0, 0), sand_mu * 0.5 * 1e-4 / (20.5 * 20.5) * std::pow(10, -0.2 * 20.5 / 10)),
+            1e-14);
+  EXPECT_LT(relative(echo.at(0, 1), sand_mu * 0.5 * 1e-4 / (21 * 21) * std::pow(10, -0.2 * 21 / 10)), 1e-14);
   EXPECT_EQ(echo.at(0, 2), 0);
   EXPECT_EQ(echo.at(0, 3), 0);
 }
@@ -237,7 +236,8 @@ TEST(Echo, ANarrowTubeAndAHitOfItsSolidAngleAgree) {
   ray.hits = {{0, 0, r, std::sin(footprint.grazing_angle_rad), footprint.solid_angle_sr}};
   const double a = echo_of(tube, {19, 2, 1}, 0.1).at(0, 0), b = echo_of(ray, {19, 2, 1}, 0.1).at(0, 0);
   EXPECT_LT(relative(a, b), 1e-6);
-  EXPECT_LT(relative(b, mu * height * footprint.solid_angle_sr / (r * r * r) * std::pow(10, -0.4)), 1e-6);
+  EXPECT_LT(relative(b, sand_mu * height * footprint.solid_angle_sr / (r * r * r) * std::pow(10, -0.4)),
+            1e-6);
 }
 
 TEST(Echo, BadInputIsRefused) {

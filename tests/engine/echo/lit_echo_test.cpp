@@ -14,7 +14,7 @@ namespace tubefoot {
 namespace {
 
 constexpr double unit = 0x1p-20;
-const std::vector<double> material_mu{0.002};
+const std::vector<double> lit_material_mu{0.002};
 const RangeSamples samples{2, 0.0625, 300};
 const std::vector<std::uint32_t> beams{0, 1, 2, 3, 4, 5};
 
@@ -35,7 +35,7 @@ class LitEchoes : public testing::Test {
   History history(GridPoint apex) const {
     return TubeEngine(mesh, tree, unit, {}).trace(test::forward_tubes(apex, 6, 1, 50, 30, 20));
   }
-  EchoModel model() const { return {material_mu, mesh.material, 0.1}; }
+  EchoModel model() const { return {lit_material_mu, mesh.material, 0.1}; }
   FacetMesh mesh;
   SceneTree tree;
 };

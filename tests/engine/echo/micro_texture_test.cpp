@@ -6,7 +6,6 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <numeric>
 #include <random>
 
@@ -16,6 +15,7 @@
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
 #include "fixtures/world/textures.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,13 +23,15 @@ namespace {
 using test::add_footprint;
 using test::Field;
 using test::flat_seabed;
+using test::line;
 using test::map_askew;
 using test::on_plane;
 using test::perlin;
 using test::Polygon2;
+using test::rectangle;
 using test::total;
 
-constexpr double pi = std::numbers::pi, mu = 0.002;
+constexpr double texture_mu = 0.002;
 const glm::dvec3 apex{123.456, -78.9, 4.2};
 
 History history_of(const FacetPlane& plane, const std::vector<Polygon2>& polygons) {
@@ -51,7 +53,7 @@ struct Settings {
 
 /// All footprints go to beam 0 where there are no patterns.
 Echo echo_of(const History& history, const Field& texture, const Settings& s = {}) {
-  const std::vector<double> material_mu{mu};
+  const std::vector<double> material_mu{texture_mu};
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beam_of_tube(history.footprints.footprints.size() + history.hits.size(),
                                                 0);
@@ -65,7 +67,7 @@ Echo echo_of(const History& history, const Field& texture, const Settings& s = {
 
 double even_density(const FacetPlane& plane, double r, double absorption_db_per_m) {
   const double beta = 2 * absorption_db_per_m * std::log(10.0) / 10;
-  return mu * plane.distance_m * plane.distance_m * std::pow(r, -6) * std::exp(-beta * r);
+  return texture_mu * plane.distance_m * plane.distance_m * std::pow(r, -6) * std::exp(-beta * r);
 }
 
 /// Integrates over a rectangle by a rule of 4 nodes on each of many small panels, independent of texture
@@ -98,8 +100,6 @@ double quadrature(const FacetPlane& plane, glm::dvec2 lo, glm::dvec2 hi,
     return even_density(plane, glm::length(p), 0.2) * factor(p);
   });
 }
-
-Polygon2 rectangle(glm::dvec2 lo, glm::dvec2 hi) { return {lo, {hi.x, lo.y}, hi, {lo.x, hi.y}}; }
 
 std::vector<std::pair<std::string, Field>> textures() {
   const Field layers = std::make_shared<LayeredReflectivity>(
@@ -248,7 +248,7 @@ TEST(MicroTexture, MakesNoShadowAndHidesNone) {
 TEST(MicroTexture, AnEvenMaterialBesideATexturedOneKeepsEveryBit) {
   History history = history_of(flat_seabed(3), {rectangle({4, -1}, {5, 1}), rectangle({7, -1}, {9, 2})});
   history.footprints.footprints[1].facet = 1;
-  const std::vector<double> material_mu{mu, mu};
+  const std::vector<double> material_mu{texture_mu, texture_mu};
   const std::vector<std::uint16_t> material{0, 1};
   const std::vector<std::uint32_t> beam_of_tube{0, 1};
   const std::vector<Field> one{nullptr, perlin(0.3)};
@@ -307,10 +307,6 @@ TEST(MicroTexture, FastBinningTakesItAtTheCentroid) {
 
 // --- with beam patterns
 
-Directivity line(double size, double steered_rad, glm::dvec3 axis) {
-  return {Directivity::Kind::line, axis, false, std::sin(steered_rad), size};
-}
-
 TEST(MicroTexture, PatternsAndTextureAgreeWithBruteForce) {
   const FacetPlane seabed = flat_seabed(4);
   const glm::dvec2 lo{3, 1}, hi{4.3, 2.2};
@@ -358,7 +354,7 @@ TEST(MicroTexture, TwoReceiversOfAPairAgreeWithBruteForce) {
   const glm::dvec3 end = receiver_pair.baseline_m / 2 * receiver_pair.axis;
   for (const auto& [name, texture] : textures()) {
     const std::vector<Field> fields{texture};
-    const std::vector<double> material_mu{mu};
+    const std::vector<double> material_mu{texture_mu};
     const std::vector<std::uint16_t> one_facet{0};
     EchoModel model{material_mu, one_facet, 0.2, &patterns};
     model.reflectivity = fields;
@@ -402,7 +398,7 @@ TEST(MicroTexture, BistaticEchoesAgreeWithBruteForce) {
   const glm::dvec2 lo{3, 1}, hi{3.9, 1.8};
   const glm::dvec3 receiver{1.5, -2, 1};
   const BistaticHistory history = test::piece_on(seabed, rectangle(lo, hi), receiver);
-  const std::vector<double> material_mu{mu};
+  const std::vector<double> material_mu{texture_mu};
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beam{0};
   const BeamPatterns patterns{{Directivity{Directivity::Kind::gaussian, {1, 0, 0}, true, 0, 1.5}},
@@ -420,7 +416,7 @@ TEST(MicroTexture, BistaticEchoesAgreeWithBruteForce) {
         const glm::dvec3 t = -seabed.distance_m * seabed.normal + x * frame.u + y * frame.v, r = t - receiver;
         const double rt = glm::length(t), rr = glm::length(r);
         const double gain = p ? p->transmit[0].gain(t / rt) * p->receive[0].gain(r / rr) : 1;
-        return mu * seabed.distance_m * (seabed.distance_m + receiver.z) / std::pow(rt * rr, 3) *
+        return texture_mu * seabed.distance_m * (seabed.distance_m + receiver.z) / std::pow(rt * rr, 3) *
                texture->factor(apex + t) * gain;
       };
       const double expected = panels(lo, hi, 64, 64, density);
@@ -431,7 +427,7 @@ TEST(MicroTexture, BistaticEchoesAgreeWithBruteForce) {
 
 TEST(MicroTexture, RefusesTexturesOfOtherMaterials) {
   const History history = history_of(flat_seabed(4), {rectangle({3, 1}, {3.4, 1.6})});
-  const std::vector<double> material_mu{mu};
+  const std::vector<double> material_mu{texture_mu};
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beam_of_tube{0};
   const std::vector<Field> two{perlin(1), perlin(2)};

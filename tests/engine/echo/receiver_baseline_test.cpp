@@ -5,12 +5,12 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <random>
 
 #include "engine/echo/echo.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -20,20 +20,19 @@ using test::Polygon2;
 using Complex = std::complex<double>;
 using test::add_footprint;
 
-constexpr double pi = std::numbers::pi;
-constexpr double mu = 0.003;
+constexpr double baseline_mu = 0.003;
 
 Echo echo_of(const History& history, const RangeSamples& samples, const BeamPatterns& patterns,
              Binning binning = Binning::exact) {
-  const std::vector<double> material_mu{mu};
+  const std::vector<double> material_mu{baseline_mu};
   const std::vector<std::uint16_t> one_facet{0};
   const std::vector<std::uint32_t> beam_of_tube{0};
   return integrate_echo(history, {1, beam_of_tube}, samples,
                         EchoModel{material_mu, one_facet, 0, &patterns, 1e-11}, binning);
 }
 
-BeamPatterns one_beam(const ReceiverBaseline& baseline, const Directivity& transmit = {},
-                      const Directivity& receive = {}) {
+BeamPatterns patterns_of_one_beam(const ReceiverBaseline& baseline, const Directivity& transmit = {},
+                                  const Directivity& receive = {}) {
   return {{transmit}, {receive}, {0}, {{0, 1}}, {baseline}};
 }
 
@@ -95,7 +94,7 @@ TEST(ReceiverBaseline, RaysAndCentroidsHaveThePhaseOfTheirPlace) {
   const double direct =
       2 * pi / 0.01 *
       (glm::distance(7.25 * d, 0.1 * baseline.axis) - glm::distance(7.25 * d, -0.1 * baseline.axis));
-  const Echo echo = echo_of(rays, {7, 0.5, 1}, one_beam(baseline));
+  const Echo echo = echo_of(rays, {7, 0.5, 1}, patterns_of_one_beam(baseline));
   EXPECT_GT(echo.at(0, 0), 0);
   // float direction
   EXPECT_LT(std::abs(cross_of(echo, 0) / echo.at(0, 0) - std::polar(1.0, direct)), 1e-4);
@@ -105,7 +104,7 @@ TEST(ReceiverBaseline, RaysAndCentroidsHaveThePhaseOfTheirPlace) {
   const glm::dvec3 c = seabed.history.footprints.footprints[0].centroid_m;
   const double expected =
       2 * pi / 0.01 * (glm::distance(c, 0.1 * baseline.axis) - glm::distance(c, -0.1 * baseline.axis));
-  const Echo binned = echo_of(seabed.history, {1, 30, 1}, one_beam(baseline), Binning::centroid);
+  const Echo binned = echo_of(seabed.history, {1, 30, 1}, patterns_of_one_beam(baseline), Binning::centroid);
   EXPECT_LT(std::abs(cross_of(binned, 0) / binned.at(0, 0) - std::polar(1.0, expected)), 1e-9);
 }
 
@@ -120,15 +119,16 @@ TEST(ReceiverBaseline, HitsAndCentroidsFallIntoEachReceiversOwnSample) {
   History rays;
   rays.hits.push_back({0, 0, range, 0.5, 1e-3, glm::vec3(d)});
   const double border = (upper + lower) / 2;
-  const Echo apart = echo_of(rays, {border - 1, 1, 2}, one_beam(baseline));  // upper in 1, lower in 0
-  const double all = echo_of(rays, {7, 0.5, 1}, one_beam(baseline)).energy[0];
+  const Echo apart =
+      echo_of(rays, {border - 1, 1, 2}, patterns_of_one_beam(baseline));  // upper in 1, lower in 0
+  const double all = echo_of(rays, {7, 0.5, 1}, patterns_of_one_beam(baseline)).energy[0];
   const std::vector<double> expected{0, all, all, 0, 0, 0, 0, 0};
   for (std::size_t k = 0; k < 8; ++k) EXPECT_DOUBLE_EQ(apart.energy.at(k), expected[k]) << k;
 
   Slope seabed;
   measure(seabed.history.footprints);
-  const Echo whole = echo_of(seabed.history, {1, 30, 1}, one_beam(baseline), Binning::spread),
-             cut = echo_of(seabed.history, {9, 0.01, 500}, one_beam(baseline), Binning::spread);
+  const Echo whole = echo_of(seabed.history, {1, 30, 1}, patterns_of_one_beam(baseline), Binning::spread),
+             cut = echo_of(seabed.history, {9, 0.01, 500}, patterns_of_one_beam(baseline), Binning::spread);
   const double per_sample = whole.energy[0] * 0.01 /
                             (seabed.history.footprints.footprints[0].slant_range_max_m -
                              seabed.history.footprints.footprints[0].slant_range_min_m);
@@ -144,13 +144,14 @@ TEST(ReceiverBaseline, HitsAndCentroidsFallIntoEachReceiversOwnSample) {
 
 TEST(ReceiverBaseline, FootprintsOfOneApexAreNotCutForTwoReceivers) {
   const Slope seabed;
-  EXPECT_THROW(echo_of(seabed.history, {9, 0.5, 20}, one_beam(receiver_pair(0.4, 0.1, 0.006))),
+  EXPECT_THROW(echo_of(seabed.history, {9, 0.5, 20}, patterns_of_one_beam(receiver_pair(0.4, 0.1, 0.006))),
                std::invalid_argument);
 }
 
 TEST(ReceiverBaseline, RefusesABaselineLongerThanTheNearestRange) {
-  EXPECT_THROW(echo_of({}, {1, 1, 3}, one_beam(receiver_pair(0, 1.1, 0.01))), std::invalid_argument);
-  BeamPatterns two = one_beam(receiver_pair(0, 0.1, 0.01));
+  EXPECT_THROW(echo_of({}, {1, 1, 3}, patterns_of_one_beam(receiver_pair(0, 1.1, 0.01))),
+               std::invalid_argument);
+  BeamPatterns two = patterns_of_one_beam(receiver_pair(0, 0.1, 0.01));
   two.baselines.push_back(two.baselines[0]);
   EXPECT_THROW(echo_of({}, {1, 1, 3}, two), std::invalid_argument);
 }

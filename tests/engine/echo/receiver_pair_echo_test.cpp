@@ -8,10 +8,10 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <random>
 
 #include "fixtures/geometry/plane_polygons.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 using test::Polygon2;
 using Complex = std::complex<double>;
 
-constexpr double pi = std::numbers::pi, mu = 0.003;
+constexpr double mu = 0.003;
 const std::vector<double> material_mu{mu, 0};
 const std::vector<std::uint16_t> one_material(64, 0);
 
@@ -29,7 +29,7 @@ BeamPatterns patterns_of(const ReceiverBaseline& receiver_pair, const Directivit
 }
 
 /// A part of one facet that all ends see.
-ReceiverPairHistory piece_on(const FacetPlane& plane, const Polygon2& polygon) {
+ReceiverPairHistory piece_for_pair(const FacetPlane& plane, const Polygon2& polygon) {
   ReceiverPairHistory history;
   SharedFacet facet;
   facet.piece_count = 1;
@@ -67,7 +67,7 @@ ReceiverPairHistory strip(double depth, double slope, double from, double to) {
   for (std::size_t i = 0; i < 4; ++i)
     turn += polygon[i].x * polygon[(i + 1) % 4].y - polygon[i].y * polygon[(i + 1) % 4].x;
   if (turn < 0) std::reverse(polygon.begin(), polygon.end());
-  return piece_on(plane, polygon);
+  return piece_for_pair(plane, polygon);
 }
 
 ReceiverBaseline receiver_pair_at(double tilt_rad, double baseline_m, double frequency_hz) {
@@ -88,7 +88,7 @@ double expected_coherence(double range, double step, double wavenumber, const De
 // which end it is.
 TEST(ReceiverPairEcho, AFacetThatOnlyOneEndFacesIsReceivedByThatEnd) {
   const FacetPlane plane{{1, 0, 0}, 0.02};
-  ReceiverPairHistory history = piece_on(plane, {{3, 3}, {4, 3}, {4, 4}});
+  ReceiverPairHistory history = piece_for_pair(plane, {{3, 3}, {4, 3}, {4, 4}});
   const RangeSamples samples{3, 1, 4};
   history.by_lower = {};
   const ReceiverPairEcho across = echo_of(history, patterns_of({{1, 0, 0}, 0.1, 100}), samples);
@@ -228,7 +228,7 @@ TEST(ReceiverPairEcho, TotalsAgreeWithQuadratureInSpaceWithPatterns) {
     if (i % 3 > 1 && i >= 8) receive = {Directivity::Kind::gaussian, unit(), true, 0, 1.2};
     const glm::dvec2 centre = i % 4 ? glm::dvec2(place(random), place(random)) : glm::dvec2(0.2, -0.1);
     const Polygon2 polygon = test::random_convex(random, centre, 2.5, 1.5);
-    ReceiverPairHistory history = piece_on(plane, polygon);
+    ReceiverPairHistory history = piece_for_pair(plane, polygon);
     if (i >= 8) {
       // The pair moves along the plane, and above the plane as far as both ends require.
       const PlaneFrame frame(plane);
@@ -276,7 +276,8 @@ TEST(ReceiverPairEcho, AgreesWithSumsOverScatterers) {
     ReceiverBaseline receiver_pair{glm::normalize(glm::dvec3(gauss(random), gauss(random), gauss(random))),
                                    0.9 * plane.distance_m * share(random), 2 * pi * 2.5};
     const RangeSamples samples{plane.distance_m * 0.97, i % 4 < 2 ? 0.05 : 0.3, i % 4 < 2 ? 160 : 30};
-    const ReceiverPairEcho echo = echo_of(piece_on(plane, polygon), patterns_of(receiver_pair), samples);
+    const ReceiverPairEcho echo =
+        echo_of(piece_for_pair(plane, polygon), patterns_of(receiver_pair), samples);
 
     constexpr int n = 1200;
     glm::dvec2 low = polygon[0], high = low;

@@ -6,7 +6,6 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <numeric>
 
 #include "engine/echo/echo.hpp"
@@ -15,12 +14,16 @@
 #include "engine/surface/refracted_surface.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "engine/water/apparent_map.hpp"
+#include "fixtures/world/histories.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180, mu = 0.002, below_m = 20, surface_m = 10;
-const std::vector<double> material_mu{mu};
+using test::total;
+
+constexpr double refracted_mu = 0.002, below_m = 20, surface_m = 10;
+const std::vector<double> refracted_material_mu{refracted_mu};
 const WorldGrid grid{20, glm::dvec3(0)};
 const glm::dvec3 transmitter(0), receiver(-6, 5, 3);
 
@@ -103,15 +106,13 @@ struct Scenery {
   Echo echo(const BistaticHistory& of, const RangeSamples& samples) const {
     const std::vector<std::uint32_t> beam(of.receive.tubes.size(), 0);
     const std::vector<std::shared_ptr<const ReflectivityField>> textures{texture};
-    EchoModel model{material_mu, material, absorption, nullptr};
+    EchoModel model{refracted_material_mu, material, absorption, nullptr};
     if (texture) model.reflectivity = textures;
     model.path.tx.apex_m = grid.to_metres(of.transmit.apex);
     return integrate_echo(of, {1, beam}, samples, model);
   }
   mutable std::vector<std::uint16_t> material{};
 };
-
-double total(const Echo& echo) { return std::accumulate(echo.energy.begin(), echo.energy.end(), 0.0); }
 
 TEST(RefractedBistatic, IsovelocityWaterIsTheStraightEngine) {
   const WaterColumn water{SoundSpeedProfile({{0, 1500}, {60, 1500}}), {0.02, 0.02}};
@@ -159,7 +160,7 @@ std::pair<double, double> closed_form(double g, glm::dvec3 t, glm::dvec3 r) {
                 const glm::dvec3 at(x, y, -below_m);
                 const Ray tx(g, t, at), rx(g, r, at);
                 const double speeds = (1500 - g * r.z) / (1500 + g * below_m);
-                return mu * tx.sine_at_seabed * rx.sine_at_seabed /
+                return refracted_mu * tx.sine_at_seabed * rx.sine_at_seabed /
                        (tx.tube_area_m2 * rx.tube_area_m2 * speeds * speeds) *
                        (with_path ? 750 * (tx.time_s + rx.time_s) : 1);
               },
@@ -244,7 +245,7 @@ TEST(RefractedBistatic, InOnePlaceItIsTheMonostaticEcho) {
   const ApparentSurface surface_mesh = map_apparent(
       base, all, grid, ApparentMap(water, transmitter, surface_m, {}, 1500), 0, {.travel_path_error_m = gap});
   const FacetMesh& mesh = surface_mesh.refined.mesh;
-  EchoModel model{material_mu, mesh.material, 0, nullptr};
+  EchoModel model{refracted_material_mu, mesh.material, 0, nullptr};
   model.path.facet_factor = surface_mesh.facet_factor;
   const std::vector<std::uint32_t> beam(tubes.tubes.size(), 0);
   const SceneTree tree(mesh);

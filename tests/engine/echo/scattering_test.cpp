@@ -14,6 +14,7 @@
 #include "engine/scattering/sediment.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,15 +24,14 @@ using test::flat_seabed;
 using test::piece_on;
 using test::Polygon2;
 
-constexpr double pi = std::numbers::pi, degree = pi / 180;
-constexpr double mu = 0.004;
+constexpr double law_mu = 0.004;
 using Law = std::shared_ptr<const ScatteringModel>;
 using test::add_footprint;
 using test::one_beam;
 using test::total;
 
 Law shared(ScatteringModel model) { return std::make_shared<const ScatteringModel>(std::move(model)); }
-Law lambert_as_gsab() { return shared(ScatteringModel::gsab({.oblique = mu, .oblique_exponent = 2})); }
+Law lambert_as_gsab() { return shared(ScatteringModel::gsab({.oblique = law_mu, .oblique_exponent = 2})); }
 Law three_terms() { return shared(ScatteringModel::gsab({0.4, 4 * degree, 0.01, 1.7, 0.03, 22 * degree})); }
 Law medium_sand() {
   return shared(
@@ -49,7 +49,7 @@ History history_of(const FacetPlane& plane, const Polygon2& polygon) {
 Echo echo_of(const History& history, const RangeSamples& samples, const Law& model, double absorption = 0,
              const BeamPatterns* patterns = nullptr, Binning binning = Binning::exact,
              double pattern_tolerance = 1e-11) {
-  const std::vector<double> material_mu{mu};
+  const std::vector<double> material_mu{law_mu};
   const std::vector<std::uint16_t> one_facet{0};
   const std::vector<std::uint32_t> beam_of_tube{0};
   const std::vector<Law> models{model};
@@ -168,7 +168,7 @@ TEST(ScatteringEcho, LambertAsATableConvergesToLambert) {
     std::vector<double> angle, level;
     for (double grazing = 4; grazing <= 90; grazing += fine ? 0.5 : 1) {
       angle.push_back(grazing);
-      level.push_back(10 * std::log10(mu * std::pow(std::sin(grazing * degree), 2)));
+      level.push_back(10 * std::log10(law_mu * std::pow(std::sin(grazing * degree), 2)));
     }
     error[fine] = std::abs(
         total(echo_of(history, samples, shared(ScatteringModel::table(angle, level)))) / lambert - 1);
@@ -298,7 +298,7 @@ TEST(ScatteringEcho, RaysConvergeToTheTubes) {
 
 Echo bistatic_echo(const BistaticHistory& history, const RangeSamples& samples, const Law& model,
                    double absorption = 0, const BeamPatterns* patterns = nullptr) {
-  const std::vector<double> material_mu{mu};
+  const std::vector<double> material_mu{law_mu};
   const std::vector<std::uint16_t> material{0};
   const std::vector<std::uint32_t> beam{0};
   const std::vector<Law> models{model};
@@ -372,7 +372,7 @@ TEST(ScatteringBistatic, OneApexAboveTheOtherIsASingleIntegral) {
 
 TEST(ScatteringEcho, RefusesLawsThatDoNotFitTheMaterials) {
   const History history = history_of(flat_seabed(5), wedge(0.1, 20));
-  const std::vector<double> material_mu{mu};
+  const std::vector<double> material_mu{law_mu};
   const std::vector<std::uint16_t> one_facet{0};
   const std::vector<std::uint32_t> beam_of_tube{0};
   const std::vector<Law> models{three_terms(), nullptr};

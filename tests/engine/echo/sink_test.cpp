@@ -19,7 +19,7 @@ namespace tubefoot {
 namespace {
 
 constexpr double unit = 0x1p-20;
-const std::vector<double> material_mu{0.002};
+const std::vector<double> sink_material_mu{0.002};
 const RangeSamples samples{2, 0.0625, 300};
 const std::vector<std::uint32_t> beams{0, 1, 2, 3, 4, 5}, none(6, 0);
 
@@ -82,7 +82,7 @@ class Sinks : public testing::Test {
       for (const CommonVisibility& visibility : {CommonVisibility(alone), CommonVisibility(apart)}) {
         SCOPED_TRACE(testing::Message() << (visibility.one_apex() ? "one apex" : "two apexes")
                                         << (patterns ? ", patterns" : ""));
-        take(visibility, EchoModel{material_mu, seabed.mesh.material, 0.1, patterns, 1e-12});
+        take(visibility, EchoModel{sink_material_mu, seabed.mesh.material, 0.1, patterns, 1e-12});
       }
   }
 
@@ -161,7 +161,7 @@ TEST_F(Sinks, PartsOfAVisibilityAddUp) {
 }
 
 TEST_F(Sinks, LegsThatDoNotFitAreRefused) {
-  EchoModel model{material_mu, seabed.mesh.material, 0.1};
+  EchoModel model{sink_material_mu, seabed.mesh.material, 0.1};
   model.path.tx.loss.factor = 0.5;
   EXPECT_THROW(integrate_echo(alone, {6, beams}, samples, model), std::invalid_argument);
   EXPECT_NO_THROW(integrate_echo(apart, {6, beams}, samples, model));
@@ -169,7 +169,7 @@ TEST_F(Sinks, LegsThatDoNotFitAreRefused) {
 
 TEST_F(Sinks, MirrorsOnEitherLegTakeTheirPart) {
   for (const Binning binning : {Binning::exact, Binning::spread, Binning::centroid}) {
-    EchoModel model{material_mu, seabed.mesh.material, 0.1};
+    EchoModel model{sink_material_mu, seabed.mesh.material, 0.1};
     const Echo whole = integrate_echo(apart, {6, beams}, samples, model, binning);
     model.path.tx.loss.factor = 0.5;
     model.path.rx = Leg{};

@@ -7,17 +7,16 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
-#include <numbers>
 
 #include "engine/certified/reference.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi, degree = pi / 180;
-const double mu = std::pow(10, -2.7);
+const double seabed_mu = std::pow(10, -2.7);
 
 /// A mesh on a grid of 2^-20 m about the apex.
 struct Site {
@@ -29,7 +28,7 @@ struct Site {
     double energy = 0, bound = 0;
   };
   Sum run(const TubeSet& set, const RangeSamples& samples, double tolerance) const {
-    const std::vector<double> material_mu{mu};
+    const std::vector<double> material_mu{seabed_mu};
     const EchoModel model{material_mu, mesh.material, 0, nullptr};
     const std::vector<std::uint32_t> beams(set.tubes.size(), 0);
     const History history = TubeEngine(mesh, *tree, 0x1p-20, {}).trace(set);
@@ -86,7 +85,7 @@ double energy_through(const TubeSet& set, const Tube& tube, double height) {
     sum +=
         boost::math::quadrature::gauss_kronrod<double, 61>::integrate(density, angle(a), angle(b), 5, 1e-15);
   }
-  return mu * height * height * std::abs(sum);
+  return seabed_mu * height * height * std::abs(sum);
 }
 
 TEST(TubeClosedForms, AzimuthElevationTubesOnASeabedAreInsideTheBound) {
@@ -119,8 +118,8 @@ TEST(TubeClosedForms, NarrowTubesTendToTheRingOfTheirDepressions) {
   // the square of their width.
   const double h = 10, width = 24 * degree, shallow = 20 * degree, steep = 25 * degree;
   const Site site = seabed(h);
-  const double truth =
-      mu * h * h * width / 4 * (std::pow(h / std::sin(steep), -4) - std::pow(h / std::sin(shallow), -4));
+  const double truth = seabed_mu * h * h * width / 4 *
+                       (std::pow(h / std::sin(steep), -4) - std::pow(h / std::sin(shallow), -4));
   std::vector<double> error;
   for (const int cells : {2, 4, 8})
     error.push_back(
@@ -202,8 +201,8 @@ TEST(TubeClosedForms, InsideASphereTheEnergyIsTheSolidAngle) {
     double bound = 0;
     for (const int n : {8, 16, 32}) {
       const Site::Sum sum = dome(radius, 0.5, n).run(c.set, {4, 2, 1}, 1e-8);
-      error.push_back(sum.energy * radius * radius / mu / c.solid_angle - 1);
-      bound = sum.bound * radius * radius / mu / c.solid_angle;
+      error.push_back(sum.energy * radius * radius / seabed_mu / c.solid_angle - 1);
+      bound = sum.bound * radius * radius / seabed_mu / c.solid_angle;
     }
     EXPECT_LT(bound, 1.1e-8);
     EXPECT_NEAR(error[0] / error[1], 4, 0.8);  // the rim of the tube cuts facets at arbitrary places

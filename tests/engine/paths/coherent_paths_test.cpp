@@ -128,8 +128,8 @@ ChannelSignals all_signals(const Mirrored& m, const CoherentReceiver& receiver, 
   return sum;
 }
 
-void expect_near(const ChannelSignals& found, std::size_t channel, const std::vector<Complex>& expected,
-                 double tolerance) {
+void expect_near_signals(const ChannelSignals& found, std::size_t channel,
+                         const std::vector<Complex>& expected, double tolerance) {
   double loudest = 0, worst = 0;
   for (std::size_t n = 0; n < expected.size(); ++n) {
     loudest = std::max(loudest, std::abs(expected[n]));
@@ -172,7 +172,7 @@ TEST(CoherentPaths, LloydsMirrorHasItsFringesOverDepth) {
         receiver_of({{sonar, sonar}}, 5000, 8e-3, {2 * glm::distance(sonar, one.at_m) / c, 1000, 1});
     const ChannelSignals y = all_signals(m, receiver, one.field);
     const std::vector<Source> ends{{sonar}, {mirrored_up(sonar), -1, 1}};
-    expect_near(y, 0, returned(one, 0.1, ends, ends, 3, receiver), 1e-5);
+    expect_near_signals(y, 0, returned(one, 0.1, ends, ends, 3, receiver), 1e-5);
     const std::vector<Source> straight{{sonar}};
     return std::norm(y.at(0, 0) / returned(one, 0.1, straight, straight, 1, receiver)[0]);
   };
@@ -237,10 +237,10 @@ TEST(CoherentPaths, AreSumsOverImagesThatAreMadeByHand) {
     const ChannelSignals y = all_signals(m, receiver, corner.one.field);
     for (std::size_t n = 0; n < receiver.channels.size(); ++n) {
       const SignalChannel& channel = receiver.channels[n];
-      expect_near(y, n,
-                  returned(corner.one, corner.mu, corner.sources(channel.transmit_m, 2),
-                           corner.sources(channel.receive_m, 2), order, receiver),
-                  1e-5);
+      expect_near_signals(y, n,
+                          returned(corner.one, corner.mu, corner.sources(channel.transmit_m, 2),
+                                   corner.sources(channel.receive_m, 2), order, receiver),
+                          1e-5);
     }
   }
 }
@@ -266,7 +266,7 @@ TEST(CoherentPaths, AreReciprocal) {
   const ChannelSignals rx = all_signals(back, receiver, corner.one.field);
   for (std::size_t n = 0; n < receiver.channels.size(); ++n) {
     const auto begin = rx.value.begin() + std::ptrdiff_t(n * rx.samples);
-    expect_near(sent, n, {begin, begin + std::ptrdiff_t(rx.samples)}, 1e-9);
+    expect_near_signals(sent, n, {begin, begin + std::ptrdiff_t(rx.samples)}, 1e-9);
   }
 }
 
@@ -378,7 +378,7 @@ TEST(CoherentPaths, ResolveWhatARoughSurfaceLeaves) {
     const SurfaceField field{7, 0.05};
     const ChannelSignals fine = element_signals(path.patches, receiver, path.model, field, 1e-8),
                          coarse = element_signals(path.patches, receiver, path.model, field, 1e-3);
-    expect_near(coarse, 0, fine.value, 1e-3);
+    expect_near_signals(coarse, 0, fine.value, 1e-3);
   });
   EXPECT_EQ(paths, 3u);
 }
@@ -477,7 +477,7 @@ TEST(CoherentArrivals, OfAChannelAreTheImageSeries) {
           expected[t] += std::polar(passes, 2 * pi * 12e3 / c * length) *
                          receiver.pulse.at(receiver.times.time_s(t) - length / c);
       }
-    expect_near(y, channel, expected, 2e-5);
+    expect_near_signals(y, channel, expected, 2e-5);
   }
   // Signals over mirrors contain the arrivals, too.
   const ChannelSignals all = mirrored_signals(*m.images, receiver, m.model, {1, 5});

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "fixtures/world/ray_pings.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -23,10 +24,10 @@ RaySettings adaptive(std::int64_t rays, Per per = Per::ping, std::uint64_t seed 
 const RayGuide guide{0, 1, 100};
 
 /// Three beams of two tubes.
-struct Fan {
+struct ThreeBeams {
   TubeSet tubes;
   std::vector<std::uint32_t> beam_of_tube{0, 0, 1, 1, 2, 2};
-  Fan() {
+  ThreeBeams() {
     AngularGrid fan;
     for (int k = 0; k <= 6; ++k) fan.azimuth_edges_rad.push_back((k - 3) * 2 * degree);
     fan.elevation_edges_rad = {-10 * degree, 10 * degree};
@@ -52,7 +53,7 @@ std::vector<std::int64_t> counts_of(const AdaptiveRays& rays) {
   return counts;
 }
 
-struct Ray {
+struct WeightedRay {
   glm::dvec3 direction;
   double weight;
   std::uint32_t tube;
@@ -60,8 +61,8 @@ struct Ray {
 
 /// Returns the pilots first, each of which is one of the rays of its cell. The other rays follow, in
 /// portions of `part` rays.
-std::vector<Ray> rays_of(const AdaptiveRays& rays, std::int64_t part, bool pilots_only = false) {
-  std::vector<Ray> all;
+std::vector<WeightedRay> rays_of(const AdaptiveRays& rays, std::int64_t part, bool pilots_only = false) {
+  std::vector<WeightedRay> all;
   RayPacket packet;
   for (const bool pilots : {true, false}) {
     if (pilots_only && !pilots) break;
@@ -79,7 +80,7 @@ std::vector<Ray> rays_of(const AdaptiveRays& rays, std::int64_t part, bool pilot
 }
 
 TEST(AdaptiveRays, AsManyAsAreRequested) {
-  const Fan fan;
+  const ThreeBeams fan;
   std::mt19937_64 random(1);
   for (const Per per : {Per::ping, Per::beam})
     for (const std::int64_t count : {1, 2, 7, 11, 23, 114, 1500, 17000}) {
@@ -94,7 +95,7 @@ TEST(AdaptiveRays, AsManyAsAreRequested) {
         sum += in_cell;
       }
       EXPECT_EQ(sum, requested);
-      const std::vector<Ray> whole = rays_of(rays, requested), cut = rays_of(rays, 7);
+      const std::vector<WeightedRay> whole = rays_of(rays, requested), cut = rays_of(rays, 7);
       ASSERT_EQ(std::int64_t(whole.size()), requested);
       ASSERT_EQ(cut.size(), whole.size());
       std::map<std::uint32_t, int> by_beam;
@@ -110,7 +111,7 @@ TEST(AdaptiveRays, AsManyAsAreRequested) {
 }
 
 TEST(AdaptiveRays, ACellsOwnPilotHasNoSayInItsNumber) {
-  const Fan fan;
+  const ThreeBeams fan;
   std::mt19937_64 random(2);
   AdaptiveRays rays(fan.tubes, adaptive(600), fan.beam_of_tube, &guide);
   std::vector<PilotEcho> met = drawn(rays.pilots(), random);
@@ -140,7 +141,7 @@ TEST(AdaptiveRays, WeightsSumToSolidAnglesOnAverage) {
       AdaptiveRays rays(wide, adaptive(count, Per::ping, seed), {}, &guide);
       rays.deal(drawn(rays.pilots(), random));
       double sum = 0;
-      for (const Ray& ray : rays_of(rays, 1000)) sum += ray.weight;
+      for (const WeightedRay& ray : rays_of(rays, 1000)) sum += ray.weight;
       statistics.add(sum);
     }
     EXPECT_NEAR(statistics.mean(), exact, 4.5 * statistics.sigma_of_mean()) << count;
@@ -168,7 +169,7 @@ TEST(AdaptiveRays, RaysOfACellAreANetThatItsPilotIsOneOf) {
     ASSERT_EQ(rays.pilots(), 25);
     rays.deal(drawn(25, random));
     std::map<std::pair<int, int>, std::vector<std::pair<double, double>>> cells;
-    for (const Ray& ray : rays_of(rays, 100)) {
+    for (const WeightedRay& ray : rays_of(rays, 100)) {
       const double u = 2.5 * (ray.direction.x / -ray.direction.z / std::tan(w) + 1),
                    v = 2.5 * (ray.direction.y / -ray.direction.z / std::tan(w) + 1);
       cells[{int(u), int(v)}].push_back({u - std::floor(u), v - std::floor(v)});
@@ -195,7 +196,7 @@ TEST(AdaptiveRays, RaysGoWhereNeighboursDifferAndNoCellIsStarved) {
   ASSERT_EQ(rays.pilots(), 1024);
   // The echo is uniform except where half of the fan has no facet.
   std::vector<PilotEcho> met;
-  const std::vector<Ray> pilots = rays_of(rays, 2048, true);
+  const std::vector<WeightedRay> pilots = rays_of(rays, 2048, true);
   for (std::size_t k = 0; k < 1024; ++k)
     met.push_back(pilots[k].direction.x < 0 ? PilotEcho{10.5f, 1} : PilotEcho{});
   rays.deal(met);

@@ -21,6 +21,7 @@
 #include "engine/echo/echo.hpp"
 #include "fixtures/world/ray_scenes.hpp"
 #include "geometry/integrals/measure.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {

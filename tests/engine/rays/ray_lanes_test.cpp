@@ -13,6 +13,7 @@
 #include "engine/echo/hit_lanes.hpp"
 #include "engine/rays/ray_planes.hpp"
 #include "fixtures/world/ray_scenes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {

@@ -13,6 +13,7 @@
 #include <set>
 
 #include "fixtures/world/ray_scenes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {

@@ -17,6 +17,7 @@
 #include "engine/surface/facet_flattening.hpp"
 #include "engine/water/apparent_map.hpp"
 #include "fixtures/world/ray_scenes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {

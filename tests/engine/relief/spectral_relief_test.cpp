@@ -18,13 +18,12 @@
 
 #include "engine/relief/fourier.hpp"
 #include "engine/relief/portable_random.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 // Tests random relief from spectra: spectral exponent, structure function, isotropy, ripple direction, and
 // identical bits on every machine. The formulas and tolerances are those of section 6 of the physics sheet.
 namespace tubefoot {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Heights at the nodes, row by row from the south-west.
 std::vector<double> nodes_of(const SplineSurface& surface) {
@@ -93,7 +92,7 @@ StructureTensor structure_tensor(const SplineSurface& surface) {
                    y = surface.height_m(p + north) - surface.height_m(p - north);
       xx += x * x, xy += x * y, yy += y * y;
     }
-  const double from_east = 0.5 * std::atan2(2 * xy, xx - yy) * 180 / kPi;
+  const double from_east = 0.5 * std::atan2(2 * xy, xx - yy) * 180 / pi;
   return {std::hypot(xx - yy, 2 * xy) / (xx + yy), std::fmod(90 - from_east + 180, 180)};
 }
 
@@ -115,7 +114,7 @@ TEST(FractalRelief, RadialSpectrumGivesBackTheHurstExponent) {
 /// spectrum in centimetres.
 double ensemble_structure(const FractalRelief& relief, double x_m, double y_m) {
   const int n = static_cast<int>(relief.nodes());
-  const double step_per_cm = 2 * kPi / (relief.tile_m * 100);
+  const double step_per_cm = 2 * pi / (relief.tile_m * 100);
   double sum_cm2 = 0;
   for (int ky = -n / 2; ky <= n / 2; ++ky)
     for (int kx = -n / 2; kx <= n / 2; ++kx) {
@@ -172,9 +171,9 @@ TEST(FractalRelief, AplSpectraGiveTheStructureFunctionsOfTheirClosedForm) {
     }
     // The tile lacks waves shorter than two nodes, for which the mean of 1 - cos is 1. It also lacks waves
     // longer than the circle in place of wavenumber 0, for which 1 - cos is (K r)^2 / 4.
-    const double shortest = kPi / node_cm, longest = 2 * std::sqrt(kPi) / (n * node_cm);
-    const double missing = 4 * kPi * w2 * std::pow(shortest, 2 - gamma2) / (gamma2 - 2) +
-                           kPi * w2 * r_cm * r_cm * std::pow(longest, 4 - gamma2) / (4 - gamma2);
+    const double shortest = pi / node_cm, longest = 2 * std::sqrt(pi) / (n * node_cm);
+    const double missing = 4 * pi * w2 * std::pow(shortest, 2 - gamma2) / (gamma2 - 2) +
+                           pi * w2 * r_cm * r_cm * std::pow(longest, 4 - gamma2) / (4 - gamma2);
     EXPECT_NEAR((mean_cm2 + missing) / (c * w2 * std::pow(r_cm, gamma2 - 2)), 1, 0.04) << gamma2;
   }
 }

@@ -8,7 +8,6 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "engine/echo/echo.hpp"
@@ -16,6 +15,7 @@
 #include "engine/scattering/radial_model.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -26,8 +26,6 @@ using Kind = Directivity::Kind;
 using test::add_footprint;
 using test::one_beam;
 using test::total;
-
-constexpr double pi = std::numbers::pi, degree = pi / 180;
 
 double db(double power) { return 10 * std::log10(power); }
 

@@ -10,11 +10,12 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "geometry/numbers/scalars.hpp"
+
 namespace tubefoot {
 namespace {
 
 using Kind = Directivity::Kind;
-constexpr double degree = std::numbers::pi / 180;
 
 /// A pattern whose centre is `centre_deg` off the plane perpendicular to the axis.
 Directivity pattern(Kind kind, glm::dvec3 axis, double size, double centre_deg = 0) {

@@ -8,10 +8,10 @@
 #include <random>
 #include <stdexcept>
 
+#include "geometry/numbers/scalars.hpp"
+
 namespace tubefoot {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 TEST(Sediment, InputsByGrainSizeAreThePublishedTable) {
   const struct {

@@ -14,13 +14,12 @@
 
 #include "engine/scattering/lambert.hpp"
 #include "engine/scattering/sediment.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi, degree = pi / 180;
-
-double db(double x) { return 10 * std::log10(x); }
+double decibels(double x) { return 10 * std::log10(x); }
 
 TEST(ScatteringModel, GsabWithTheObliqueTermAloneIsLambert) {
   const double mu = lambert_mu(-27);
@@ -55,18 +54,19 @@ TEST(ScatteringModel, TablesReproduceTheirNodesAndAreLinearInDecibelsBetween) {
   const std::vector<double> angle{4, 11, 35.5, 80, 88}, level{-44, -30, -21.5, -23, -6};
   const ScatteringModel model = ScatteringModel::table(angle, level);
   for (std::size_t k = 0; k < angle.size(); ++k)
-    EXPECT_NEAR(db(model.cross_section(angle[k] * degree)), level[k], 1e-12);
+    EXPECT_NEAR(decibels(model.cross_section(angle[k] * degree)), level[k], 1e-12);
   for (std::size_t k = 0; k + 1 < angle.size(); ++k)
     for (const double share : {0.1, 0.5, 0.9})
-      EXPECT_NEAR(db(model.cross_section((angle[k] + share * (angle[k + 1] - angle[k])) * degree)),
+      EXPECT_NEAR(decibels(model.cross_section((angle[k] + share * (angle[k + 1] - angle[k])) * degree)),
                   level[k] + share * (level[k + 1] - level[k]), 1e-12);
-  EXPECT_NEAR(db(model.cross_section(90 * degree)), -6, 1e-12);  // constant beyond the last node
+  EXPECT_NEAR(decibels(model.cross_section(90 * degree)), -6, 1e-12);  // constant beyond the last node
   EXPECT_NEAR(model.cross_section(2 * degree) / model.cross_section(4 * degree),
               std::pow(std::sin(2 * degree) / std::sin(4 * degree), 2), 1e-13);  // Lambert's law below
   EXPECT_FALSE(model.is_pointed());
   EXPECT_TRUE(ScatteringModel::table(std::vector{10.0, 90.0}, std::vector{-30.0, -20.0}).is_pointed());
-  EXPECT_NEAR(db(ScatteringModel::table(std::vector{90.0}, std::vector{-20.0}).cross_section(30 * degree)),
-              -20 + 20 * std::log10(0.5), 1e-12);
+  EXPECT_NEAR(
+      decibels(ScatteringModel::table(std::vector{90.0}, std::vector{-20.0}).cross_section(30 * degree)),
+      -20 + 20 * std::log10(0.5), 1e-12);
 }
 
 TEST(ScatteringModel, LambertAsATableConvergesToLambertAtSecondOrder) {
@@ -77,7 +77,7 @@ TEST(ScatteringModel, LambertAsATableConvergesToLambertAtSecondOrder) {
     const double step = fine == 0 ? 2 : 1;
     for (double grazing = 4; grazing <= 90; grazing += step) {
       angle.push_back(grazing);
-      level.push_back(db(lambert_cross_section(mu, grazing * degree)));
+      level.push_back(decibels(lambert_cross_section(mu, grazing * degree)));
     }
     const ScatteringModel model = ScatteringModel::table(angle, level);
     for (double grazing = 0.3; grazing < 90; grazing += 0.3)
@@ -182,7 +182,8 @@ TEST(SedimentBackscatter, PublishedLevels) {
   EXPECT_EQ(sediment_names().size(), 8u);
   const auto at = [](std::string_view name, double khz, double grazing) {
     const SedimentBackscatter& s = sediment_backscatter(name, khz);
-    return db(ScatteringModel::table(sediment_grazing_deg, s.strength_db).cross_section(grazing * degree));
+    return decibels(
+        ScatteringModel::table(sediment_grazing_deg, s.strength_db).cross_section(grazing * degree));
   };
   EXPECT_NEAR(at("coarse sand", 300, 30), -14.97, 1e-9);
   EXPECT_NEAR(at("medium sand", 300, 60), -16.76, 1e-9);

@@ -19,25 +19,25 @@
 namespace tubefoot {
 namespace {
 
-using Real = boost::multiprecision::cpp_bin_float_50;
-constexpr double sound_speed = 1500;
+using Real50 = boost::multiprecision::cpp_bin_float_50;
+constexpr double strength_sound_speed = 1500;
 
 struct Complex50 {
-  Real re = 0, im = 0;
+  Real50 re = 0, im = 0;
   friend Complex50 operator+(const Complex50& a, const Complex50& b) { return {a.re + b.re, a.im + b.im}; }
   friend Complex50 operator-(const Complex50& a, const Complex50& b) { return {a.re - b.re, a.im - b.im}; }
   friend Complex50 operator*(const Complex50& a, const Complex50& b) {
     return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
   }
   friend Complex50 operator/(const Complex50& a, const Complex50& b) {
-    const Real size = b.re * b.re + b.im * b.im;
+    const Real50 size = b.re * b.re + b.im * b.im;
     return {(a.re * b.re + a.im * b.im) / size, (a.im * b.re - a.re * b.im) / size};
   }
 };
-Complex50 turned(const Real& phase) { return {cos(phase), sin(phase)}; }
+Complex50 turned(const Real50& phase) { return {cos(phase), sin(phase)}; }
 
 struct Point {
-  Real x, y, z;
+  Real50 x, y, z;
 };
 using Polygon = std::vector<Point>;
 
@@ -45,52 +45,54 @@ using Polygon = std::vector<Point>;
 struct View {
   Point u, v, w;
   View(double azimuth_deg, double elevation_deg) {
-    const Real degree = boost::math::constants::pi<Real>() / 180;
-    const Real a = Real(azimuth_deg) * degree, e = Real(elevation_deg) * degree;
+    const Real50 degree = boost::math::constants::pi<Real50>() / 180;
+    const Real50 a = Real50(azimuth_deg) * degree, e = Real50(elevation_deg) * degree;
     w = {cos(e) * cos(a), cos(e) * sin(a), sin(e)};
     u = {-sin(a), cos(a), 0};
     v = {-sin(e) * cos(a), -sin(e) * sin(a), cos(e)};
   }
   Point of(glm::dvec3 p) const {
-    const auto along = [&](const Point& e) { return e.x * Real(p.x) + e.y * Real(p.y) + e.z * Real(p.z); };
+    const auto along = [&](const Point& e) {
+      return e.x * Real50(p.x) + e.y * Real50(p.y) + e.z * Real50(p.z);
+    };
     return {along(u), along(v), along(w)};
   }
 };
 
-Real cross(const Point& o, const Point& a, const Point& b) {
+Real50 cross(const Point& o, const Point& a, const Point& b) {
   return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
 }
 
 /// Heights over the plane perpendicular to the line of sight: z = c + x gx + y gy. There is none for a
 /// facet that is seen edge-on.
 struct Plane {
-  Real c = 0, gx = 0, gy = 0;
+  Real50 c = 0, gx = 0, gy = 0;
   explicit Plane(const Polygon& p) {
-    const Real twice = cross(p[0], p[1], p[2]);
-    const Real x1 = p[1].x - p[0].x, y1 = p[1].y - p[0].y, z1 = p[1].z - p[0].z;
-    const Real x2 = p[2].x - p[0].x, y2 = p[2].y - p[0].y, z2 = p[2].z - p[0].z;
+    const Real50 twice = cross(p[0], p[1], p[2]);
+    const Real50 x1 = p[1].x - p[0].x, y1 = p[1].y - p[0].y, z1 = p[1].z - p[0].z;
+    const Real50 x2 = p[2].x - p[0].x, y2 = p[2].y - p[0].y, z2 = p[2].z - p[0].z;
     gx = (z1 * y2 - z2 * y1) / twice;
     gy = (x1 * z2 - x2 * z1) / twice;
     c = p[0].z - gx * p[0].x - gy * p[0].y;
   }
-  Real at(const Point& p) const { return c + gx * p.x + gy * p.y; }
+  Real50 at(const Point& p) const { return c + gx * p.x + gy * p.y; }
 };
 
 /// Integral of e^{-2ikz} over a polygon perpendicular to the line of sight, with z on the plane; positive
 /// counter-clockwise.
-Complex50 integral(const Polygon& p, const Plane& plane, const Real& k) {
-  const Real qx = -2 * k * plane.gx, qy = -2 * k * plane.gy, square = qx * qx + qy * qy;
+Complex50 integral(const Polygon& p, const Plane& plane, const Real50& k) {
+  const Real50 qx = -2 * k * plane.gx, qy = -2 * k * plane.gy, square = qx * qx + qy * qy;
   const std::size_t n = p.size();
   Complex50 sum;
   if (square < 1e-24) {
-    Real twice = 0;
+    Real50 twice = 0;
     for (std::size_t j = 1; j + 1 < n; ++j) twice += cross(p[0], p[j], p[j + 1]);
     return Complex50{twice / 2} * turned(-2 * k * plane.at(p[0]));
   }
   for (std::size_t j = 0; j < n; ++j) {
     const Point &a = p[j], &b = p[(j + 1) % n];
-    const Real ex = b.x - a.x, ey = b.y - a.y, half = (qx * ex + qy * ey) / 2;
-    const Real sinc = half == 0 ? Real(1) : Real(sin(half) / half);
+    const Real50 ex = b.x - a.x, ey = b.y - a.y, half = (qx * ex + qy * ey) / 2;
+    const Real50 sinc = half == 0 ? Real50(1) : Real50(sin(half) / half);
     const Complex50 middle = turned(-k * (plane.at(a) + plane.at(b)));
     sum = sum + Complex50{(qx * ey - qy * ex) * sinc} * middle;
   }
@@ -104,10 +106,10 @@ Polygon common(Polygon p, const Polygon& other) {
     Polygon kept;
     for (std::size_t i = 0; i < p.size(); ++i) {
       const Point &from = p[i], &to = p[(i + 1) % p.size()];
-      const Real in = cross(a, b, from), out = cross(a, b, to);
+      const Real50 in = cross(a, b, from), out = cross(a, b, to);
       if (in >= 0) kept.push_back(from);
       if ((in > 0 && out < 0) || (in < 0 && out > 0)) {
-        const Real t = in / (in - out);
+        const Real50 t = in / (in - out);
         kept.push_back({from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), 0});
       }
     }
@@ -116,49 +118,50 @@ Polygon common(Polygon p, const Polygon& other) {
   return p;
 }
 
-Complex50 factor_50(const SmoothSurface& surface, const Real& sine, const Real& k) {
+Complex50 factor_50(const SmoothSurface& surface, const Real50& sine, const Real50& k) {
   Complex50 mirror{surface.reflection.real(), surface.reflection.imag()};
   if (surface.fluid) {
-    const Complex50 slowness{Real(1) / Real(surface.fluid->speed_ratio),
-                             Real(surface.fluid->loss) / Real(surface.fluid->speed_ratio)};
+    const Complex50 slowness{Real50(1) / Real50(surface.fluid->speed_ratio),
+                             Real50(surface.fluid->loss) / Real50(surface.fluid->speed_ratio)};
     const Complex50 z = slowness * slowness - Complex50{1 - sine * sine};
-    const Real size = sqrt(z.re * z.re + z.im * z.im);
+    const Real50 size = sqrt(z.re * z.re + z.im * z.im);
     const Complex50 p{sqrt((size + z.re) / 2), sqrt((size - z.re) / 2)};
-    const Complex50 across{Real(surface.fluid->density_ratio) * sine};
+    const Complex50 across{Real50(surface.fluid->density_ratio) * sine};
     mirror = (across - p) / (across + p);
   }
-  const Real change = 2 * k * sine * Real(surface.roughness_m);
+  const Real50 change = 2 * k * sine * Real50(surface.roughness_m);
   return mirror * Complex50{exp(-change * change / 2)};
 }
 
-Real wave_number(double hertz) {
-  return 2 * boost::math::constants::pi<Real>() * Real(hertz) / Real(sound_speed);
+Real50 wave_number(double hertz) {
+  return 2 * boost::math::constants::pi<Real50>() * Real50(hertz) / Real50(strength_sound_speed);
 }
-Complex50 length_of(const Complex50& silhouette, const Real& k) {
-  return silhouette * Complex50{0, -k / (2 * boost::math::constants::pi<Real>())};
+Complex50 length_of(const Complex50& silhouette, const Real50& k) {
+  return silhouette * Complex50{0, -k / (2 * boost::math::constants::pi<Real50>())};
 }
 
 /// Computes the length of a closed convex body whose facets are counter-clockwise about their outward
 /// normals. With `sheet` it is one open surface that is visible from both sides.
 Complex50 convex_50(const ComponentMesh& mesh, bool sheet, const View& view, const SmoothSurface& surface,
                     double hertz) {
-  const Real k = wave_number(hertz);
+  const Real50 k = wave_number(hertz);
   Complex50 sum;
   for (const auto& t : mesh.triangles) {
     Polygon p{view.of(mesh.points_m[t[0]]), view.of(mesh.points_m[t[1]]), view.of(mesh.points_m[t[2]])};
-    Real twice = cross(p[0], p[1], p[2]);
+    Real50 twice = cross(p[0], p[1], p[2]);
     if (twice == 0 || (twice < 0 && !sheet)) continue;
     if (twice < 0) std::swap(p[1], p[2]);
     const Plane plane(p);
-    const Real sine = 1 / sqrt(1 + plane.gx * plane.gx + plane.gy * plane.gy);
+    const Real50 sine = 1 / sqrt(1 + plane.gx * plane.gx + plane.gy * plane.gy);
     sum = sum + factor_50(surface, sine, k) * integral(p, plane, k);
   }
   return length_of(sum, k);
 }
 
 double off(const CertifiedLength& certified, const Complex50& truth) {
-  const Real x = truth.re - Real(certified.length_m.real()), y = truth.im - Real(certified.length_m.imag());
-  return static_cast<double>(Real(sqrt(x * x + y * y)));
+  const Real50 x = truth.re - Real50(certified.length_m.real()),
+               y = truth.im - Real50(certified.length_m.imag());
+  return static_cast<double>(Real50(sqrt(x * x + y * y)));
 }
 
 /// Share of the bound that the error uses, over all requests.
@@ -170,10 +173,10 @@ struct Use {
 void expect_within(const ComponentMesh& mesh, bool sheet, double azimuth, double elevation,
                    const SmoothSurface& surface, std::span<const double> hertz, Use& use) {
   const auto seen = CertifiedStrength(mesh.points_m, mesh.triangles)
-                        .towards(azimuth, elevation, surface, sound_speed, hertz);
+                        .towards(azimuth, elevation, surface, strength_sound_speed, hertz);
   const glm::dvec3 towards = sonar_direction(azimuth, elevation);
   std::vector<double> wave_numbers;
-  for (const double f : hertz) wave_numbers.push_back(2 * std::numbers::pi * f / sound_speed);
+  for (const double f : hertz) wave_numbers.push_back(2 * std::numbers::pi * f / strength_sound_speed);
   const auto ordinary = backscattering_lengths(far_view(mesh.points_m, mesh.triangles, towards),
                                                mesh.points_m, mesh.triangles, towards, surface, wave_numbers);
   const View view(azimuth, elevation);
@@ -289,10 +292,10 @@ TEST(CertifiedStrength, HoldsWhatIsHidden) {
       return p;
     };
     const std::vector<double> hertz{3e3, 50e3};
-    const auto seen =
-        CertifiedStrength(mesh.points_m, mesh.triangles).towards(azimuth, elevation, {}, sound_speed, hertz);
+    const auto seen = CertifiedStrength(mesh.points_m, mesh.triangles)
+                          .towards(azimuth, elevation, {}, strength_sound_speed, hertz);
     for (std::size_t i = 0; i < hertz.size(); ++i) {
-      const Real k = wave_number(hertz[i]);
+      const Real50 k = wave_number(hertz[i]);
       Complex50 sum;
       for (std::size_t back = 0; back < 2; ++back) {
         const Polygon p = triangle(back);
@@ -320,11 +323,11 @@ TEST(CertifiedStrength, BoundsAreNarrow) {
   const ComponentMesh sphere = sphere_facets({1.0}, 2e-2, {});
   const std::vector<double> hertz{1e3, 10e3, 100e3};
   const auto seen =
-      CertifiedStrength(sphere.points_m, sphere.triangles).towards(31, 12, {}, sound_speed, hertz);
+      CertifiedStrength(sphere.points_m, sphere.triangles).towards(31, 12, {}, strength_sound_speed, hertz);
   EXPECT_NEAR(seen.silhouette_m2, std::numbers::pi, 0.1);
   for (std::size_t i = 0; i < hertz.size(); ++i) {
     const CertifiedLength& c = seen.lengths[i];
-    const double k = 2 * std::numbers::pi * hertz[i] / sound_speed;
+    const double k = 2 * std::numbers::pi * hertz[i] / strength_sound_speed;
     EXPECT_LT(c.bound_m - c.grid_m, 1e-12 * k * k);
     EXPECT_LT(c.bound_m, 1e-7 * k * (k + 1));
     EXPECT_GT(c.bound_m, 0);
@@ -332,7 +335,7 @@ TEST(CertifiedStrength, BoundsAreNarrow) {
   // For a plate seen broadside only the borders move.
   const ComponentMesh plate = rectangle(2, 2);
   const auto broadside =
-      CertifiedStrength(plate.points_m, plate.triangles).towards(0, 90, {}, sound_speed, hertz);
+      CertifiedStrength(plate.points_m, plate.triangles).towards(0, 90, {}, strength_sound_speed, hertz);
   EXPECT_LT(broadside.lengths[2].bound_m, 1e-4);
   EXPECT_LT(broadside.lengths[2].bound_m / broadside.lengths[1].bound_m, 10.1);
 }
@@ -341,9 +344,9 @@ TEST(CertifiedStrength, BoundsAreNarrow) {
 // a plate, the error far exceeds the height errors of its corners.
 TEST(CertifiedStrength, SlopesCount) {
   const ComponentMesh plate = rectangle(2, 2);
-  const double hertz = 400e3, k = 2 * std::numbers::pi * hertz / sound_speed;
+  const double hertz = 400e3, k = 2 * std::numbers::pi * hertz / strength_sound_speed;
   const auto seen = CertifiedStrength(plate.points_m, plate.triangles)
-                        .towards(30, 5, {}, sound_speed, std::span(&hertz, 1));
+                        .towards(30, 5, {}, strength_sound_speed, std::span(&hertz, 1));
   const double heights_alone = 2 * k * FarView::vertex_error * std::sqrt(2.0) * seen.silhouette_m2;
   EXPECT_GT(seen.lengths[0].grid_m, 1.5 * heights_alone * k / (2 * std::numbers::pi));
 }
@@ -368,8 +371,9 @@ TEST(CertifiedStrength, RefusesWhatHasNoAnswer) {
     EXPECT_THROW(strength.towards(0, 0, {}, wrong, hertz), std::invalid_argument);
   const std::vector<glm::dvec3> same(3, glm::dvec3(1));
   const std::vector<std::array<std::uint32_t, 3>> one{{0, 1, 2}};
-  EXPECT_THROW(CertifiedStrength(same, one).towards(0, 0, {}, sound_speed, hertz), std::invalid_argument);
-  const auto nothing = CertifiedStrength({}, {}).towards(0, 0, {}, sound_speed, hertz);
+  EXPECT_THROW(CertifiedStrength(same, one).towards(0, 0, {}, strength_sound_speed, hertz),
+               std::invalid_argument);
+  const auto nothing = CertifiedStrength({}, {}).towards(0, 0, {}, strength_sound_speed, hertz);
   EXPECT_EQ(nothing.lengths.at(0).length_m, 0.0);
   EXPECT_EQ(nothing.lengths.at(0).bound_m, 0);
 }

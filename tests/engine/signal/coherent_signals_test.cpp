@@ -7,21 +7,23 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include <numbers>
 #include <random>
 
 #include "engine/signal/surface_scatterers.hpp"
 #include "fixtures/world/histories.hpp"
 #include "fixtures/world/signal_scenes.hpp"
 #include "geometry/integrals/gauss_rules.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using Complex = std::complex<double>;
+using test::loudest_of;
 using test::SignalView;
+using test::worst_of;
 
-constexpr double pi = std::numbers::pi, sound_speed = 1500;
+constexpr double sound_speed = 1500;
 
 /// Four elements across, one of them displaced, with a common transmitter.
 CoherentReceiver receiver_at(glm::dvec3 place_m, double carrier_hz = 30e3, double sigma_s = 1e-4) {
@@ -295,17 +297,6 @@ ChannelSignals by_every_scatterer(const VisiblePolygons& seen, const CoherentRec
     });
   }
   return all;
-}
-
-double loudest_of(const ChannelSignals& signals) {
-  double most = 0;
-  for (const Complex& v : signals.value) most = std::max(most, std::abs(v));
-  return most;
-}
-double worst_of(const ChannelSignals& a, const ChannelSignals& b) {
-  double worst = 0;
-  for (std::size_t k = 0; k < a.value.size(); ++k) worst = std::max(worst, std::abs(a.value[k] - b.value[k]));
-  return worst;
 }
 
 TEST(ElementSignals, AreTheSumOverAllScatterersOfTheField) {

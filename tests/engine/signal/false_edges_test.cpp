@@ -6,18 +6,17 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "engine/signal/smooth_amplitude.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/tubes/tube.hpp"
 
 namespace tubefoot {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double pi = std::numbers::pi;
 
 double db(double ratio) { return 20 * std::log10(ratio); }
 Complex phasor(double phase) { return {std::cos(phase), std::sin(phase)}; }

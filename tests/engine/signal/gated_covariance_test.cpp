@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
-#include <numbers>
 #include <random>
 
 #include "engine/echo/receiver_pair_echo.hpp"
@@ -15,6 +14,7 @@
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
 #include "fixtures/world/signal_scenes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -24,7 +24,6 @@ using Complex = std::complex<double>;
 using test::Polygon2;
 using test::SignalView;
 
-constexpr double pi = std::numbers::pi;
 const std::vector<double> one_mu{0.1};
 const std::vector<std::uint16_t> one_material{0};
 

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include <numbers>
 #include <random>
 
 #include "engine/signal/coherent_signals.hpp"
@@ -12,14 +11,17 @@
 #include "engine/signal/surface_scatterers.hpp"
 #include "fixtures/refusal.hpp"
 #include "fixtures/world/signal_scenes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using Complex = std::complex<double>;
+using test::loudest_of;
 using test::SignalView;
+using test::worst_of;
 
-constexpr double pi = std::numbers::pi, c = 1500;
+constexpr double c = 1500;
 
 PlatformMotion straight(glm::dvec3 start_m, glm::dvec3 velocity_m_s) {
   return [=](double t) { return start_m + velocity_m_s * t; };
@@ -73,8 +75,8 @@ double amplitude_of(glm::dvec3 x, glm::dvec3 normal, double mu, double db_per_m,
 }
 
 /// Sums each scatterer for each channel and sample.
-ChannelSignals by_every_scatterer(const VisiblePolygons& seen, const CoherentReceiver& receiver,
-                                  const EchoModel& model, const SurfaceField& field) {
+ChannelSignals by_every_moving_end(const VisiblePolygons& seen, const CoherentReceiver& receiver,
+                                   const EchoModel& model, const SurfaceField& field) {
   ChannelSignals all{receiver.channels.size(), receiver.times.count, {}};
   all.value.assign(all.channels * all.samples, 0);
   const double k = 2 * pi * receiver.carrier_hz / c;
@@ -106,17 +108,6 @@ ChannelSignals by_every_scatterer(const VisiblePolygons& seen, const CoherentRec
     });
   }
   return all;
-}
-
-double loudest_of(const ChannelSignals& signals) {
-  double most = 0;
-  for (const Complex& v : signals.value) most = std::max(most, std::abs(v));
-  return most;
-}
-double worst_of(const ChannelSignals& a, const ChannelSignals& b) {
-  double worst = 0;
-  for (std::size_t k = 0; k < a.value.size(); ++k) worst = std::max(worst, std::abs(a.value[k] - b.value[k]));
-  return worst;
 }
 
 /// Three elements and a transmitter on one vehicle.
@@ -160,7 +151,7 @@ TEST(MovingEnds, HearTheSumOverAllScatterersOfTheField) {
     const SurfaceField field{7, number == 0 ? 0.035 : 0.06};
     for (std::size_t k = 0; k < 4; ++k) {
       const CoherentReceiver receiver = receiver_on(view.apex_m, motions[k]);
-      const ChannelSignals direct = by_every_scatterer(seen, receiver, model, field);
+      const ChannelSignals direct = by_every_moving_end(seen, receiver, model, field);
       const double loudest = loudest_of(direct);
       ASSERT_GT(loudest, 0);
       // The signals differ from those of transmitters and receivers at rest.
@@ -186,7 +177,7 @@ TEST(MovingEnds, OneEndMayMoveAndTheOtherRest) {
   CoherentReceiver receiver = receiver_on(view.apex_m, {});
   receiver.channels[0].transmit_motion = straight(view.apex_m, {0, 9, -3});
   receiver.channels[1].receive_motion = turning(view.apex_m, {3, 0, 0}, 2, {0, 0.5, 0});
-  const ChannelSignals direct = by_every_scatterer(seen, receiver, view.model, field);
+  const ChannelSignals direct = by_every_moving_end(seen, receiver, view.model, field);
   const ChannelSignals moving = element_signals(seen, receiver, view.model, field, 1e-6);
   EXPECT_LT(worst_of(moving, direct), 3e-6 * loudest_of(direct));
   // Channel 2 is at rest, and the others move. It equals the channel of a receiver at rest, to the error of

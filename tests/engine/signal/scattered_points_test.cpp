@@ -3,12 +3,12 @@
 // the facets, rays between the points and the sonar, and one sum.
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <random>
 
 #include "engine/signal/coherent_signals.hpp"
 #include "engine/signal/gated_covariance.hpp"
 #include "fixtures/world/signal_scenes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -16,8 +16,8 @@ namespace {
 using Complex = std::complex<double>;
 using test::SignalView;
 
-constexpr double pi = std::numbers::pi, carrier_hz = 30e3, sound_speed = 1500,
-                 wavenumber = 2 * pi * carrier_hz / sound_speed, absorption_db_per_m = 0.3;
+constexpr double carrier_hz = 30e3, points_sound_speed = 1500,
+                 wavenumber = 2 * pi * carrier_hz / points_sound_speed, absorption_db_per_m = 0.3;
 const RangeSamples gates{4, 0.25, 10};
 constexpr double sigma_s = 1.5e-4, first_s = 5.6e-3, interval_s = 4e-4;
 constexpr std::size_t times = 7;
@@ -82,8 +82,9 @@ TEST(ScatteredPoints, HaveTheCovariancesOfThePolygonsTheyLieOn) {
     // Each draw has new positions and circular amplitudes.
     constexpr int draws = 300, each = 4000;
     // The scatterers are denser than the resolution of the sector width and of these range gates.
-    const double wavelength = sound_speed / carrier_hz, bandwidth_hz = sound_speed / (2 * gates.step_m);
-    ASSERT_GT(each / area, 2 * bandwidth_hz / sound_speed * (2 * SignalView::width / wavelength))
+    const double wavelength = points_sound_speed / carrier_hz,
+                 bandwidth_hz = points_sound_speed / (2 * gates.step_m);
+    ASSERT_GT(each / area, 2 * bandwidth_hz / points_sound_speed * (2 * SignalView::width / wavelength))
         << scene.name;
     const std::size_t gated = std::size_t(gates.count) * channels.size(), timed = times * channels.size();
     Draws by_gate(gated), by_time(timed);
@@ -108,7 +109,7 @@ TEST(ScatteredPoints, HaveTheCovariancesOfThePolygonsTheyLieOn) {
           const double gate = std::floor((h.way_m / 2 - gates.first_m) / gates.step_m);
           if (gate >= 0 && gate < gates.count) y[c * std::size_t(gates.count) + std::size_t(gate)] += echo;
           for (std::size_t t = 0; t < times; ++t) {
-            const double late = (first_s + double(t) * interval_s - h.way_m / sound_speed) / sigma_s;
+            const double late = (first_s + double(t) * interval_s - h.way_m / points_sound_speed) / sigma_s;
             z[c * times + t] += echo * std::exp(-late * late / 2) / std::sqrt(sigma_s * std::sqrt(pi));
           }
         }
@@ -148,7 +149,7 @@ TEST(ScatteredPoints, HaveTheCovariancesOfThePolygonsTheyLieOn) {
                               gaussian_pulse(sigma_s),
                               {first_s, 1 / interval_s * 16, 16 * times},
                               carrier_hz,
-                              sound_speed};
+                              points_sound_speed};
     std::vector<SignalSample> samples;
     for (std::uint32_t c = 0; c < channels.size(); ++c)
       for (std::uint32_t t = 0; t < times; ++t) samples.push_back({c, 16 * t});

@@ -7,13 +7,13 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "engine/scattering/reflection.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/integrals/polygon_transform.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/tubes/tube.hpp"
 
 namespace tubefoot {
@@ -22,7 +22,7 @@ namespace {
 using test::planar;
 using test::Polygon2;
 using Complex = std::complex<double>;
-constexpr double pi = std::numbers::pi, k_100khz = 2 * pi * 100e3 / 1500;
+using test::k_100khz;
 
 Complex amplitude(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, double k, double tolerance,
                   const SmoothSurface& surface = {}) {
@@ -107,7 +107,7 @@ TEST(SmoothAmplitude, TheWorldsGridTurnsPhasesAsTheSheetSays) {
 
 // Two apexes far away: the bistatic value of the signals sheet is -0.0306517890946051 i.
 TEST(FarAmplitude, IsTheSymmetricFormBetweenTwoDirections) {
-  const double range = 1e7, degree = pi / 180;
+  const double range = 1e7;
   const auto at = [&](double theta, double phi) {
     return range * glm::dvec3(std::sin(theta * degree) * std::cos(phi * degree),
                               std::sin(theta * degree) * std::sin(phi * degree), std::cos(theta * degree));

@@ -7,7 +7,6 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "engine/signal/smooth_amplitude.hpp"
@@ -15,6 +14,7 @@
 #include "fixtures/geometry/layered_scenes.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/integrals/polygon_transform.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/tubes/tube.hpp"
 
 namespace tubefoot {
@@ -22,7 +22,7 @@ namespace {
 
 using Complex = std::complex<double>;
 using test::Polygon2;
-constexpr double pi = std::numbers::pi, sound_speed = 1500;
+constexpr double sound_speed = 1500;
 
 /// Adds a polygon of a plane that the origin of the visible polygons sees, as test::on_plane() places it.
 void add_patch(VisiblePolygons& seen, FacetId facet, const FacetPlane& plane, const Polygon2& polygon) {

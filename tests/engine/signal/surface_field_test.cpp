@@ -11,18 +11,17 @@
 #include <cmath>
 #include <iostream>
 #include <map>
-#include <numbers>
 #include <random>
 #include <vector>
 
 #include "engine/signal/smooth_pieces.hpp"
 #include "fixtures/statistics.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double pi = std::numbers::pi;
 using Places = std::map<std::array<double, 3>, Complex>;
 
 Places places_of(const SurfaceField& field, const std::vector<glm::dvec3>& corners, glm::dvec3 normal) {

@@ -12,13 +12,13 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "geometry/numbers/scalars.hpp"
 #include "scene/meshes/primitives.hpp"
 
 namespace tubefoot {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double pi = std::numbers::pi;
 
 std::vector<Complex> lengths(const ComponentMesh& mesh, glm::dvec3 towards, std::span<const double> k,
                              const SmoothSurface& surface = {}) {

@@ -11,7 +11,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
-#include <numbers>
 #include <numeric>
 #include <random>
 
@@ -22,13 +21,14 @@
 #include "engine/water/ray_trace.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
 #include "fixtures/world/turning_water.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using namespace test;
 
-constexpr double pi = std::numbers::pi, degree = pi / 180, mu = 1e-3;
+constexpr double branch_mu = 1e-3;
 constexpr double half_fan = 1 * degree;
 
 /// A strip of the seabed, in cells. The apex is the origin.
@@ -82,7 +82,7 @@ Seen see(const FacetMesh& seabed, const TubeSet& tubes, const RangeSamples& samp
   const FacetMesh& mesh = seen.surface_mesh.refined.mesh;
   const SceneTree tree(mesh, SceneTree::HeightFieldSearch::ignored);
   seen.history = TubeEngine(mesh, tree, 0x1p-20, {}).trace(tubes);
-  const std::vector<double> material_mu{mu};
+  const std::vector<double> material_mu{branch_mu};
   EchoModel model{material_mu, mesh.material, 0, nullptr};
   model.path.facet_factor = seen.surface_mesh.facet_factor;
   std::vector<std::uint32_t> beams(tubes.tubes.size());
@@ -134,7 +134,7 @@ TEST(EigenrayBranches, EnergiesAreThoseOfAFanOfRays) {
     for (int i = 0; i < rays; ++i) {
       const double low = elevations[beam], step = (elevations[beam + 1] - low) / rays;
       const TurningWater::Landing ray = TurningWater::landing(-(low + (i + 0.5) * step) * degree);
-      const double energy = mu * std::sin(ray.arrival_rad) / ray.area_back_m2 *
+      const double energy = branch_mu * std::sin(ray.arrival_rad) / ray.area_back_m2 *
                             solid_angle(low + i * step, low + (i + 1) * step);
       const double sample = (1500 * ray.time_s - samples.first_m) / samples.step_m;
       wanted[std::size_t(sample)] += energy;
@@ -176,7 +176,7 @@ TEST(EigenrayBranches, MixedEigenraysAreThoseBetweenAllRaysToAPlace) {
   const std::size_t beams = tubes.tubes.size(), count = std::size_t(samples.count);
   std::vector<double> found(beams * count, 0.0), wanted(beams * count, 0.0);
   const SceneTree tree(seen.surface_mesh.refined.mesh, SceneTree::HeightFieldSearch::ignored);
-  const std::vector<double> material_mu{mu};
+  const std::vector<double> material_mu{branch_mu};
   std::vector<std::uint32_t> own(beams);
   std::iota(own.begin(), own.end(), 0u);
   int histories = 0;
@@ -199,7 +199,7 @@ TEST(EigenrayBranches, MixedEigenraysAreThoseBetweenAllRaysToAPlace) {
         std::size_t beam = 0;
         while (beam + 2 < elevations.size() && -rx / degree > elevations[beam + 1]) ++beam;
         const double sample = 1500 * (sent.time_s + received.time_s) / 2 / samples.step_m;
-        wanted[beam * count + std::size_t(sample)] += mu * std::sin(sent.arrival_rad) *
+        wanted[beam * count + std::size_t(sample)] += branch_mu * std::sin(sent.arrival_rad) *
                                                       std::sin(received.arrival_rad) * x * 2 * half_fan *
                                                       step / (sent.area_back_m2 * received.area_back_m2);
       }

@@ -10,18 +10,20 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
-#include <numbers>
 #include <numeric>
 
 #include "engine/certified/reference.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "engine/water/apparent_map.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
+#include "fixtures/world/gradient_seabed.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi, degree = pi / 180;
+using test::seabed_gradient;
+
 const double mu = std::pow(10, -2.7);
 
 /// A flat seabed, the apex at the origin of the local frame, and the sea surface above it.
@@ -84,10 +86,6 @@ Reception hear(const FacetMesh& mesh, std::span<const double> factor, const Rang
   return received;
 }
 
-WaterColumn gradient(double g) {
-  return {SoundSpeedProfile({{-10, 1500 - 20 * g}, {60, 1500 + 50 * g}}), {}};
-}
-
 const RangeSamples range_samples{40, 5, 20};
 
 /// Returns the energy from the ring between two one-way travel times. With G = g t, the area element, tube
@@ -129,7 +127,7 @@ TEST(RefractedSurface, FlatSeabedUnderOneGradientConvergesToTheClosedForm) {
     SCOPED_TRACE(g);
     double before = 0;
     for (const double gap : {0.16, 0.04, 0.01}) {
-      const ApparentSurface surface_mesh = site.surface_mesh(gradient(g), gap);
+      const ApparentSurface surface_mesh = site.surface_mesh(seabed_gradient(g), gap);
       EXPECT_TRUE(surface_mesh.unclear.empty());
       EXPECT_LE(surface_mesh.largest_travel_path_error_m, gap);
       const Echo echo = hear(surface_mesh.refined.mesh, surface_mesh.facet_factor, range_samples).echo;
@@ -157,7 +155,7 @@ TEST(RefractedSurface, FlatSeabedUnderOneGradientConvergesToTheClosedForm) {
 TEST(RefractedSurface, PointsConvergeAtSecondOrder) {
   // The travel-path error is the error at the middle of a facet: half the edge length gives a quarter of
   // it.
-  const WaterColumn water = gradient(-0.5);
+  const WaterColumn water = seabed_gradient(-0.5);
   const ApparentMap apparent_map(water, glm::dvec3(0), Site::apex_depth_m);
   double before = 0;
   for (const double cell : {32., 16., 8., 4.}) {
@@ -184,7 +182,7 @@ TEST(RefractedSurface, PointsConvergeAtSecondOrder) {
 
 TEST(RefractedSurface, TubesOverApparentFacetsClose) {
   const Site site;
-  const ApparentSurface surface_mesh = site.surface_mesh(gradient(-0.5), 0.02);
+  const ApparentSurface surface_mesh = site.surface_mesh(seabed_gradient(-0.5), 0.02);
   EXPECT_GT(surface_mesh.refined.mesh.facets.size(), 100u);
   const SceneTree tree(surface_mesh.refined.mesh);
   const TubeEngine engine(surface_mesh.refined.mesh, tree, 0x1p-20, {});
@@ -215,7 +213,7 @@ TEST(RefractedSurface, SeabedBehindTheLastRayIsHidden) {
   const double g = 2, cr = 1500 + 20 * g;
   const double last_s =
       std::atanh(std::sqrt((cr - 1500) * (cr + 1500)) / cr) / g;  // to the point of the grazing ray
-  const ApparentSurface surface_mesh = site.surface_mesh(gradient(g), 0.02);
+  const ApparentSurface surface_mesh = site.surface_mesh(seabed_gradient(g), 0.02);
   const Echo echo =
       hear(surface_mesh.refined.mesh, surface_mesh.facet_factor, {1500 * last_s + 1, 1, 100}).echo;
   const Echo before =
@@ -227,7 +225,7 @@ TEST(RefractedSurface, SeabedBehindTheLastRayIsHidden) {
 
 TEST(RefractedSurface, TruePlacesAndAreasAreThoseOfTheSeabed) {
   const Site site;
-  const ApparentSurface surface_mesh = site.surface_mesh(gradient(-0.5), 0.02);
+  const ApparentSurface surface_mesh = site.surface_mesh(seabed_gradient(-0.5), 0.02);
   double area_m2 = 0;
   for (FacetId f = 0; f < surface_mesh.refined.mesh.facets.size(); ++f) {
     glm::dvec3 seen[3], centre(0);
@@ -251,7 +249,7 @@ TEST(RefractedSurface, FacetsSeenHoldAllWithAnImageInTheTubes) {
   const Site site(128, 4);
   const SceneTree tree(site.base);
   for (const double g : {-0.5, -0.05, 0.3}) {
-    const WaterColumn water = gradient(g);
+    const WaterColumn water = seabed_gradient(g);
     const ApparentMap apparent_map(water, glm::dvec3(0), Site::apex_depth_m);
     for (const double reach_m : {40., 90.}) {
       TubeSet tubes = fan();
@@ -283,7 +281,7 @@ TEST(RefractedSurface, OtherLawsScatterAtTrueGrazingAngles) {
   const Site site(32, 2);
   std::vector<FacetId> all(site.base.facets.size());
   std::iota(all.begin(), all.end(), 0u);
-  const WaterColumn water = gradient(-0.5);
+  const WaterColumn water = seabed_gradient(-0.5);
   const ApparentMap apparent_map(water, glm::dvec3(0), Site::apex_depth_m);
   const std::vector<std::shared_ptr<const ScatteringModel>> models{std::make_shared<const ScatteringModel>(
       ScatteringModel::gsab({.oblique = 0.1, .oblique_exponent = 5}))};
@@ -334,7 +332,7 @@ TEST(RefractedSurface, FactorsAreReadByEveryIntegrator) {
 
 TEST(RefractedSurface, RefusesGapsThatAreNone) {
   const Site site;
-  EXPECT_THROW(site.surface_mesh(gradient(0.1), 0), std::invalid_argument);
+  EXPECT_THROW(site.surface_mesh(seabed_gradient(0.1), 0), std::invalid_argument);
 }
 
 }  // namespace

@@ -8,15 +8,15 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <random>
 
 #include "engine/water/apparent_map.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double pi = std::numbers::pi, degree = pi / 180, unit_m = 0x1p-20, apex_depth_m = 12;
+constexpr double unit_m = 0x1p-20, apex_depth_m = 12;
 
 /// Source of random numbers for one test. It reports its seed when the test fails.
 struct Random {

@@ -9,17 +9,16 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <random>
 
 #include "engine/water/ray_trace.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-double launch_deg(const Eigenray& e) { return std::atan2(e.launch_sine, e.launch_cosine) / kDegree; }
-double arrival_deg(const Eigenray& e) { return std::atan2(e.arrival_sine, e.arrival_cosine) / kDegree; }
+double launch_deg(const Eigenray& e) { return std::atan2(e.launch_sine, e.launch_cosine) / degree; }
+double arrival_deg(const Eigenray& e) { return std::atan2(e.arrival_sine, e.arrival_cosine) / degree; }
 
 WaterColumn sampled(const std::function<double(double)>& speed, double bottom_m, double step_m) {
   return {SoundSpeedProfile(sample_profile(speed, 0, bottom_m, step_m)), {}};
@@ -71,7 +70,7 @@ TEST(Eigenray, RingAreasOfRangeBins) {
       }
       x2[i] = lo * lo;
     }
-    EXPECT_NEAR(1.5 * kDegree / 2 * (x2[1] - x2[0]), row.area, 1e-9) << row.g;
+    EXPECT_NEAR(1.5 * degree / 2 * (x2[1] - x2[0]), row.area, 1e-9) << row.g;
   }
 }
 
@@ -215,7 +214,7 @@ TEST(Eigenray, TubeAreasAreDerivativesOfRange) {
       for (const double side : {-1., 1.}) {
         for (const Eigenray& n : finder.all(to, range + side * step)) {
           const double angle = std::atan2(n.launch_sine, n.launch_cosine);
-          if (n.turns == e.turns && std::abs(angle - launch_deg(e) * kDegree) < 1e-4)
+          if (n.turns == e.turns && std::abs(angle - launch_deg(e) * degree) < 1e-4)
             launch[side > 0] = angle, ++found;
         }
       }

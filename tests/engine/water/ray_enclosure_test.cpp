@@ -16,7 +16,7 @@ void expect_holds(const Interval& enclosure, double value, double slack, const c
   EXPECT_GE(enclosure.hi, value - slack) << what;
 }
 
-WaterColumn random_water(std::mt19937_64& random, int layers) {
+WaterColumn random_shallow_water(std::mt19937_64& random, int layers) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<ProfilePoint> points{{0, 1480 + 40 * unit(random)}};
   for (int i = 0; i < layers; ++i)
@@ -34,7 +34,7 @@ TEST(RayEnclosure, HoldsEveryEigenrayAndItsDerivatives) {
   std::uniform_real_distribution<double> unit(0, 1);
   int enclosed[2] = {0, 0};
   for (int trial = 0; trial < 600; ++trial) {
-    const WaterColumn water = random_water(random, 1 + trial % 4);
+    const WaterColumn water = random_shallow_water(random, 1 + trial % 4);
     const double surface = 5, apex_depth = 1 + 30 * unit(random);
     EigenrayOptions options;
     options.deepest_turn_m = 90;

@@ -8,15 +8,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "engine/water/ray_arc.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-double degrees(const RayState& s) { return std::atan2(s.sine, s.cosine) / kDegree; }
+double degrees(const RayState& s) { return std::atan2(s.sine, s.cosine) / degree; }
 
 WaterColumn gradient(double c0, double g, double bottom_m) {
   return {SoundSpeedProfile({{0, c0}, {bottom_m, c0 + g * bottom_m}}), {}};
@@ -35,7 +34,7 @@ TEST(RayTrace, CalibrationCaseOfOneGradientBetweenSurfaceAndBottom) {
               {5.969388, 56.3072, -6.41660, 6.7338548, 10043.9061, 5},
               {6.5, 94.0357, 8.99609, 6.7291556, 10045.4722, 4}};
   for (const auto& row : rows) {
-    const auto nodes = trace_ray(water, 50, row.launch * kDegree,
+    const auto nodes = trace_ray(water, 50, row.launch * degree,
                                  {.surface_m = 0, .bottom_m = 100, .longest_range_m = 10000});
     const RayState& end = nodes.back().state;
     EXPECT_EQ(nodes.back().event, RayEvent::end);
@@ -52,7 +51,7 @@ TEST(RayTrace, CalibrationCaseOfOneGradientBetweenSurfaceAndBottom) {
 
 TEST(RayTrace, VertexAndSkipInOneGradient) {
   const WaterColumn water = gradient(1500, 0.016, 5000);
-  const auto nodes = trace_ray(water, 1000, 5 * kDegree, {.longest_range_m = 20000});
+  const auto nodes = trace_ray(water, 1000, 5 * degree, {.longest_range_m = 20000});
   ASSERT_GE(nodes.size(), 2u);
   ASSERT_TRUE(nodes[1].turned_at_m);
   EXPECT_NEAR(*nodes[1].turned_at_m, 1361.929607, 6e-7);
@@ -71,7 +70,7 @@ TEST(RayTrace, SkipsOfALinearSquareOfIndex) {
     double launch, skip;
   } rows[] = {{20, 2115.842549}, {30, 2850.666954}, {44, 3289.661472}, {46, 3289.661472}, {50, 3241.658854}};
   for (const auto& row : rows) {
-    const auto nodes = trace_ray(water, 1000, -row.launch * kDegree, {.longest_range_m = 5000});
+    const auto nodes = trace_ray(water, 1000, -row.launch * degree, {.longest_range_m = 5000});
     const auto back = std::find_if(nodes.begin() + 1, nodes.end(),
                                    [](const RayNode& n) { return n.state.depth_m == 1000; });
     ASSERT_NE(back, nodes.end());
@@ -91,7 +90,7 @@ TEST(RayTrace, CyclesOfTheDeepSoundChannel) {
     for (const auto& row : rows) {
       for (const double sign : {-1., 1.}) {
         const auto nodes =
-            trace_ray(water, 1000, sign * row.launch * kDegree, {.surface_m = 0, .longest_range_m = 70000});
+            trace_ray(water, 1000, sign * row.launch * degree, {.surface_m = 0, .longest_range_m = 70000});
         const auto cycle = std::find_if(nodes.begin() + 1, nodes.end(), [&](const RayNode& n) {
           return n.state.depth_m == 1000 && n.state.sine * sign > 0;
         });
@@ -136,7 +135,7 @@ TEST(RayTrace, ImagesOfAnEvenChannel) {
 
 TEST(RayTrace, AbsorptionFollowsThePathLayerByLayer) {
   WaterColumn water{SoundSpeedProfile({{0, 1500}, {10, 1500}, {20, 1500}}), {1, 2, 3, 4}};
-  const auto nodes = trace_ray(water, 5, 45 * kDegree, {.longest_range_m = 25});
+  const auto nodes = trace_ray(water, 5, 45 * degree, {.longest_range_m = 25});
   EXPECT_NEAR(nodes.back().state.absorption_db, std::sqrt(2) * (5 * 2 + 10 * 3 + 10 * 4), 1e-12);
 }
 
@@ -163,9 +162,9 @@ TEST(RayTrace, RefusesBadLaunches) {
   const WaterColumn water{SoundSpeedProfile(1500), {}};
   EXPECT_THROW(trace_ray(water, -1, 0, {.surface_m = 0}), std::invalid_argument);
   EXPECT_THROW(trace_ray(water, 30, 0, {.bottom_m = 20}), std::invalid_argument);
-  EXPECT_THROW(trace_ray(water, 10, 90 * kDegree, {}), std::invalid_argument);
+  EXPECT_THROW(trace_ray(water, 10, 90 * degree, {}), std::invalid_argument);
   EXPECT_THROW(trace_ray(water, 10, NAN, {}), std::invalid_argument);
-  EXPECT_EQ(trace_ray(water, 10, 89 * kDegree,
+  EXPECT_EQ(trace_ray(water, 10, 89 * degree,
                       {.surface_m = 0, .bottom_m = 20, .longest_range_m = 1e9, .most_nodes = 1000})
                 .size(),
             1000u);
@@ -185,10 +184,10 @@ TEST(RayArc, ShortRangeTable) {
               {0.016, 11, 103.194240002, 70.068834044, 10.936939059}};
   for (const auto& row : rows) {
     const double c1 = 1500, c2 = 1500 + 20 * row.g;
-    const SnellRay ray{c1, std::sin(row.launch * kDegree), std::cos(row.launch * kDegree)};
+    const SnellRay ray{c1, std::sin(row.launch * degree), std::cos(row.launch * degree)};
     const double s2 = ray.sine_at(c2), reach = arc_reach(20, c1, c2, ray.sine, s2);
     EXPECT_NEAR(ray.p() * reach, row.range, row.g == 0 ? 6e-7 : 6e-10);
-    EXPECT_NEAR(std::asin(s2) / kDegree, row.arrival, 6e-10);
+    EXPECT_NEAR(std::asin(s2) / degree, row.arrival, 6e-10);
     if (row.g != 0) {
       EXPECT_NEAR(1000 * arc_time_s(20, c1, c2, ray.sine, s2, ray.p()), row.time_ms, 6e-10);
     }
@@ -203,10 +202,10 @@ TEST(RayArc, TubesOnTheBottomAtShortRange) {
     const double c2 = 1500 + 20 * row.g;
     double x[2];
     for (int i = 0; i < 2; ++i) {
-      const SnellRay ray{1500, std::sin((10 + i) * kDegree), std::cos((10 + i) * kDegree)};
+      const SnellRay ray{1500, std::sin((10 + i) * degree), std::cos((10 + i) * degree)};
       x[i] = ray.p() * arc_reach(20, 1500, c2, ray.sine, ray.sine_at(c2));
     }
-    EXPECT_NEAR(1.5 * kDegree / 2 * (x[0] - x[1]) * (x[0] + x[1]), row.area, 6e-10);
+    EXPECT_NEAR(1.5 * degree / 2 * (x[0] - x[1]) * (x[0] + x[1]), row.area, 6e-10);
   }
 }
 

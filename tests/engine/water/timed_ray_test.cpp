@@ -8,14 +8,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "engine/water/eigenray.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 RayDirection falling(double degrees) { return {std::sin(degrees * degree), std::cos(degrees * degree)}; }
 

@@ -8,15 +8,13 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "engine/water/apparent_map.hpp"
 #include "engine/water/ray_trace.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// A ray of one gradient over level mirrors, as arcs of circles (physics sheet, 2.1), in extended
 /// precision.

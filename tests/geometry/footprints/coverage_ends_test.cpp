@@ -10,6 +10,7 @@
 
 #include "fixtures/geometry/coverage_oracle.hpp"
 #include "geometry/mesh/edge_refinement.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -146,7 +147,7 @@ TEST(CoverageOfTwoEnds, TheWindowCutsByPolygonsOf96SidesOfEllipses) {
                        k = p * along * along + alpha * alpha - 4 * L * L * h * h;
           return std::numbers::pi * k / (2 * L * std::sqrt(p));
         };
-    const double n = 96, pi = std::numbers::pi;
+    const double n = 96;
     const double outer = area(from.farthest) * n / (2 * pi) * std::sin(2 * pi / n),
                  inner = area(from.nearest) * n / pi * std::tan(pi / n), whole = std::pow(16000.0 * m, 2);
     double seen = 0;

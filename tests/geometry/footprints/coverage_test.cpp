@@ -10,11 +10,11 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
-#include <numbers>
 
 #include "fixtures/geometry/coverage_oracle.hpp"
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "fixtures/geometry/looks.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -130,7 +130,7 @@ TEST(Coverage, TheWindowOfRangesCutsByPolygonsOf96Sides) {
   from.farthest = 2000.0 * m;
   from.nearest = 1100.0 * m;
   // Corners are rounded to the grid: half a unit along 14 km of outline.
-  const double outer2 = 3e6, inner2 = 0.21e6, n = 96, pi = std::numbers::pi;
+  const double outer2 = 3e6, inner2 = 0.21e6, n = 96;
   const double outer = n / 2 * outer2 * std::sin(2 * pi / n), inner = n * inner2 * std::tan(pi / n);
   double seen = 0, shadow = 0, cells = 0;
   for (const auto& [id, facet] : cover(mesh, {from})) {

@@ -28,7 +28,7 @@ struct Look {
   operator ApexLook() const { return {tubes, seen}; }
 };
 
-Look look(const FacetMesh& mesh, const TubeSet& tubes, Arithmetic arithmetic = Arithmetic::fixed) {
+Look shared_look(const FacetMesh& mesh, const TubeSet& tubes, Arithmetic arithmetic = Arithmetic::fixed) {
   const SceneTree tree(mesh);
   VisibilityScratch scratch;
   Look result{tubes, std::vector<TubeVisibility>(tubes.tubes.size())};
@@ -74,11 +74,11 @@ Parts parts_of(const SharedFootprints& shared) {
 }
 
 /// Returns the points of a piece on the plane of its facet, relative to the transmit apex.
-std::vector<V3> points_of(const FacetMesh& mesh, const Look& look, std::uint32_t tube,
+std::vector<V3> points_of(const FacetMesh& mesh, const Look& shared_look, std::uint32_t tube,
                           const NamedPiece& piece, const V3& from_transmitter) {
-  const auto facet = test::seen_from(mesh, piece.facet, look.tubes.apex).value();
+  const auto facet = test::seen_from(mesh, piece.facet, shared_look.tubes.apex).value();
   std::vector<V3> points;
-  for (const V3& d : test::cone_of(mesh, look.tubes.apex, look.seen[tube], piece)) {
+  for (const V3& d : test::cone_of(mesh, shared_look.tubes.apex, shared_look.seen[tube], piece)) {
     V3 p = test::times(Q(facet.c / test::scalar_product(facet.n, d)), d);
     for (int k = 0; k < 3; ++k) p[k] += from_transmitter[k];
     points.push_back(p);
@@ -87,7 +87,7 @@ std::vector<V3> points_of(const FacetMesh& mesh, const Look& look, std::uint32_t
 }
 
 /// Computes the same by clipping in rationals.
-Parts oracle(const FacetMesh& mesh, const Look& transmit, const Look& receive) {
+Parts shared_oracle(const FacetMesh& mesh, const Look& transmit, const Look& receive) {
   const V3 baseline = test::minus(test::vec(receive.tubes.apex), test::vec(transmit.tubes.apex));
   Parts parts;
   for (std::uint32_t t = 0; t < transmit.seen.size(); ++t)
@@ -147,7 +147,7 @@ TEST(SharedFootprints, AuditsCloseAndNameWhatIsShared) {
     const TubeSet tx = test::forward_tubes({100, -50, 40}, 3, 2, 70, 60, tilt),
                   rx = test::forward_tubes({-300, 80, 200}, 2, 3, 70, 60, tilt);
     const auto audited = [&](const TubeSet& sent, const TubeSet& received, Arithmetic arithmetic) {
-      const Look t = look(mesh, sent, arithmetic), r = look(mesh, received, arithmetic);
+      const Look t = shared_look(mesh, sent, arithmetic), r = shared_look(mesh, received, arithmetic);
       const FootprintSharer sharer(mesh, t, r, 1);
       TopologyHash hash;
       std::size_t shared = 0;
@@ -178,8 +178,8 @@ TEST(SharedFootprints, AuditsFindAPieceThatIsSeenTwice) {
                   test::add_vertex(mesh, {3000, 2000, -1000}), test::add_vertex(mesh, {0, 5000, -1000}));
   const TubeSet tx = test::forward_tubes({0, 0, 0}, 1, 1, 30, 30, 20),
                 rx = test::forward_tubes({200, 0, 0}, 1, 1, 30, 30, 20);
-  Look t = look(mesh, tx);
-  const Look r = look(mesh, rx);
+  Look t = shared_look(mesh, tx);
+  const Look r = shared_look(mesh, rx);
   ASSERT_FALSE(t.seen[0].pieces.empty());
   EXPECT_TRUE(FootprintSharer(mesh, t, r, 1).audit(0, 0).closes);
   t.seen[0].pieces.push_back(t.seen[0].pieces.front());
@@ -199,15 +199,15 @@ TEST(SharedFootprints, AreThoseOfRationalClipping) {
         reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
       if (reach > 1 << 28) continue;  // no space for another apex
       const std::int32_t step = std::max(reach / 8, 1);
-      const Look transmit = look(scene.mesh, scene.tubes);
+      const Look transmit = shared_look(scene.mesh, scene.tubes);
       for (const GridPoint by :
            {GridPoint{0, 0, 0}, GridPoint{step, 0, 0},
             GridPoint{test::uniform(random, -step, step), test::uniform(random, -step, step),
                       test::uniform(random, -step, step)}}) {
         SCOPED_TRACE(testing::Message() << scene.name << ", seed " << seed << ", receiver at " << by.x << ' '
                                         << by.y << ' ' << by.z);
-        const Look receive = look(scene.mesh, moved(scene.tubes, by));
-        const Parts expected = oracle(scene.mesh, transmit, receive);
+        const Look receive = shared_look(scene.mesh, moved(scene.tubes, by));
+        const Parts expected = shared_oracle(scene.mesh, transmit, receive);
         expect_equal(parts_of(share(scene.mesh, transmit, receive)), expected);
         shared += expected.size();
       }
@@ -219,7 +219,7 @@ TEST(SharedFootprints, AreThoseOfRationalClipping) {
 TEST(SharedFootprints, OfOneApexAreItsFootprintsAndNeighboursShareNothing) {
   for (const test::Scene& scene : test::adversarial_cases(20263)) {
     SCOPED_TRACE(scene.name);
-    const Look both = look(scene.mesh, scene.tubes);
+    const Look both = shared_look(scene.mesh, scene.tubes);
     const SharedFootprints shared = share(scene.mesh, both, both, 0x1p-10);
     EXPECT_EQ(shared.receiver_m, glm::dvec3(0));
     std::size_t pieces = 0;
@@ -250,8 +250,8 @@ TEST(SharedFootprints, AddUpToWhatTheOtherSeesOfAFootprint) {
   const TubeSet many = test::lattice_tubes({2500000, 300000, 100000}, -4, -5, 8, 6, 4);
   TubeSet one = many;
   one.tubes = {{0, 6 * 9, 6 * 9 + 8, 8}};
-  const Look transmit = look(mesh, test::forward_tubes({-2000000, 0, 0}, 4, 1, 60, 40, 20));
-  const Look fine = look(mesh, many), coarse = look(mesh, one);
+  const Look transmit = shared_look(mesh, test::forward_tubes({-2000000, 0, 0}, 4, 1, 60, 40, 20));
+  const Look fine = shared_look(mesh, many), coarse = shared_look(mesh, one);
   const Parts by_fine = parts_of(share(mesh, transmit, fine)),
               by_coarse = parts_of(share(mesh, transmit, coarse)),
               swapped = parts_of(share(mesh, fine, transmit));
@@ -293,15 +293,15 @@ TEST(SharedFootprints, OfImagesAreThoseOfTheMesh) {
     const auto image_of = [](GridPoint p) { return GridPoint{3 * p.z, p.x - p.z, p.y}; };
     FacetMesh image = mesh;
     for (GridPoint& v : image.vertices) v = image_of(v);
-    const Look transmit = look(mesh, test::lattice_tubes({-2000000, 0, 0}, -4, -5, 8, 6, 4)),
-               receive = look(mesh, test::lattice_tubes({2500000, 300000, 100000}, -4, -5, 8, 6, 3));
+    const Look transmit = shared_look(mesh, test::lattice_tubes({-2000000, 0, 0}, -4, -5, 8, 6, 4)),
+               receive = shared_look(mesh, test::lattice_tubes({2500000, 300000, 100000}, -4, -5, 8, 6, 3));
     TubeSet tubes = receive.tubes;
     tubes.apex = image_of(tubes.apex);
     tubes.reach = 1e12;
     for (GridPoint& ray : tubes.rays) ray = image_of(ray);
-    const Look there = look(image, tubes);
+    const Look there = shared_look(image, tubes);
     const ApexLook sent{transmit.tubes, transmit.seen, &mesh}, received{there.tubes, there.seen, &image};
-    Parts expected = oracle(mesh, transmit, receive),
+    Parts expected = shared_oracle(mesh, transmit, receive),
           found = parts_of(FootprintSharer(sent, received, 1).all());
     // The number of convex pieces depends on the view.
     for (auto& [key, part] : found)
@@ -324,9 +324,9 @@ TEST(SharedFootprints, WhatOnlyOneOfThemSeesIsNotShared) {
   quad({-5000, 0, -1000}, {5000, 0, -1000}, {5000, 10000, -1000}, {-5000, 10000, -1000});
   const TubeSet left = test::forward_tubes({-1000, 100, 0}, 3, 2, 120, 60, 30),
                 right = test::forward_tubes({1000, 100, 0}, 3, 2, 120, 60, 30);
-  EXPECT_GT(share(mesh, look(mesh, left), look(mesh, right)).pieces.size(), 4u);
+  EXPECT_GT(share(mesh, shared_look(mesh, left), shared_look(mesh, right)).pieces.size(), 4u);
   quad({0, 0, -1000}, {0, 10000, -1000}, {0, 10000, 9000}, {0, 0, 9000});
-  EXPECT_EQ(share(mesh, look(mesh, left), look(mesh, right)).pieces.size(), 0u);
+  EXPECT_EQ(share(mesh, shared_look(mesh, left), shared_look(mesh, right)).pieces.size(), 0u);
 }
 
 TEST(SharedFootprints, TheTwoSidesOfAFacetAreNotTheSame) {
@@ -338,7 +338,7 @@ TEST(SharedFootprints, TheTwoSidesOfAFacetAreNotTheSame) {
   TubeSet behind = before;
   behind.apex = {0, 2000, 0};
   for (GridPoint& ray : behind.rays) ray = {-ray.x, -ray.y, ray.z};
-  const Look a = look(mesh, before), b = look(mesh, behind);
+  const Look a = shared_look(mesh, before), b = shared_look(mesh, behind);
   ASSERT_EQ(a.seen[0].pieces.size(), 1u);
   ASSERT_EQ(b.seen[0].pieces.size(), 1u);
   EXPECT_EQ(share(mesh, a, b).facets.size(), 0u);
@@ -361,7 +361,7 @@ TEST(SharedFootprints, ContactsWithoutAreaGiveNothingAndAGridUnitDoes) {
     for (const auto& [i, k] : {std::pair{0, 0}, {0, 1}, {1, 1}, {1, 0}})
       set.rays.push_back({x + 100 * i - apex.x, far, z + 100 * k - apex.z});
     set.tubes = {{0, 1, 2, 3}};
-    return look(mesh, set);
+    return shared_look(mesh, set);
   };
   const Look transmit = window({0, 0, 0}, 0, 0);
   ASSERT_EQ(transmit.seen[0].pieces.size(), 1u);
@@ -386,9 +386,9 @@ TEST(SharedFootprints, DoNotDependOnTheArithmetic) {
   const FacetMesh mesh = test::make_random_triangles(random, 25, 1000000, 500000);
   const TubeSet a = test::forward_tubes({0, 0, 0}, 2, 2, 60, 50),
                 b = test::forward_tubes({150000, -70000, 30000}, 3, 1, 70, 50);
-  const Parts fixed = parts_of(share(mesh, look(mesh, a), look(mesh, b)));
-  const Parts rational =
-      parts_of(share(mesh, look(mesh, a, Arithmetic::rational), look(mesh, b, Arithmetic::rational)));
+  const Parts fixed = parts_of(share(mesh, shared_look(mesh, a), shared_look(mesh, b)));
+  const Parts rational = parts_of(
+      share(mesh, shared_look(mesh, a, Arithmetic::rational), shared_look(mesh, b, Arithmetic::rational)));
   ASSERT_EQ(fixed.size(), rational.size());
   for (const auto& [key, part] : fixed)
     EXPECT_NEAR(rational.at(key).area, part.area, 1e-11 * part.area + 1e-4);

@@ -10,33 +10,23 @@
 #include <cmath>
 #include <complex>
 #include <glm/common.hpp>
-#include <numbers>
 #include <random>
 
+#include "fixtures/geometry/balls.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/integrals/certified_waves.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using test::Polygon2;
 using Complex = std::complex<double>;
-constexpr double pi = std::numbers::pi;
+using test::outside;
+using test::points;
+using test::radius;
 
-std::vector<CertifiedPolygon::Point> points(const Polygon2& polygon) {
-  std::vector<CertifiedPolygon::Point> result;
-  for (const glm::dvec2& p : polygon) result.push_back({Ball(p.x), Ball(p.y)});
-  return result;
-}
 Complex middle(const ComplexBall& ball) { return {ball.real().middle(), ball.imaginary().middle()}; }
-double radius(const ComplexBall& ball) {
-  return std::max(ball.real().hi() - ball.real().lo(), ball.imaginary().hi() - ball.imaginary().lo()) / 2;
-}
-/// Distance of a number from the ball, as the larger of both parts; 0 inside.
-double outside(const ComplexBall& ball, Complex value) {
-  const auto off = [](const Ball& b, double x) { return std::max({b.lo() - x, x - b.hi(), 0.0}); };
-  return std::max(off(ball.real(), value.real()), off(ball.imaginary(), value.imag()));
-}
 
 /// Returns e^{ikP} over all paths, cut at `borders`.
 PathWave one_frequency(double k, const std::vector<double>& borders) {
@@ -52,12 +42,12 @@ PathWave one_frequency(double k, const std::vector<double>& borders) {
   return wave;
 }
 
-struct Ends {
+struct CertifiedEnds {
   Ball height;
   ApexOverPlane rx;
   double h, x, y, s;  ///< the same in doubles
 };
-Ends ends(double height, double x, double y, double rx_height) {
+CertifiedEnds ends(double height, double x, double y, double rx_height) {
   return {Ball(height), {Ball(rx_height), Ball(x), Ball(y)}, height, x, y, rx_height};
 }
 
@@ -66,8 +56,8 @@ TEST(CertifiedPathWave, OneFrequencyIsThatOfTheEdgeForm) {
   std::uniform_real_distribution<double> place(-0.6, 0.6), height(0.5, 4);
   for (int n = 0; n < 24; ++n) {
     const Polygon2 polygon = test::random_convex(random, {place(random), place(random)}, 0.4, 0.4 / 2);
-    const Ends e = n % 3 == 0 ? ends(1.7, 0, 0, 1.7)
-                              : ends(height(random), place(random), place(random), height(random));
+    const CertifiedEnds e = n % 3 == 0 ? ends(1.7, 0, 0, 1.7)
+                                       : ends(height(random), place(random), place(random), height(random));
     const double k = 2 * pi * 30e3 / 1500;
     const auto sure = certified_edge_form(points(polygon), e.height, e.rx, Ball(k), 1e-15);
     ASSERT_TRUE(sure);
@@ -89,7 +79,7 @@ TEST(CertifiedPathWave, OneFrequencyIsThatOfTheEdgeForm) {
 TEST(CertifiedPathWave, NoPathIsShorterOrLongerThanThoseTold) {
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> place(-3, 3), height(0.1, 2);
-  const auto hold = [](const Polygon2& polygon, const Ends& e) {
+  const auto hold = [](const Polygon2& polygon, const CertifiedEnds& e) {
     const CertifiedPathEdges edges(points(polygon), e.height, e.rx);
     const auto path = [&](glm::dvec2 p) {
       return std::hypot(p.x, p.y, e.h) + std::hypot(p.x - e.x, p.y - e.y, e.s);
@@ -116,7 +106,7 @@ TEST(CertifiedPathWave, NoPathIsShorterOrLongerThanThoseTold) {
 TEST(CertifiedPathWave, EdgesThroughTheShortestPathAreLikeOthers) {
   const Polygon2 whole{{-0.5, -0.4}, {0.5, -0.4}, {0.5, 0.4}, {-0.5, 0.4}};
   const double k = 2 * pi * 20e3 / 1500;
-  for (const Ends& e : {ends(1.5, 0, 0, 1.5), ends(1.5, 0.25, 0, 1.5)}) {
+  for (const CertifiedEnds& e : {ends(1.5, 0, 0, 1.5), ends(1.5, 0.25, 0, 1.5)}) {
     const double x = e.x / 2;
     const auto sure = certified_edge_form(points(whole), e.height, e.rx, Ball(k), 1e-15);
     ASSERT_TRUE(sure);
@@ -161,7 +151,7 @@ struct Pulse {
 };
 
 /// Computes (2) of docs/notes/smooth-surfaces.md by the midpoints of many parts, with one extrapolation.
-Complex by_sums(const Polygon2& polygon, const Ends& e, const Pulse& pulse) {
+Complex by_sums(const Polygon2& polygon, const CertifiedEnds& e, const Pulse& pulse) {
   const double heights = e.h + e.s, d = std::hypot(heights, e.x, e.y), c_x = e.x * e.h / heights,
                c_y = e.y * e.h / heights;
   const auto sum_of = [&](int parts) {
@@ -188,8 +178,8 @@ TEST(CertifiedPathWave, PulsesWithFlanksHoldSumsOverTheEdges) {
   std::uniform_real_distribution<double> place(-0.5, 0.5), height(0.8, 3), share(-0.3, 1);
   for (int n = 0; n < 40; ++n) {
     const Polygon2 polygon = test::random_convex(random, {place(random), place(random)}, 0.5, 0.5 / 2);
-    const Ends e = n % 2 == 0 ? ends(1.5, 0, 0, 1.5)
-                              : ends(height(random), place(random), place(random), height(random));
+    const CertifiedEnds e = n % 2 == 0 ? ends(1.5, 0, 0, 1.5)
+                                       : ends(height(random), place(random), place(random), height(random));
     CertifiedPathEdges edges(points(polygon), e.height, e.rx);
     const double extent = edges.longest_path() - edges.shortest_path();
     const Pulse pulse{edges.shortest_path() + share(random) * extent, 0.3, 2 * pi * 20e3 / 1500};

@@ -7,34 +7,23 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <random>
 
+#include "fixtures/geometry/balls.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/integrals/edge_form.hpp"
 #include "geometry/integrals/polygon_transform.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using test::Polygon2;
 using Complex = std::complex<double>;
-constexpr double pi = std::numbers::pi, k_100khz = 2 * pi * 100e3 / 1500;
-
-std::vector<CertifiedPolygon::Point> points(const Polygon2& polygon) {
-  std::vector<CertifiedPolygon::Point> result;
-  for (const glm::dvec2& p : polygon) result.push_back({Ball(p.x), Ball(p.y)});
-  return result;
-}
-
-/// Distance of a number from the ball, as the larger of both parts; 0 inside.
-double outside(const ComplexBall& ball, Complex value) {
-  const auto off = [](const Ball& b, double x) { return std::max({b.lo() - x, x - b.hi(), 0.0}); };
-  return std::max(off(ball.real(), value.real()), off(ball.imaginary(), value.imag()));
-}
-double radius(const ComplexBall& ball) {
-  return std::max(ball.real().hi() - ball.real().lo(), ball.imaginary().hi() - ball.imaginary().lo()) / 2;
-}
+using test::k_100khz;
+using test::outside;
+using test::points;
+using test::radius;
 
 Complex in_doubles(const Polygon2& polygon, double height, const PathCutter::Receiver& rx, double k) {
   PlanarPolygon planar;

@@ -5,14 +5,15 @@
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <numeric>
 #include <optional>
 
 #include "fixtures/geometry/layered_scenes.hpp"
+#include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
 #include "geometry/integrals/range_cut.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 // Compares footprints, shadows, solid angles and range bins with closed forms (physics sheet, section 7).
 // The test uses the whole kernel: facets and tubes on the grid, visible polygons, footprints, measures and
@@ -21,8 +22,8 @@ namespace tubefoot {
 namespace {
 
 using namespace test;
+using test::relative;
 
-constexpr double pi = std::numbers::pi, degree = pi / 180;
 /// 2^-25 m: scenes extend 32 m from the apex at the origin. The rounding of a grid point is at most 1.5e-8
 /// m, and of a ray 2^-31 rad.
 constexpr int exponent = 25;
@@ -138,8 +139,6 @@ double first_return(const FootprintSet& set) {
   for (const Footprint& f : set.footprints) range = std::min(range, f.slant_range_min_m);
   return range;
 }
-
-double relative(double value, double expected) { return std::abs(value / expected - 1); }
 
 /// Expects errors that fall by a factor of four for half the step.
 void expect_second_order(const std::vector<double>& errors, double slack) {

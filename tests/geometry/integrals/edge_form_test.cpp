@@ -7,12 +7,12 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <random>
 
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/integrals/gauss_rules.hpp"
 #include "geometry/integrals/polygon_transform.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 using test::planar;
 using test::Polygon2;
 using Complex = std::complex<double>;
-constexpr double pi = std::numbers::pi, k_100khz = 2 * pi * 100e3 / 1500;
+using test::k_100khz;
 
 struct Ends {
   double tx_height, rx_height;

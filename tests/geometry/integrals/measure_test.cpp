@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "fixtures/geometry/plane_polygons.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -19,9 +19,7 @@ using test::on_plane;
 using test::Polygon2;
 using test::random_convex;
 using test::random_plane;
-
-constexpr double pi = std::numbers::pi;
-constexpr double degree = pi / 180;
+using test::relative;
 
 PlanarPolygon planar(const std::vector<glm::dvec3>& corners, const FacetPlane& plane) {
   PlanarPolygon polygon;
@@ -37,8 +35,6 @@ double triangle_solid_angle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
   const glm::dvec3 away = glm::normalize(glm::cross(b - a, c - a));
   return solid_angle(planar(std::vector{a, b, c}, FacetPlane{-away, glm::dot(a, away)}));
 }
-
-double relative(double value, double expected) { return std::abs(value / expected - 1); }
 
 TEST(SolidAngle, KnownTriangles) {
   EXPECT_LT(relative(triangle_solid_angle({1, 0, 0}, {0, 1, 0}, {0, 0, 1}), pi / 2), 1e-14);

@@ -7,19 +7,17 @@
 
 #include <boost/math/distributions/binomial.hpp>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <random>
 
 #include "fixtures/geometry/plane_polygons.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using test::planar;
 using test::Polygon2;
-
-constexpr double pi = std::numbers::pi;
 
 /// Two points above a plane: their heights, and the foot point of the receiver relative to that of the
 /// transmitter.

@@ -12,6 +12,7 @@
 
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "geometry/integrals/gauss_rules.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -79,7 +80,7 @@ TEST(PolygonTransform, RectangleIsAProductOfSincs) {
 // The rectangle of 0.10 m by 0.06 m of the signals sheet, from three monostatic directions and one bistatic
 // pair: f = (ik / 4 pi) (i - s).n I(k (i - s)), rigid.
 TEST(PolygonTransform, RectangleHasTheSheetsDigits) {
-  const double k = 2 * std::numbers::pi * 100e3 / 1500, degree = std::numbers::pi / 180;
+  const double k = 2 * std::numbers::pi * 100e3 / 1500;
   EXPECT_NEAR(k, 418.879020479, 5e-10);
   const std::vector<glm::dvec3> rectangle{{-.05, -.03, 0}, {.05, -.03, 0}, {.05, .03, 0}, {-.05, .03, 0}};
   const auto towards = [&](double theta, double phi) {

@@ -9,10 +9,10 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/quadrature/tanh_sinh.hpp>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "fixtures/geometry/plane_polygons.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -24,9 +24,7 @@ using test::random_convex;
 using test::random_plane;
 using test::shifted;
 using Function = std::function<double(double)>;
-
-constexpr double pi = std::numbers::pi;
-constexpr double degree = pi / 180;
+using test::relative;
 
 double one(double) { return 1; }
 double lambert_with_absorption(double r) { return std::pow(r, -6) * std::exp(-0.2 * r); }
@@ -44,7 +42,6 @@ std::vector<double> cut(const RadialIntegral& radial, const FacetPlane& plane, c
 }
 
 double total(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
-double relative(double value, double expected) { return std::abs(value / expected - 1); }
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Independent oracle: the angle over which the circle of radius rho runs inside a convex polygon. It uses

@@ -14,17 +14,16 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <map>
-#include <numbers>
 #include <random>
 #include <set>
+
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using Triangle = std::array<VertexId, 3>;
 using Edge = std::array<VertexId, 2>;
-
-constexpr double pi = std::numbers::pi;
 
 glm::dvec3 vector_of(GridPoint p) { return {p.x, p.y, p.z}; }
 

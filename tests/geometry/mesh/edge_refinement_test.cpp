@@ -102,9 +102,9 @@ FacetMesh octahedron(std::int32_t r) {
   return mesh;
 }
 
-using Edge = std::pair<VertexId, VertexId>;
-std::map<Edge, int> facets_by_edge(const FacetMesh& mesh) {
-  std::map<Edge, int> count;
+using VertexPair = std::pair<VertexId, VertexId>;
+std::map<VertexPair, int> facets_by_edge(const FacetMesh& mesh) {
+  std::map<VertexPair, int> count;
   for (const auto& f : mesh.facets)
     for (int k = 0; k < 3; ++k) ++count[std::minmax(f[k], f[(k + 1) % 3])];
   return count;
@@ -131,7 +131,7 @@ TEST(EdgeRefinement, FacetsThatShareAnEdgeShareItsParts) {
   for (std::uint64_t seed = 1; seed <= 20 / one_in + 1; ++seed) {
     SCOPED_TRACE(seed);
     const FacetMesh base = knotted_random_triangles(seed);
-    const std::map<Edge, int> base_edges = facets_by_edge(base);
+    const std::map<VertexPair, int> base_edges = facets_by_edge(base);
     for (FacetId f = 0; f < base.facets.size(); ++f) {
       // Takes one facet with all facets that share an edge with it. Facets that only intersect may share
       // points of the grid by chance.
@@ -148,7 +148,7 @@ TEST(EdgeRefinement, FacetsThatShareAnEdgeShareItsParts) {
         const VertexId a = base.facets[f][k], b = base.facets[f][(k + 1) % 3];
         const int wanted = base_edges.at(std::minmax(a, b));
         shared_by_three += wanted >= 3;
-        std::map<Edge, std::set<FacetId>> parents;
+        std::map<VertexPair, std::set<FacetId>> parents;
         for (std::size_t s = 0; s < refined.mesh.facets.size(); ++s)
           for (int e = 0; e < 3; ++e) {
             const VertexId p = refined.mesh.facets[s][e], q = refined.mesh.facets[s][(e + 1) % 3];

@@ -20,16 +20,16 @@
 namespace tubefoot {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
+using PointTriangle = std::array<std::uint32_t, 3>;
 
 struct Mesh {
   std::vector<glm::dvec3> points;
-  std::vector<Triangle> triangles;
+  std::vector<PointTriangle> triangles;
 };
 
 double cross_in_plan(glm::dvec2 u, glm::dvec2 v) { return u.x * v.y - u.y * v.x; }
 
-double area_from_above(const Mesh& mesh, const Triangle& t) {
+double area_from_above(const Mesh& mesh, const PointTriangle& t) {
   const glm::dvec2 a = mesh.points[t[0]], b = mesh.points[t[1]], c = mesh.points[t[2]];
   return cross_in_plan(b - a, c - a) / 2;
 }
@@ -57,9 +57,9 @@ Mesh hills(std::mt19937_64& random, int n, double size) {
 Mesh unit_square() { return {{{0, 0, 0}, {1, 0, 0}, {1, 1, 1}, {0, 1, 2}}, {{0, 1, 2}, {0, 2, 3}}}; }
 
 /// Returns edges with a facet on one side only, as index pairs. No edge may have more than two facets.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> open_edges(const std::vector<Triangle>& triangles) {
+std::vector<std::pair<std::uint32_t, std::uint32_t>> open_edges(const std::vector<PointTriangle>& triangles) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
-  for (const Triangle& t : triangles)
+  for (const PointTriangle& t : triangles)
     for (unsigned k = 0; k < 3; ++k) ++sides[std::minmax(t[k], t[(k + 1) % 3])];
   std::vector<std::pair<std::uint32_t, std::uint32_t>> open;
   for (const auto& [edge, count] : sides) {
@@ -123,7 +123,7 @@ Mesh expect_lawful(const Mesh& mesh, const std::vector<PlanSegment>& segments, d
 
 /// Expects that no segment enters a part: the part is on one side of its line, or beyond its ends.
 void expect_no_part_entered(const Mesh& parts, const std::vector<PlanSegment>& segments, double size) {
-  for (const Triangle& t : parts.triangles) {
+  for (const PointTriangle& t : parts.triangles) {
     if (std::abs(area_from_above(parts, t)) < 1e-10 * size * size) continue;
     glm::dvec2 middle(0);
     for (const std::uint32_t index : t) middle += glm::dvec2(parts.points[index]) / 3.0;
@@ -175,7 +175,7 @@ TEST(PlanCut, RandomLinesOverRandomHills) {
 }
 
 bool stands_vertical(const Mesh& mesh) {
-  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const PointTriangle& t) {
     const glm::dvec3 a = mesh.points[t[0]], b = mesh.points[t[1]] - a, c = mesh.points[t[2]] - a;
     return b.x * c.y == b.y * c.x;  // integers
   });
@@ -276,7 +276,7 @@ TEST(PlanCut, SliversStayASheet) {
 
 TEST(PlanCut, FacetsTurnedOverStayTurnedOver) {
   Mesh mesh = unit_square();
-  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  for (PointTriangle& t : mesh.triangles) std::swap(t[1], t[2]);
   expect_lawful(mesh, {{{0.1, -1}, {0.7, 2}}, {{-1, 0.4}, {2, 0.3}}}, 1);
 }
 

@@ -17,10 +17,10 @@
 #include <random>
 #include <set>
 
+#include "geometry/numbers/scalars.hpp"
+
 namespace tubefoot {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 std::vector<double> even_edges(double first, double last, int cells) {
   std::vector<double> edges;

@@ -15,11 +15,11 @@ namespace {
 
 // Sanitizers make rationals about fifty times slower.
 #ifdef TUBEFOOT_SANITIZED
-constexpr std::uint64_t one_in = 32;
+constexpr std::uint64_t one_scene_in = 32;
 #else
-constexpr std::uint64_t one_in = 1;
+constexpr std::uint64_t one_scene_in = 1;
 #endif
-constexpr std::uint64_t tubes_wanted = 100'000 / one_in;
+constexpr std::uint64_t tubes_wanted = 100'000 / one_scene_in;
 constexpr std::uint64_t kinds = generator_names.size();
 constexpr std::uint64_t scenes_per_kind = tubes_wanted / (kinds * tubes_per_scene) + 1;
 

@@ -22,7 +22,7 @@ using testing::HasSubstr;
 using testing::SizeIs;
 
 /// The first value of the picture is `mark`.
-Bytes ping(int mark) {
+Bytes ping_without_time(int mark) {
   Sonar sonar = small_sonar();
   sonar.data[0] = static_cast<char>(mark);
   sonar.sec = 0;
@@ -49,9 +49,10 @@ class Mcap : public testing::Test {
 };
 
 TEST_F(Mcap, MessagesComeInTheOrderOfTheirTimes) {
-  const Bytes messages =
-      mcap::message(1, 3'000'000'000, ping(30)) + mcap::message(1, 1'000'000'000, ping(10)) +
-      mcap::message(1, 2'000'000'000, ping(20)) + mcap::message(1, 1'000'000'000, ping(11));
+  const Bytes messages = mcap::message(1, 3'000'000'000, ping_without_time(30)) +
+                         mcap::message(1, 1'000'000'000, ping_without_time(10)) +
+                         mcap::message(1, 2'000'000'000, ping_without_time(20)) +
+                         mcap::message(1, 1'000'000'000, ping_without_time(11));
   for (const bool checked : {false, true}) {
     const ForeignData data = read(mcap::file(heads + messages, checked));
     ASSERT_THAT(data.frames, SizeIs(4));
@@ -67,9 +68,10 @@ TEST_F(Mcap, MessagesComeInTheOrderOfTheirTimes) {
 TEST_F(Mcap, ChunksOfEveryCompressionAreRead) {
   for (const char* compression : {"", "lz4", "zstd"}) {
     SCOPED_TRACE(compression);
-    const Bytes first =
-        mcap::chunk(heads + mcap::message(1, 5, ping(50)) + mcap::message(1, 1, ping(10)), compression);
-    const Bytes second = mcap::chunk(mcap::message(1, 3, ping(30)), compression);
+    const Bytes first = mcap::chunk(
+        heads + mcap::message(1, 5, ping_without_time(50)) + mcap::message(1, 1, ping_without_time(10)),
+        compression);
+    const Bytes second = mcap::chunk(mcap::message(1, 3, ping_without_time(30)), compression);
     // Records between chunks that the reader skips: an index, metadata, and unknown future records.
     const Bytes others =
         mcap::record(7, "index") + mcap::record(12, "metadata") + mcap::record(0x90, "private");
@@ -78,13 +80,13 @@ TEST_F(Mcap, ChunksOfEveryCompressionAreRead) {
 }
 
 TEST_F(Mcap, MessagesMayBePackedEachByItself) {
-  EXPECT_THAT(marks(mcap::file(heads + mcap::message(1, 5, zstd(ping(50))))), ElementsAre(50));
-  refused(mcap::file(heads + mcap::message(1, 5, zstd(ping(50)).substr(0, 40))),
+  EXPECT_THAT(marks(mcap::file(heads + mcap::message(1, 5, zstd(ping_without_time(50))))), ElementsAre(50));
+  refused(mcap::file(heads + mcap::message(1, 5, zstd(ping_without_time(50)).substr(0, 40))),
           "its zstd data are damaged or cut off");
 }
 
 TEST_F(Mcap, AWholeFileMayBePacked) {
-  const Bytes file = zstd(mcap::file(heads + mcap::message(1, 5, ping(50))));
+  const Bytes file = zstd(mcap::file(heads + mcap::message(1, 5, ping_without_time(50))));
   EXPECT_THAT(read_bag(folder.write("r.mcap.zstd", file)).frames, SizeIs(1));
   for (std::size_t length = 0; length < file.size(); ++length)
     EXPECT_THROW(read_bag(folder.write("r.mcap.zstd", file.substr(0, length))), InputError) << length;
@@ -92,7 +94,8 @@ TEST_F(Mcap, AWholeFileMayBePacked) {
 
 TEST_F(Mcap, CutAtEveryLengthAFileIsRefused) {
   for (const char* compression : {"", "lz4", "zstd"}) {
-    const Bytes file = mcap::file(mcap::chunk(heads + mcap::message(1, 5, ping(50)), compression), true);
+    const Bytes file =
+        mcap::file(mcap::chunk(heads + mcap::message(1, 5, ping_without_time(50)), compression), true);
     ASSERT_THAT(marks(file), ElementsAre(50));
     for (std::size_t length = 0; length < file.size(); ++length) {
       SCOPED_TRACE(length);
@@ -104,7 +107,7 @@ TEST_F(Mcap, CutAtEveryLengthAFileIsRefused) {
 }
 
 TEST_F(Mcap, AByteThatIsNotAsItWasIsFoundByTheChecksums) {
-  const Bytes chunk = mcap::chunk(heads + mcap::message(1, 5, ping(50)));
+  const Bytes chunk = mcap::chunk(heads + mcap::message(1, 5, ping_without_time(50)));
   const Bytes file = mcap::file(chunk, true);
   const std::size_t begin = file.find(chunk), end = begin + chunk.size();
   for (std::size_t at = begin; at < end; ++at) {
@@ -112,7 +115,7 @@ TEST_F(Mcap, AByteThatIsNotAsItWasIsFoundByTheChecksums) {
     damaged[at] ^= 1;
     EXPECT_THROW(read(damaged), InputError) << at;
   }
-  const Bytes records = heads + mcap::message(1, 5, ping(50));
+  const Bytes records = heads + mcap::message(1, 5, ping_without_time(50));
   refused(mcap::file(mcap::chunk(records, "", records.size(), crc(records) ^ 1)), "the stored checksum is");
   EXPECT_THAT(marks(mcap::file(mcap::chunk(records, "", records.size(), 0))), ElementsAre(50))
       << "0: none is given";
@@ -122,7 +125,7 @@ TEST_F(Mcap, AByteThatIsNotAsItWasIsFoundByTheChecksums) {
 }
 
 TEST_F(Mcap, SizesThatLieAreRefused) {
-  const Bytes records = heads + mcap::message(1, 5, ping(50));
+  const Bytes records = heads + mcap::message(1, 5, ping_without_time(50));
   for (const char* compression : {"lz4", "zstd"}) {
     const Bytes packed = std::string(compression) == "lz4" ? lz4(records) : zstd(records);
     refused(mcap::file(mcap::chunk(packed, compression, records.size() - 1, 0)), "");
@@ -161,7 +164,7 @@ TEST_F(Mcap, ChunksAreUnpackedOnceWhateverTheOrderOfTimes) {
   for (int part = 0; part < 2; ++part) {
     Bytes chunk;
     for (int k = 0; k < messages; ++k)
-      chunk += mcap::message(1, static_cast<std::uint64_t>(2 * k + part), ping(2 * k + part));
+      chunk += mcap::message(1, static_cast<std::uint64_t>(2 * k + part), ping_without_time(2 * k + part));
     chunk += mcap::schema(7 + part, "a/msg/B", Bytes(std::size_t{15} << 20, ' '));
     chunk += mcap::schema(9 + part, "a/msg/C", Bytes(std::size_t{15} << 20, ' '));
     records += mcap::chunk(chunk, "zstd");
@@ -179,7 +182,8 @@ TEST_F(Mcap, ChunksThatUnpackToFarMoreThanTheFileAreRefused) {
   Bytes records = heads;
   for (int k = 0; k < 80; ++k) records += chunk;
   EXPECT_LT(processor_seconds([&] {
-              refused(mcap::file(records + mcap::message(1, 5, ping(50))), "too many for its size");
+              refused(mcap::file(records + mcap::message(1, 5, ping_without_time(50))),
+                      "too many for its size");
             }),
             hostile_input_s);
 }
@@ -198,7 +202,8 @@ TEST_F(Mcap, TensOfThousandsOfChannelsAreReadInTime) {
   for (int k = 2; k < 65'000; ++k)
     records += mcap::channel(k, 1, "/some/long/name/of/a/topic/that/is/like/others/" + std::to_string(k));
   EXPECT_LT(processor_seconds([&] {
-              EXPECT_THAT(marks(mcap::file(records + mcap::message(1, 5, ping(50)))), ElementsAre(50));
+              EXPECT_THAT(marks(mcap::file(records + mcap::message(1, 5, ping_without_time(50)))),
+                          ElementsAre(50));
             }),
             hostile_input_s);
 }
@@ -210,16 +215,16 @@ TEST_F(Mcap, OnlyWhatIsNewIsCountedAgainstTheMost) {
   const Bytes large = packed(mcap::schema(9, "a/msg/B", Bytes(most - 100, ' ')));
   Bytes repeated = heads, many = heads;
   for (int k = 0; k < 66; ++k) repeated += large;
-  EXPECT_THAT(marks(mcap::file(repeated + mcap::message(1, 5, ping(50)))), ElementsAre(50));
+  EXPECT_THAT(marks(mcap::file(repeated + mcap::message(1, 5, ping_without_time(50)))), ElementsAre(50));
   const Bytes metadata = mcap::text(Bytes(most - 100, ' '));
   for (int k = 2; k < 68; ++k)
     many += packed(mcap::record(4, little(static_cast<std::uint16_t>(k)) + little(std::uint16_t{1}) +
                                        mcap::text("/sonar") + mcap::text("cdr") + metadata));
-  refused(mcap::file(many + mcap::message(1, 5, ping(50))), "more than a gigabyte");
+  refused(mcap::file(many + mcap::message(1, 5, ping_without_time(50))), "more than a gigabyte");
 }
 
 TEST_F(Mcap, WhatStandsWhereItMayNotIsRefused) {
-  const Bytes message = mcap::message(1, 5, ping(50));
+  const Bytes message = mcap::message(1, 5, ping_without_time(50));
   refused(mcap::file(message), "refers to channel 1, which is not defined before it");
   refused(mcap::file(mcap::channel(1, 7, "/sonar")), "refers to schema 7, which is not defined before it");
   refused(mcap::file(heads + mcap::schema(1, "another/msg/Type")), "two schemas have the number 1");
@@ -247,7 +252,7 @@ TEST_F(Mcap, WhatStandsWhereItMayNotIsRefused) {
 TEST_F(Mcap, ATopicIsChosenOrTold) {
   const Bytes two = heads + mcap::schema(2, image_type) + mcap::channel(2, 2, "/camera") +
                     mcap::schema(3, "std_msgs/msg/String") + mcap::channel(3, 3, "/words") +
-                    mcap::message(3, 0, "x") + mcap::message(1, 5, ping(50)) +
+                    mcap::message(3, 0, "x") + mcap::message(1, 5, ping_without_time(50)) +
                     mcap::message(2, 5, camera_image(1, 1, "mono8", 1, "a"));
   EXPECT_THAT(marks(mcap::file(two), "/sonar"), ElementsAre(50));
   EXPECT_THAT(marks(mcap::file(two), "/camera"), ElementsAre('a'));
@@ -267,19 +272,21 @@ TEST_F(Mcap, ATopicIsChosenOrTold) {
   const Bytes lists = mcap::schema(4, "holoocean_interfaces/msg/ImagingSonar") +
                       mcap::channel(4, 4, "/lists") +
                       mcap::message(4, 1, Bytes("\0\1\0\0", 4) + Bytes(24, '\0'));
-  EXPECT_THAT(marks(mcap::file(heads + lists + mcap::message(1, 5, ping(50)))), ElementsAre(50));
+  EXPECT_THAT(marks(mcap::file(heads + lists + mcap::message(1, 5, ping_without_time(50)))), ElementsAre(50));
   refused(mcap::file(lists), "but no matrix");
   // Two publishers are two channels of one topic.
-  EXPECT_THAT(marks(mcap::file(heads + mcap::channel(2, 1, "/sonar") + mcap::message(2, 9, ping(90)) +
-                               mcap::message(1, 5, ping(50)))),
-              ElementsAre(50, 90));
+  EXPECT_THAT(
+      marks(mcap::file(heads + mcap::channel(2, 1, "/sonar") + mcap::message(2, 9, ping_without_time(90)) +
+                       mcap::message(1, 5, ping_without_time(50)))),
+      ElementsAre(50, 90));
   const Bytes json =
       mcap::schema(1, projected_type) + mcap::channel(1, 1, "/sonar", "json") + mcap::message(1, 5, "{}");
   refused(mcap::file(json), "is serialized as 'json'");
 }
 
 TEST_F(Mcap, AMessageThatIsWrongIsNamed) {
-  refused(mcap::file(heads + mcap::message(1, 5, ping(50)) + mcap::message(1, 6, ping(60).substr(0, 50))),
+  refused(mcap::file(heads + mcap::message(1, 5, ping_without_time(50)) +
+                     mcap::message(1, 6, ping_without_time(60).substr(0, 50))),
           "message 2 of '/sonar' (marine_acoustic_msgs/msg/ProjectedSonarImage): ");
 }
 
@@ -321,7 +328,7 @@ uint32 nanosec
 TEST_F(Mcap, AnotherDefinitionOfTheSameNameIsRefused) {
   const auto with = [](const Bytes& text) {
     return mcap::file(mcap::schema(1, projected_type, text) + mcap::channel(1, 1, "/sonar") +
-                      mcap::message(1, 5, ping(50)));
+                      mcap::message(1, 5, ping_without_time(50)));
   };
   const auto changed = [](const Bytes& from, const Bytes& to) {
     Bytes text = definition;

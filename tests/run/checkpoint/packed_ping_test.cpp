@@ -16,7 +16,7 @@
 namespace tubefoot {
 namespace {
 
-StoreLayout layout(bool with_bounds) {
+StoreLayout packed_layout(bool with_bounds) {
   StoreLayout made;
   made.sensors = {{5, 700, 2}, {5, 3}, {2, 1000, 4}, {5, 1}};
   made.groups = {{{0, 1, 3}, 5}, {{2}, 2}};
@@ -33,11 +33,11 @@ PingCounts counts() {
 }
 
 /// Values of each kind in each density, and runs of zeros of each length.
-PingValues filled(const StoreLayout& layout, std::size_t group, double lit, std::mt19937& random) {
+PingValues filled(const StoreLayout& packed_layout, std::size_t group, double lit, std::mt19937& random) {
   std::uniform_real_distribution<double> some(0, 1);
   PingValues made;
-  made.clear(layout, group);
-  for (const std::size_t sensor : layout.groups[group].sensors)
+  made.clear(packed_layout, group);
+  for (const std::size_t sensor : packed_layout.groups[group].sensors)
     for (const std::span<double> values : {made.energy(sensor), made.bound(sensor)})
       for (double& value : values)
         if (some(random) < lit)
@@ -56,7 +56,7 @@ TEST(PackedPings, ComeBackToTheBit) {
   for (const bool with_bounds : {false, true})
     for (const double lit : {0.0, 0.01, 0.2, 0.5, 0.9, 1.0})
       for (const PingUnit& unit : {PingUnit{0, 3}, PingUnit{1, 1}}) {
-        const StoreLayout all = layout(with_bounds);
+        const StoreLayout all = packed_layout(with_bounds);
         const PingValues made = filled(all, unit.group, lit, random);
         PingValues back = filled(all, 1 - unit.group, 1, random);  // of an earlier ping
         const std::string packed = packed_ping(all, unit, counts(), made);
@@ -75,7 +75,7 @@ TEST(PackedPings, ComeBackToTheBit) {
 }
 
 TEST(PackedPings, AreSmallWhereLittleIsLit) {
-  const StoreLayout all = layout(false);
+  const StoreLayout all = packed_layout(false);
   PingValues made;
   made.clear(all, 1);
   for (std::size_t k = 0; k < 20; ++k) made.energy(2)[k] = 1 + double(k);
@@ -83,7 +83,7 @@ TEST(PackedPings, AreSmallWhereLittleIsLit) {
 }
 
 TEST(PackedPings, WithAnyByteChangedOrCutAreRefused) {
-  const StoreLayout all = layout(true);
+  const StoreLayout all = packed_layout(true);
   PingValues back;
   std::mt19937 random(6);
   const std::string packed = packed_ping(all, {0, 1}, counts(), filled(all, 0, 0.1, random));
@@ -104,7 +104,7 @@ TEST(PackedPings, WithAnyByteChangedOrCutAreRefused) {
 
 // A forger makes the checksums fit, so that the reader must trust no other field.
 TEST(PackedPings, ThatWereForgedDoNoHarm) {
-  const StoreLayout all = layout(true);
+  const StoreLayout all = packed_layout(true);
   PingValues back;
   std::mt19937 random(7);
   const std::string packed = packed_ping(all, {0, 1}, counts(), filled(all, 0, 0.1, random));

@@ -18,7 +18,7 @@
 namespace tubefoot {
 namespace {
 
-StoreLayout layout(bool with_bounds) {
+StoreLayout stored_layout(bool with_bounds) {
   StoreLayout made;
   made.sensors = {{5, 700, 2}, {5, 3}, {2, 1000}};
   made.groups = {{{0, 1}, 5}, {{2}, 2}};
@@ -26,20 +26,20 @@ StoreLayout layout(bool with_bounds) {
   return made;
 }
 
-PingValues made(const StoreLayout& layout, std::size_t group, std::size_t ping) {
+PingValues made(const StoreLayout& stored_layout, std::size_t group, std::size_t ping) {
   PingValues values;
-  values.clear(layout, group);
-  for (const std::size_t sensor : layout.groups[group].sensors)
+  values.clear(stored_layout, group);
+  for (const std::size_t sensor : stored_layout.groups[group].sensors)
     for (const std::span<double> some : {values.energy(sensor), values.bound(sensor)})
       std::iota(some.begin(), some.end(), 1000.0 * double(sensor) + double(ping));
   return values;
 }
 
 /// Returns all channels of a ping.
-std::vector<double> kept(const PingStore& store, const StoreLayout& layout, std::size_t sensor,
+std::vector<double> kept(const PingStore& store, const StoreLayout& stored_layout, std::size_t sensor,
                          std::size_t ping, bool bound = false) {
   std::vector<double> all;
-  for (std::size_t channel = 0; channel < layout.sensors[sensor].channels; ++channel) {
+  for (std::size_t channel = 0; channel < stored_layout.sensors[sensor].channels; ++channel) {
     const std::shared_ptr<const double> values = store.values(ping, {sensor, channel, bound});
     all.insert(all.end(), values.get(), values.get() + store.values_a_chunk(sensor));
   }
@@ -49,15 +49,15 @@ std::vector<double> kept(const PingStore& store, const StoreLayout& layout, std:
 TEST(PingStore, KeepsPingsApartInMemoryAndInAFile) {
   TestFolder folder;
   for (const bool with_bounds : {false, true}) {
-    PingStore memory(layout(with_bounds)), file(layout(with_bounds), folder / "pings", "me");
+    PingStore memory(stored_layout(with_bounds)), file(stored_layout(with_bounds), folder / "pings", "me");
     for (PingStore* store : {&memory, &file}) {
       for (std::size_t g = 0; g < 2; ++g)
-        for (std::size_t p = 0; p < layout(false).groups[g].pings; ++p)
-          store->finish(g, p, {}, made(layout(with_bounds), g, p));
+        for (std::size_t p = 0; p < stored_layout(false).groups[g].pings; ++p)
+          store->finish(g, p, {}, made(stored_layout(with_bounds), g, p));
       EXPECT_EQ(store->done_units(), 7u);
       for (std::size_t s = 0; s < 3; ++s)
-        for (std::size_t p = 0; p < layout(false).sensors[s].pings; ++p) {
-          const StoreLayout all = layout(with_bounds);
+        for (std::size_t p = 0; p < stored_layout(false).sensors[s].pings; ++p) {
+          const StoreLayout all = stored_layout(with_bounds);
           std::vector<double> expected(all.sensors[s].cells);
           std::iota(expected.begin(), expected.end(), 1000.0 * double(s) + double(p));
           EXPECT_THAT(kept(*store, all, s, p), testing::ElementsAreArray(expected));
@@ -77,25 +77,25 @@ TEST(PingStore, IsTakenUpAgainPingByPing) {
   TestFolder folder;
   const auto file = folder / "pings";
   {
-    PingStore store(layout(true), file, "me");
+    PingStore store(stored_layout(true), file, "me");
     PingCounts counts;
     counts.footprints = 17;
-    store.finish(0, 3, counts, made(layout(true), 0, 3));
+    store.finish(0, 3, counts, made(stored_layout(true), 0, 3));
     EXPECT_TRUE(summary_of(file).in_use);
-    EXPECT_THROW(PingStore::reopen(layout(true), file), UnusableStore);
+    EXPECT_THROW(PingStore::reopen(stored_layout(true), file), UnusableStore);
   }
   const StoreSummary summary = summary_of(file);
   EXPECT_EQ(summary.identity, "me");
   EXPECT_EQ(summary.units, 7u);
   EXPECT_EQ(summary.done, 1u);
   EXPECT_FALSE(summary.in_use);
-  EXPECT_THROW(PingStore::reopen(layout(false), file), UnusableStore);
-  const auto again = PingStore::reopen(layout(true), file);
+  EXPECT_THROW(PingStore::reopen(stored_layout(false), file), UnusableStore);
+  const auto again = PingStore::reopen(stored_layout(true), file);
   EXPECT_TRUE(again->done(0, 3));
   EXPECT_FALSE(again->done(1, 1));
   EXPECT_EQ(again->counts(0, 3).footprints, 17u);
-  EXPECT_EQ(kept(*again, layout(true), 0, 3)[2], 5);
-  EXPECT_EQ(kept(*again, layout(true), 1, 3, true)[0], 1003);
+  EXPECT_EQ(kept(*again, stored_layout(true), 0, 3)[2], 5);
+  EXPECT_EQ(kept(*again, stored_layout(true), 1, 3, true)[0], 1003);
 }
 
 // Tests pings without echoes, and zeros whose bits are not all zero.
@@ -133,7 +133,7 @@ TEST(PingStore, KeepsSilenceToTheBit) {
 // The bytes of the middle one of three pings are changed. It is computed again and stored after the others.
 TEST(PingStore, MakesDamagedPingsAgainAndKeepsTheOthers) {
   TestFolder folder;
-  const StoreLayout all = layout(true);
+  const StoreLayout all = stored_layout(true);
   const auto file = folder / "pings";
   std::string packed;
   {
@@ -160,7 +160,7 @@ TEST(PingStore, MakesDamagedPingsAgainAndKeepsTheOthers) {
 // Ranks and shards exchange pings in packed form.
 TEST(PingStore, TakesPackedPingsOfThisRunOnly) {
   TestFolder folder;
-  const StoreLayout all = layout(true);
+  const StoreLayout all = stored_layout(true);
   PingStore memory(all), file(all, folder / "pings", "me");
   const PingValues values = made(all, 0, 3);
   PingCounts counts;

@@ -17,14 +17,14 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-SceneDescription scene_with(const std::string& keys, const std::string& more = "") {
+SceneDescription scene_with_array(const std::string& keys, const std::string& more = "") {
   const TestFolder folder;
   return read_scene(folder, replaced(smallest_scene, "kind = \"didson\"\n",
                                      "kind = \"array\"\npulse_length_us = 500\n" + keys + more));
 }
 
 ArrayDescription keys_of(const std::string& keys) {
-  return scene_with(keys).sensors.at(0).kind.as<ArrayDescription>();
+  return scene_with_array(keys).sensors.at(0).kind.as<ArrayDescription>();
 }
 
 TEST(ArrayKeys, AllAreRead) {
@@ -95,15 +95,15 @@ TEST(ArrayKeys, WrongListsSayWhatIsExpected) {
 }
 
 TEST(ArrayKeys, OfTheScatterers) {
-  const ScatterersDescription s = scene_with("",
-                                             "[scatterers]\nspacing_m = 0.02\ntexture = \"gamma\"\n"
-                                             "texture_shape = 2.5\ntexture_cell_m = 0.3\n")
+  const ScatterersDescription s = scene_with_array("",
+                                                   "[scatterers]\nspacing_m = 0.02\ntexture = \"gamma\"\n"
+                                                   "texture_shape = 2.5\ntexture_cell_m = 0.3\n")
                                       .scatterers;
   EXPECT_EQ(s.spacing_m, 0.02);
   EXPECT_EQ(s.texture, "gamma");
   EXPECT_EQ(s.texture_shape, 2.5);
   EXPECT_EQ(s.texture_cell_m, 0.3);
-  EXPECT_FALSE(scene_with("").scatterers.spacing_m);
+  EXPECT_FALSE(scene_with_array("").scatterers.spacing_m);
   const TestFolder folder;
   EXPECT_THAT(scene_error(folder, std::string(smallest_scene) + "[scatterers]\ntexture_shape = 2\n"),
               HasSubstr("'texture_shape' applies only to a texture"));
@@ -111,7 +111,7 @@ TEST(ArrayKeys, OfTheScatterers) {
 
 // The sound speed determines the length of samples and the position of half a wavelength.
 TEST(ArrayKeys, BecomeASonarInItsWater) {
-  const SceneDescription scene = scene_with(
+  const SceneDescription scene = scene_with_array(
       "frequency_khz = 30\nbandwidth_khz = 6\nsampling_frequency_khz = 20\nrange_min_m = 2\n"
       "range_max_m = 10\nreceivers = 3\n");
   const auto sensor = make_sensor(in_water(scene.sensors.at(0), 1500));

@@ -10,15 +10,16 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-std::string scene_with(const std::string& lines) { return std::string(smallest_scene) + lines; }
+std::string smallest_scene_with(const std::string& lines) { return std::string(smallest_scene) + lines; }
 
 TEST(BeamPatternKeys, AreReadForBothSides) {
   const TestFolder folder;
   folder.write("beam.csv", "angle_deg,level_db\n0,0\n1,-3\n");
   const SensorDescription sensor =
-      read_scene(folder, scene_with("transmit_pattern = \"table\"\ntransmit_pattern_angle = \"elevation\"\n"
-                                    "transmit_pattern_file = \"beam.csv\"\nreceive_pattern = \"line\"\n"
-                                    "receive_aperture_m = 0.1\n"))
+      read_scene(folder,
+                 smallest_scene_with("transmit_pattern = \"table\"\ntransmit_pattern_angle = \"elevation\"\n"
+                                     "transmit_pattern_file = \"beam.csv\"\nreceive_pattern = \"line\"\n"
+                                     "receive_aperture_m = 0.1\n"))
           .sensors.front();
   EXPECT_EQ(sensor.transmit.pattern, "table");
   EXPECT_EQ(sensor.transmit.angle, "elevation");
@@ -38,7 +39,8 @@ TEST(BeamPatternKeys, EachGoesToItsSide) {
       {"receive", [](const SensorDescription& s) -> const PatternDescription& { return s.receive; }}};
   for (const auto& [side, of] : sides) {
     const auto read = [&, &name = side, get = of](const std::string& pattern, const std::string& key) {
-      return get(read_scene(folder, scene_with(name + "_pattern = \"" + pattern + "\"\n" + name + key + "\n"))
+      return get(read_scene(folder, smallest_scene_with(name + "_pattern = \"" + pattern + "\"\n" + name +
+                                                        key + "\n"))
                      .sensors.front());
     };
     EXPECT_EQ(read("piston", "_aperture_m = 0.25").aperture_m, 0.25);
@@ -51,7 +53,8 @@ TEST(BeamPatternKeys, EachGoesToItsSide) {
 
 TEST(BeamPatternKeys, TableCountsInTheSceneHash) {
   const TestFolder folder;
-  const std::string scene = scene_with("receive_pattern = \"table\"\nreceive_pattern_file = \"beam.csv\"\n");
+  const std::string scene =
+      smallest_scene_with("receive_pattern = \"table\"\nreceive_pattern_file = \"beam.csv\"\n");
   folder.write("beam.csv", "angle_deg,level_db\n0,0\n1,-3\n");
   const std::string before = read_scene(folder, scene).sha256;
   folder.write("beam.csv", "angle_deg,level_db\n0,0\n1,-4\n");
@@ -83,7 +86,7 @@ TEST(BeamPatternKeys, MistakesAreReportedWithTheirPlace) {
   };
   const TestFolder folder;
   for (const auto& m : mistakes) {
-    const std::string error = scene_error(folder, scene_with(m.lines));
+    const std::string error = scene_error(folder, smallest_scene_with(m.lines));
     EXPECT_THAT(error, StartsWith(std::string("scene.toml:") + m.place + ": ")) << m.lines;
     EXPECT_THAT(error, HasSubstr(m.says)) << m.lines;
   }

@@ -11,12 +11,12 @@ namespace {
 using testing::HasSubstr;
 
 /// A scene with a multibeam that has these keys, too.
-std::string scene_with(const std::string& lines) {
+std::string scene_with_multibeam(const std::string& lines) {
   return std::string(smallest_scene) + "[[sensors]]\nname = \"hull\"\n" + lines;
 }
 
 MultibeamDescription fan_of(const std::string& lines) {
-  return read_scene(TestFolder(), scene_with(lines)).sensors.back().kind.as<MultibeamDescription>();
+  return read_scene(TestFolder(), scene_with_multibeam(lines)).sensors.back().kind.as<MultibeamDescription>();
 }
 
 TEST(MultibeamKeys, AreAllRead) {
@@ -50,7 +50,8 @@ grid_cell_m = 0.5
 
 TEST(MultibeamKeys, PresetHasThePublishedFiguresOfThe8101) {
   const TestFolder folder;
-  const SensorDescription sensor = read_scene(folder, scene_with("preset = \"reson-8101\"\n")).sensors.back();
+  const SensorDescription sensor =
+      read_scene(folder, scene_with_multibeam("preset = \"reson-8101\"\n")).sensors.back();
   EXPECT_EQ(sensor.signal.source_level_db, 210);
   const auto& fan = sensor.kind.as<MultibeamDescription>();
   EXPECT_EQ(fan.frequency_khz, 240);
@@ -64,7 +65,7 @@ TEST(MultibeamKeys, PresetHasThePublishedFiguresOfThe8101) {
 
 TEST(MultibeamKeys, MustAgree) {
   const auto error_of = [](const std::string& lines) {
-    return scene_error(TestFolder(), scene_with("kind = \"multibeam\"\n" + lines));
+    return scene_error(TestFolder(), scene_with_multibeam("kind = \"multibeam\"\n" + lines));
   };
   EXPECT_THAT(error_of("range_min_m = 100\n"),
               HasSubstr("'range_min_m' (100) must be less than 'range_max_m'"));

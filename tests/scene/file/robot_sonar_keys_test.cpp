@@ -16,13 +16,13 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::string scene_with(const std::string& lines) {
+std::string scene_with_sonar(const std::string& lines) {
   return std::string(smallest_scene) + "[[sensors]]\nname = \"sonar\"\n" + lines;
 }
 SensorDescription sensor_of(const std::string& lines) {
-  return read_scene(TestFolder(), scene_with(lines)).sensors.back();
+  return read_scene(TestFolder(), scene_with_sonar(lines)).sensors.back();
 }
-std::string error_of(const std::string& lines) { return scene_error(TestFolder(), scene_with(lines)); }
+std::string error_of(const std::string& lines) { return scene_error(TestFolder(), scene_with_sonar(lines)); }
 
 TEST(ScanningKeys, AreAllRead) {
   const auto scan = sensor_of(R"(kind = "scanning"

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "fixtures/world/read_scenes.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "scene/scene.hpp"
 #include "scene/surfaces/scattering.hpp"
 #include "sensors/kinds/kind_didson.hpp"
@@ -19,12 +19,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr double degree = std::numbers::pi / 180;
-
-std::string scene_with(std::string_view keys) {
-  return replaced(smallest_scene, "\"sand\"", "\"sand\"\n" + std::string(keys));
-}
-
 /// The scattering model of the only material, and the warnings of loading.
 struct Loaded {
   std::shared_ptr<const ScatteringModel> model;
@@ -33,7 +27,7 @@ struct Loaded {
 };
 Loaded load(const TestFolder& folder, std::string_view keys) {
   Loaded loaded;
-  loaded.model = load_scattering(read_scene(folder, scene_with(keys)), loaded.warnings).at(0);
+  loaded.model = load_scattering(read_scene(folder, scene_with_sand(keys)), loaded.warnings).at(0);
   return loaded;
 }
 
@@ -53,10 +47,10 @@ TEST(ScatteringKeys, AllAreRead) {
   EXPECT_EQ(lambert.model, "lambert");
   EXPECT_FALSE(lambert.unbounded);
   const MaterialDescription gsab =
-      read_scene(folder,
-                 scene_with("law = \"gsab\"\nspecular_db = -3\nspecular_width_deg = 4\noblique_db = -17\n"
-                            "oblique_exponent = 1.5\ntransition_db = -14\ntransition_width_deg = 25\n"
-                            "unbounded = true"))
+      read_scene(folder, scene_with_sand(
+                             "law = \"gsab\"\nspecular_db = -3\nspecular_width_deg = 4\noblique_db = -17\n"
+                             "oblique_exponent = 1.5\ntransition_db = -14\ntransition_width_deg = 25\n"
+                             "unbounded = true"))
           .materials.at(0);
   EXPECT_EQ(gsab.model, "gsab");
   EXPECT_EQ(gsab.specular_db, -3);
@@ -67,16 +61,17 @@ TEST(ScatteringKeys, AllAreRead) {
   EXPECT_EQ(gsab.transition_width_deg, 25);
   EXPECT_TRUE(gsab.unbounded);
   const MaterialDescription table =
-      read_scene(folder, scene_with("law = \"table\"\ntable_grazing_deg = [10, 45]\ntable_db = [-35, -22]"))
+      read_scene(folder,
+                 scene_with_sand("law = \"table\"\ntable_grazing_deg = [10, 45]\ntable_db = [-35, -22]"))
           .materials.at(0);
   EXPECT_THAT(table.table_grazing_deg, ElementsAre(10, 45));
   EXPECT_THAT(table.table_db, ElementsAre(-35, -22));
-  EXPECT_EQ(read_scene(folder, scene_with("law = \"table\"\ntable_file = \"measured.csv\""))
+  EXPECT_EQ(read_scene(folder, scene_with_sand("law = \"table\"\ntable_file = \"measured.csv\""))
                 .materials[0]
                 .table_file,
             folder.path() / "measured.csv");
   const MaterialDescription sediment =
-      read_scene(folder, scene_with("law = \"sediment\"\nsediment = \"silt\"\nsediment_khz = 20"))
+      read_scene(folder, scene_with_sand("law = \"sediment\"\nsediment = \"silt\"\nsediment_khz = 20"))
           .materials.at(0);
   EXPECT_EQ(sediment.sediment, "silt");
   EXPECT_EQ(sediment.sediment_khz, 20);
@@ -114,7 +109,7 @@ TEST(ScatteringKeys, SensorsOutsideASedimentsFrequencyAreWarnedOf) {
               ElementsAre("material 'sand' uses the table of 'coarse sand' at 300 kHz, but sensor 'camera' "
                           "works at 1800 kHz: the table is meant for 200 to 450 kHz"));
   SceneDescription scene =
-      read_scene(folder, scene_with("law = \"sediment\"\nsediment = \"silt\"\nsediment_khz = 20"));
+      read_scene(folder, scene_with_sand("law = \"sediment\"\nsediment = \"silt\"\nsediment_khz = 20"));
   std::vector<std::string> warnings;
   scene.sensors[0].kind.edit<DidsonDescription>().frequency_khz = 30;
   EXPECT_NEAR(10 * std::log10(load_scattering(scene, warnings)[0]->cross_section(90 * degree)), -1.55, 1e-9);
@@ -162,7 +157,7 @@ TEST(ScatteringKeys, WhatScattersMoreThanItReceivesIsRefusedUnlessAllowed) {
 TEST(ScatteringKeys, MistakesAreReportedWithTheirPlace) {
   const TestFolder folder;
   const auto expect = [&](std::string_view keys, std::string_view message) {
-    EXPECT_THAT(scene_error(folder, scene_with(keys)), HasSubstr(std::string(message))) << keys;
+    EXPECT_THAT(scene_error(folder, scene_with_sand(keys)), HasSubstr(std::string(message))) << keys;
   };
   expect("law = \"lommel\"", "scene.toml:3:7");
   expect("specular_db = -3",

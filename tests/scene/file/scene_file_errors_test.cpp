@@ -87,10 +87,10 @@ TEST(SceneFileErrors, WrongUnitsNameTheRightOne) {
   });
 }
 
-constexpr const char* survey = "kind = \"survey\"\nlength_m = 9\nwidth_m = 9\nspacing_m = 3\n";
+constexpr const char* survey_keys = "kind = \"survey\"\nlength_m = 9\nwidth_m = 9\nspacing_m = 3\n";
 
 TEST(SceneFileErrors, SurveysSayWhereAndHowHigh) {
-  const auto with = [](const std::string& more) { return survey + more; };
+  const auto with = [](const std::string& more) { return survey_keys + more; };
   for (const auto& [keys, place, says] :
        {std::tuple(with(""), "7:1", "the survey has no height: give one of 'up_m'"),
         std::tuple(with("up_m = 1\ndepth_m = 1"), "7:1", "more than one height"),

@@ -16,14 +16,10 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::string scene_with(std::string_view keys) {
-  return replaced(smallest_scene, "\"sand\"", "\"sand\"\n" + std::string(keys));
-}
-
 std::optional<SmoothSurface> surface_with(std::string_view keys) {
   const TestFolder folder;
   std::vector<std::string> warnings;
-  return load_smooth_surfaces(read_scene(folder, scene_with(keys)), warnings).at(0);
+  return load_smooth_surfaces(read_scene(folder, scene_with_sand(keys)), warnings).at(0);
 }
 
 std::string error_with(std::string_view keys) {
@@ -78,7 +74,7 @@ TEST(SmoothKeys, OnesThatDoNotGoTogetherAreRefused) {
 // Energies do not depend on this key: the scene warns once.
 TEST(SmoothKeys, AreWarnedOfWhereNobodyReceivesPhases) {
   const TestFolder folder;
-  const Scene scene = load_scene(read_scene(folder, scene_with("smooth = true")));
+  const Scene scene = load_scene(read_scene(folder, scene_with_sand("smooth = true")));
   ASSERT_NE(scene.smooth_surface(0), nullptr);
   EXPECT_THAT(scene.report.warnings, ElementsAre("material 'sand' is smooth, but no sensor records signals: "
                                                  "its energies follow its scattering model"));

@@ -17,14 +17,16 @@ using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-std::string scene_with(const std::string& lines) { return std::string(smallest_scene) + "[water]\n" + lines; }
+std::string scene_with_water(const std::string& lines) {
+  return std::string(smallest_scene) + "[water]\n" + lines;
+}
 
 class WaterKeys : public testing::Test {
  protected:
   SceneWater water(const std::string& lines) {
-    return SceneWater(read_scene(folder_, scene_with(lines)).water);
+    return SceneWater(read_scene(folder_, scene_with_water(lines)).water);
   }
-  std::string error_of(const std::string& lines) { return scene_error(folder_, scene_with(lines)); }
+  std::string error_of(const std::string& lines) { return scene_error(folder_, scene_with_water(lines)); }
   /// The error of loading the water from a file "p.csv".
   std::string file_error(const std::string& profile, const std::string& csv) {
     const auto file = folder_.write("p.csv", csv);

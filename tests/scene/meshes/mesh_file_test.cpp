@@ -11,6 +11,7 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 
+#include "fixtures/world/mesh_sizes.hpp"
 #include "fixtures/world/read_scenes.hpp"
 
 namespace tubefoot {
@@ -23,11 +24,9 @@ using testing::IsEmpty;
 using testing::SizeIs;
 using testing::ThrowsMessage;
 using Triangle = std::array<std::uint32_t, 3>;
-
-ComponentMesh read(const std::string& name, const std::string& content) {
-  const TestFolder folder;
-  return read_mesh_file(folder.write(name, content));
-}
+using test::area;
+using test::read;
+using test::volume;
 
 std::string without_last(std::string text, std::size_t bytes) {
   text.resize(text.size() - bytes);
@@ -101,14 +100,6 @@ std::string binary_ply(bool big_endian, double far) {
   return bytes;
 }
 
-double volume(const ComponentMesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    sum += glm::dot(mesh.points_m[a], glm::cross(mesh.points_m[b], mesh.points_m[c])) / 6;
-  }
-  return sum;
-}
-
 TEST(MeshFile, EveryFormatGivesTheSameTetrahedronInDoublePrecision) {
   const double far = 7246504.123456;  // single precision would keep 7246504
   for (const auto& [name, content] :
@@ -144,15 +135,6 @@ TEST(MeshFile, FacesMayPointAhead) {
 }
 
 // --- polygons ---
-
-double area(const ComponentMesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    sum +=
-        glm::length(glm::cross(mesh.points_m[b] - mesh.points_m[a], mesh.points_m[c] - mesh.points_m[a])) / 2;
-  }
-  return sum;
-}
 
 TEST(MeshFile, PolygonsAreCutIntoTheirTriangles) {
   const ComponentMesh hexagon =

@@ -17,6 +17,7 @@
 
 #include "fixtures/model_samples.hpp"
 #include "fixtures/processor_time.hpp"
+#include "fixtures/world/mesh_sizes.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "scene/meshes/mesh_file_apart.hpp"
 #include "scene/meshes/mesh_file_model.hpp"
@@ -24,6 +25,7 @@
 namespace tubefoot {
 namespace {
 
+using test::area;
 using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
@@ -57,14 +59,6 @@ Box box_of(const ComponentMesh& mesh) {
     box.hi = glm::max(box.hi, p);
   }
   return box;
-}
-
-double area(const ComponentMesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b, c] : mesh.triangles)
-    sum +=
-        glm::length(glm::cross(mesh.points_m[b] - mesh.points_m[a], mesh.points_m[c] - mesh.points_m[a])) / 2;
-  return sum;
 }
 
 TEST(Models, NodesPutMeshesWhereTheyBelongAndUnitsMakeThemMetres) {

@@ -13,12 +13,15 @@
 #include <random>
 
 #include "fixtures/processor_time.hpp"
+#include "fixtures/world/mesh_sizes.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "scene/meshes/mesh_file.hpp"
 
 namespace tubefoot {
 namespace {
 
+using test::area;
+using test::read;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -26,19 +29,6 @@ using testing::SizeIs;
 using testing::ThrowsMessage;
 
 using Outline = std::vector<glm::dvec2>;
-
-NamedMesh read(const std::string& name, const std::string& content) {
-  const TestFolder folder;
-  return read_mesh_file(folder.write(name, content));
-}
-
-double area(const ComponentMesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b, c] : mesh.triangles)
-    sum +=
-        glm::length(glm::cross(mesh.points_m[b] - mesh.points_m[a], mesh.points_m[c] - mesh.points_m[a])) / 2;
-  return sum;
-}
 
 double shoelace(const Outline& outline) {
   double twice = 0;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "fixtures/world/mesh_sizes.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "scene/meshes/mesh_file.hpp"
 
@@ -20,11 +21,7 @@ using testing::IsEmpty;
 using testing::SizeIs;
 using testing::ThrowsMessage;
 using namespace std::string_literals;
-
-NamedMesh read(const std::string& name, const std::string& content) {
-  const TestFolder folder;
-  return read_mesh_file(folder.write(name, content));
-}
+using test::read;
 
 std::string with_returns(std::string text) {
   std::ranges::replace(text, '\n', '\r');

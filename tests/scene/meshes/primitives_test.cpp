@@ -12,15 +12,18 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <map>
-#include <numbers>
+
+#include "fixtures/world/mesh_sizes.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
+using test::area;
+using test::volume;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr double kPi = std::numbers::pi;
 const SourcePlace kPlace{"scene.toml", 4, 1};
 
 // Expects a closed and consistently oriented surface: each directed edge occurs once, with its opposite. It
@@ -37,24 +40,6 @@ void expect_closed(const ComponentMesh& mesh) {
     EXPECT_TRUE(edges.contains({edge.second, edge.first}));
   }
   EXPECT_EQ(mesh.points_m.size() + mesh.triangles.size() - edges.size() / 2, 2u);
-}
-
-// By the divergence theorem: positive only if facets face outwards.
-double volume(const ComponentMesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    sum += glm::dot(mesh.points_m[a], glm::cross(mesh.points_m[b], mesh.points_m[c])) / 6;
-  }
-  return sum;
-}
-
-double area(const ComponentMesh& mesh, const std::function<bool(const glm::dvec3& centre)>& of) {
-  double sum = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const glm::dvec3 p = mesh.points_m[a], q = mesh.points_m[b], r = mesh.points_m[c];
-    if (of((p + q + r) / 3.0)) sum += glm::length(glm::cross(q - p, r - p)) / 2;
-  }
-  return sum;
 }
 
 // Largest |distance(point)| over a dense sampling of all facets.
@@ -79,7 +64,7 @@ TEST(Sphere, IsClosedAndKeepsTheChordErrorWithoutWaste) {
     const ComponentMesh mesh = sphere_facets({2.0}, chord, kPlace);
     SCOPED_TRACE(testing::Message() << "chord error " << chord << ", facets " << mesh.triangles.size());
     expect_closed(mesh);
-    EXPECT_NEAR(area(mesh, [](const glm::dvec3&) { return true; }), 16 * kPi, 1e-11);
+    EXPECT_NEAR(area(mesh), 16 * pi, 1e-11);
     for (const glm::dvec3& p : mesh.points_m)
       EXPECT_NEAR(glm::length(p), glm::length(mesh.points_m[0]), 1e-14);
     const double deviation = largest_deviation(mesh, [](glm::dvec3 p) { return glm::length(p) - 2.0; });
@@ -91,12 +76,12 @@ TEST(Sphere, IsClosedAndKeepsTheChordErrorWithoutWaste) {
 }
 
 TEST(Sphere, VolumeConvergesAsTheChordErrorDoes) {
-  const double exact = 4 * kPi / 3 * 8;
+  const double exact = 4 * pi / 3 * 8;
   double last = exact;
   for (double chord : {0.1, 0.01, 0.001, 0.0001}) {
     const double missing = exact - volume(sphere_facets({2.0}, chord, kPlace));
-    EXPECT_GT(missing, 0);                // of all bodies with this area the sphere has the largest volume
-    EXPECT_LT(missing, 8 * kPi * chord);  // a shell of half that thickness
+    EXPECT_GT(missing, 0);               // of all bodies with this area the sphere has the largest volume
+    EXPECT_LT(missing, 8 * pi * chord);  // a shell of half that thickness
     EXPECT_LT(missing, 0.2 * last);
     last = missing;
   }
@@ -106,8 +91,8 @@ TEST(Sphere, ALargeChordErrorGivesTheIcosahedron) {
   const ComponentMesh mesh = sphere_facets({1.0}, 0.3, kPlace);
   EXPECT_EQ(mesh.triangles.size(), 20u);
   EXPECT_EQ(mesh.points_m.size(), 12u);
-  const double edge = 1 / std::sin(2 * kPi / 5);  // of the icosahedron in the unit sphere
-  const double inscribed = 5 * std::sqrt(3.0) * edge * edge, wider = std::sqrt(4 * kPi / inscribed);
+  const double edge = 1 / std::sin(2 * pi / 5);  // of the icosahedron in the unit sphere
+  const double inscribed = 5 * std::sqrt(3.0) * edge * edge, wider = std::sqrt(4 * pi / inscribed);
   EXPECT_NEAR(volume(mesh), 5 * (3 + std::sqrt(5.0)) / 12 * std::pow(wider * edge, 3), 1e-12);
 }
 
@@ -117,13 +102,13 @@ TEST(Cylinder, IsAClosedPrismWithinTheChordError) {
     SCOPED_TRACE(testing::Message() << "chord error " << chord);
     expect_closed(mesh);
     const double n = static_cast<double>(mesh.triangles.size()) / 4;
-    const double radius = 1.5 * kPi / n / std::sin(kPi / n);
-    EXPECT_NEAR(volume(mesh), n / 2 * radius * radius * std::sin(2 * kPi / n) * 4.0, 1e-11);
-    EXPECT_NEAR(area(mesh, [](const glm::dvec3& p) { return std::abs(p.z) < 1.99; }), 2 * kPi * 1.5 * 4,
+    const double radius = 1.5 * pi / n / std::sin(pi / n);
+    EXPECT_NEAR(volume(mesh), n / 2 * radius * radius * std::sin(2 * pi / n) * 4.0, 1e-11);
+    EXPECT_NEAR(area(mesh, [](const glm::dvec3& p) { return std::abs(p.z) < 1.99; }), 2 * pi * 1.5 * 4,
                 1e-10);
-    EXPECT_LE(1.5 * (1 - std::cos(kPi / n)), chord);
+    EXPECT_LE(1.5 * (1 - std::cos(pi / n)), chord);
     if (n > 3) {
-      EXPECT_GT(1.5 * (1 - std::cos(kPi / (n - 1))), chord) << "one side less would do";
+      EXPECT_GT(1.5 * (1 - std::cos(pi / (n - 1))), chord) << "one side less would do";
     }
     const double deviation = largest_deviation(mesh, [](glm::dvec3 p) {
       return std::min(1.5 - std::hypot(p.x, p.y), 2.0 - std::abs(p.z));  // to the wall or to a lid
@@ -143,9 +128,9 @@ TEST(Cone, PointedOrTruncatedIsClosedWithinTheChordError) {
       return std::min(wall, 1.0 - std::abs(p.z));
     });
     EXPECT_LE(deviation, 0.005 * (1 + 1e-9));
-    const double exact = kPi * 2.0 / 3 * (1 + top + top * top);
+    const double exact = pi * 2.0 / 3 * (1 + top + top * top);
     EXPECT_NEAR(volume(mesh), exact, 0.02 * exact);
-    const double side = kPi * (1 + top) * std::hypot(2.0, 1 - top);
+    const double side = pi * (1 + top) * std::hypot(2.0, 1 - top);
     EXPECT_NEAR(area(mesh, [](const glm::dvec3& p) { return std::abs(p.z) < 0.99; }), side, 1e-11);
   }
 }

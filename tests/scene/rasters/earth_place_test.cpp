@@ -12,14 +12,14 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <numbers>
 #include <utility>
+
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-const SourcePlace kPlace{"scene.toml", 3, 1};
-constexpr double degree = std::numbers::pi / 180;
+const SourcePlace earth_place{"scene.toml", 3, 1};
 
 /// Angle of grid north, clockwise from true north.
 double convergence_deg(const EarthPlace& place) {
@@ -31,7 +31,7 @@ double convergence_deg(const EarthPlace& place) {
 double scale(const EarthPlace& place) { return 1 / glm::length(place.to_east_north_up[1]); }
 
 EarthPlace place_of(const LocalFrame& frame, glm::dvec3 point) {
-  return on_earth(frame, {&point, 1}, kPlace).at(0);
+  return on_earth(frame, {&point, 1}, earth_place).at(0);
 }
 
 TEST(EarthPlace, MeridiansOfUtmConvergeAsTheMercatorProjectionSays) {
@@ -45,7 +45,7 @@ TEST(EarthPlace, MeridiansOfUtmConvergeAsTheMercatorProjectionSays) {
     const char* crs = north ? "EPSG:32633" : "EPSG:32733";
     // The point lies away from the origin, so that the test depends on the point and not on the frame.
     const EarthPlace place =
-        place_of(LocalFrame::projected(crs, x - 3000, y + 4000, 12, kPlace), {3000, -4000, -50});
+        place_of(LocalFrame::projected(crs, x - 3000, y + 4000, 12, earth_place), {3000, -4000, -50});
     EXPECT_NEAR(place.lon_lat_height.x, longitude, 1e-9);
     EXPECT_NEAR(place.lon_lat_height.y, latitude, 1e-9);
     EXPECT_NEAR(place.lon_lat_height.z, -38, 1e-9);
@@ -63,7 +63,7 @@ TEST(EarthPlace, MeridiansOfAConicMapConvergeByDozensOfDegrees) {
   conic.Forward(-95, 70, -60, x, y, gamma_deg, k);
   const LocalFrame frame =
       LocalFrame::projected("+proj=lcc +lat_1=49 +lat_2=77 +lat_0=49 +lon_0=-95 +datum=WGS84 +units=m",
-                            x - origin_x, y - origin_y, 0, kPlace);
+                            x - origin_x, y - origin_y, 0, earth_place);
   const EarthPlace place = place_of(frame, {0, 0, 0});
   EXPECT_GT(gamma_deg, 30);
   EXPECT_NEAR(place.lon_lat_height.x, -60, 1e-8);
@@ -81,8 +81,8 @@ TEST(EarthPlace, MeridiansOfAPolarMapAreItsRadii) {
                {"+proj=stere +lat_0=90 +lat_ts=60 +lon_0=-45 +datum=WGS84 +units=m", 71, -45, 1}};
   for (const auto& map : polar)
     for (const double longitude : {-45.0, 0.0, 77.5, 170.0, -120.0}) {
-      const LocalFrame pole = LocalFrame::projected(map.crs, 0, 0, 0, kPlace);
-      const EarthPlace place = place_of(pole, pole.from_lat_lon(map.latitude, longitude, 0, kPlace));
+      const LocalFrame pole = LocalFrame::projected(map.crs, 0, 0, 0, earth_place);
+      const EarthPlace place = place_of(pole, pole.from_lat_lon(map.latitude, longitude, 0, earth_place));
       EXPECT_NEAR(place.lon_lat_height.x, longitude, 1e-9);
       EXPECT_NEAR(
           std::remainder(convergence_deg(place) - map.turn * (longitude - map.longitude_of_north), 360), 0,
@@ -95,14 +95,14 @@ TEST(EarthPlace, MeridiansOfAPolarMapAreItsRadii) {
 // This projection preserves neither lengths nor angles.
 TEST(EarthPlace, DirectionsOfAMapThatIsNotConformalAreThoseOfItsPoints) {
   const LocalFrame frame = LocalFrame::projected("+proj=eqc +lat_ts=40 +lon_0=10 +datum=WGS84 +units=m",
-                                                 500000, 6500000, 0, kPlace);
+                                                 500000, 6500000, 0, earth_place);
   const glm::dvec3 local(2000, -1000, -30);
   const EarthPlace place = place_of(frame, local);
   for (const double azimuth : {0.0, 33.0, 90.0, 145.0, 290.0}) {
     double latitude = 0, longitude = 0;
     GeographicLib::Geodesic::WGS84().Direct(place.lon_lat_height.y, place.lon_lat_height.x, azimuth, 10,
                                             latitude, longitude);
-    const glm::dvec3 moved = frame.from_lat_lon(latitude, longitude, -30, kPlace) - local;
+    const glm::dvec3 moved = frame.from_lat_lon(latitude, longitude, -30, earth_place) - local;
     const glm::dvec3 turned = place.to_east_north_up * moved;
     EXPECT_NEAR(turned.x, 10 * std::sin(azimuth * degree), 1e-4) << azimuth;
     EXPECT_NEAR(turned.y, 10 * std::cos(azimuth * degree), 1e-4) << azimuth;
@@ -132,9 +132,10 @@ TEST(EarthPlace, OfATangentFrameLeansWithTheDistance) {
 TEST(EarthPlace, AMapOutOfScaleIsWarnedOf) {
   EXPECT_FALSE(scale_warning(LocalFrame()));
   EXPECT_FALSE(scale_warning(LocalFrame::at_lat_lon(60, 10, 0)));
-  EXPECT_FALSE(scale_warning(LocalFrame::projected("EPSG:32633", 614000, 7770000, 0, kPlace)));
-  EXPECT_FALSE(scale_warning(LocalFrame::projected("EPSG:5041", 2000000, 2000000, 0, kPlace))) << "0.994";
-  const auto warning = scale_warning(LocalFrame::projected("EPSG:3857", 1.2e6, 8.4e6, 0, kPlace));
+  EXPECT_FALSE(scale_warning(LocalFrame::projected("EPSG:32633", 614000, 7770000, 0, earth_place)));
+  EXPECT_FALSE(scale_warning(LocalFrame::projected("EPSG:5041", 2000000, 2000000, 0, earth_place)))
+      << "0.994";
+  const auto warning = scale_warning(LocalFrame::projected("EPSG:3857", 1.2e6, 8.4e6, 0, earth_place));
   ASSERT_TRUE(warning);
   // 6378137 m over the radius of the parallel, and over that of the meridian times the cosine of the
   // latitude.

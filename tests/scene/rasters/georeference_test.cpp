@@ -22,7 +22,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-const SourcePlace kPlace{"scene.toml", 2, 1};
+const SourcePlace raster_place{"scene.toml", 2, 1};
 constexpr double kSemiMajor = 6378137.0, kFlattening = 1 / 298.257223563;  // WGS 84
 
 void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance) {
@@ -33,9 +33,9 @@ void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance) {
 TEST(TangentFrame, TheEquatorIsACircle) {
   const LocalFrame frame = LocalFrame::at_lat_lon(0, 20, 0);
   const double angle = glm::radians(0.5);
-  expect_near(frame.from_lat_lon(0, 20.5, 0, kPlace),
+  expect_near(frame.from_lat_lon(0, 20.5, 0, raster_place),
               {kSemiMajor * std::sin(angle), 0, kSemiMajor * (std::cos(angle) - 1)}, 1e-8);
-  expect_near(frame.from_lat_lon(0, 20, 35, kPlace), {0, 0, 35}, 1e-9);
+  expect_near(frame.from_lat_lon(0, 20, 35, raster_place), {0, 0, 35}, 1e-9);
 }
 
 // Geocentric position on the ellipsoid, by the definition of geodetic latitude.
@@ -53,7 +53,7 @@ TEST(TangentFrame, AgreesWithGeocentricCoordinatesTurnedByHand) {
   const glm::dvec3 d = geocentric(65.32, -168.36, -52) - geocentric(lat, lon, 12);
   const double sp = std::sin(glm::radians(lat)), cp = std::cos(glm::radians(lat));
   const double sl = std::sin(glm::radians(lon)), cl = std::cos(glm::radians(lon));
-  expect_near(frame.from_lat_lon(65.32, -168.36, -52, kPlace),
+  expect_near(frame.from_lat_lon(65.32, -168.36, -52, raster_place),
               {-sl * d.x + cl * d.y, -sp * cl * d.x - sp * sl * d.y + cp * d.z,
                cp * cl * d.x + cp * sl * d.y + sp * d.z},
               1e-8);
@@ -64,36 +64,36 @@ TEST(TangentFrame, UtmPointsArriveWhereTheirLatitudeAndLongitudeDo) {
   // On the central meridian of zone 2, 1 degree is 110574.3886 m of arc (Snyder, Map Projections, WGS 84
   // constants), times 0.9996.
   glm::dvec3 point(500000, 0.9996 * 55287.1536, -10);  // half a degree: 55287.1536 m
-  frame.carry({&point, 1}, "EPSG:32602", kPlace);
-  expect_near(point, frame.from_lat_lon(0.5, -171, -10, kPlace), 0.01);
+  frame.carry({&point, 1}, "EPSG:32602", raster_place);
+  expect_near(point, frame.from_lat_lon(0.5, -171, -10, raster_place), 0.01);
 }
 
 TEST(ProjectedFrame, SubtractsItsOriginAndLosesNoPrecision) {
-  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 621860, 7245027, -50, kPlace);
+  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 621860, 7245027, -50, raster_place);
   std::vector<glm::dvec3> points = {{620152.872885373, 7246504.911727688, -52.25}, {621860, 7245027, -50}};
-  frame.carry(points, "EPSG:32602", kPlace);
+  frame.carry(points, "EPSG:32602", raster_place);
   EXPECT_EQ(points[0], glm::dvec3(620152.872885373 - 621860, 7246504.911727688 - 7245027, -2.25));
   EXPECT_EQ(points[1], glm::dvec3(0, 0, 0));
 }
 
 TEST(ProjectedFrame, KnowsItsOwnCrsByAnotherName) {
-  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 621860, 7245027, 0, kPlace);
+  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 621860, 7245027, 0, raster_place);
   glm::dvec3 point(621861, 7245029, 0);
-  frame.carry({&point, 1}, "+proj=utm +zone=2 +datum=WGS84 +units=m +no_defs", kPlace);
+  frame.carry({&point, 1}, "+proj=utm +zone=2 +datum=WGS84 +units=m +no_defs", raster_place);
   EXPECT_EQ(point, glm::dvec3(1, 2, 0)) << "not through a transformation";
 }
 
 TEST(ProjectedFrame, CarriesLatitudeAndLongitude) {
-  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 500000, 0, 0, kPlace);
-  expect_near(frame.from_lat_lon(0, -171, 7, kPlace), {0, 0, 7}, 1e-6);
-  expect_near(frame.from_lat_lon(0.5, -171, 7, kPlace), {0, 0.9996 * 55287.1536, 7}, 0.01);
+  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 500000, 0, 0, raster_place);
+  expect_near(frame.from_lat_lon(0, -171, 7, raster_place), {0, 0, 7}, 1e-6);
+  expect_near(frame.from_lat_lon(0.5, -171, 7, raster_place), {0, 0.9996 * 55287.1536, 7}, 0.01);
 }
 
 TEST(ProjectedFrame, TakesItsUnitIntoAccount) {
   // California zone 3 in US survey feet.
-  const LocalFrame frame = LocalFrame::projected("EPSG:2227", 6000000, 2000000, 0, kPlace);
+  const LocalFrame frame = LocalFrame::projected("EPSG:2227", 6000000, 2000000, 0, raster_place);
   glm::dvec3 point(6003937, 2007874, 5);
-  frame.carry({&point, 1}, "EPSG:2227", kPlace);
+  frame.carry({&point, 1}, "EPSG:2227", raster_place);
   expect_near(point, {1200, 2400, 5}, 1e-9);
 }
 
@@ -109,8 +109,8 @@ std::vector<glm::dvec3> survey_points() {
 void expect_round_trip(const LocalFrame& frame, double tolerance_m) {
   const std::vector<glm::dvec3> points = survey_points();
   std::vector<glm::dvec3> back = points;
-  frame.to_lon_lat(back, kPlace);
-  frame.carry(back, "EPSG:4326", kPlace);
+  frame.to_lon_lat(back, raster_place);
+  frame.carry(back, "EPSG:4326", raster_place);
   for (std::size_t k = 0; k < points.size(); ++k) expect_near(back[k], points[k], tolerance_m);
 }
 
@@ -118,16 +118,16 @@ void expect_round_trip(const LocalFrame& frame, double tolerance_m) {
 // the geocentric coordinates that the tangent frame uses to 5e-10 m each.
 TEST(LocalFrame, GoesToLongitudeAndLatitudeAndBack) {
   expect_round_trip(LocalFrame::at_lat_lon(1.5, 3, 20), 4e-9);
-  expect_round_trip(LocalFrame::projected("EPSG:32631", 500000, 160000, 20, kPlace), 1e-9);
+  expect_round_trip(LocalFrame::projected("EPSG:32631", 500000, 160000, 20, raster_place), 1e-9);
   expect_round_trip(LocalFrame::at_lat_lon(65.31, -168.39, 0), 1e-8);
-  expect_round_trip(LocalFrame::projected("EPSG:32602", 621860, 7245027, 0, kPlace), 1e-8);
-  expect_round_trip(LocalFrame::projected("EPSG:2227", 6000000, 2000000, 0, kPlace), 1e-8);
+  expect_round_trip(LocalFrame::projected("EPSG:32602", 621860, 7245027, 0, raster_place), 1e-8);
+  expect_round_trip(LocalFrame::projected("EPSG:2227", 6000000, 2000000, 0, raster_place), 1e-8);
 }
 
 TEST(TangentFrame, LeavesTheEllipsoidWhereTheCircleOfTheEquatorSays) {
   const LocalFrame frame = LocalFrame::at_lat_lon(0, 20, 7);
   glm::dvec3 point(3000, 0, 0);  // along the tangent at height 7 m
-  frame.to_lon_lat({&point, 1}, kPlace);
+  frame.to_lon_lat({&point, 1}, raster_place);
   const double radius = kSemiMajor + 7;
   EXPECT_NEAR(point.x, 20 + glm::degrees(std::atan2(3000, radius)), 1e-13);
   EXPECT_NEAR(point.y, 0, 1e-13);
@@ -135,9 +135,9 @@ TEST(TangentFrame, LeavesTheEllipsoidWhereTheCircleOfTheEquatorSays) {
 }
 
 TEST(ProjectedFrame, LeavesByItsCentralMeridian) {
-  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 500000, 0, -3, kPlace);
+  const LocalFrame frame = LocalFrame::projected("EPSG:32602", 500000, 0, -3, raster_place);
   glm::dvec3 point(0, 0.9996 * 55287.1536, 10);
-  frame.to_lon_lat({&point, 1}, kPlace);
+  frame.to_lon_lat({&point, 1}, raster_place);
   EXPECT_NEAR(point.x, -171, 1e-12);
   EXPECT_NEAR(point.y, 0.5, 1e-7);
   EXPECT_EQ(point.z, 7);
@@ -157,10 +157,10 @@ glm::dvec3 lon_lat_on_map(const LocalFrame::Map& map, double east, double north)
 }
 
 TEST(LocalFrame, ItsMapShowsLocalPointsWhereTheyAre) {
-  const LocalFrame projected = LocalFrame::projected("EPSG:2227", 6000000, 2000000, 5, kPlace);
+  const LocalFrame projected = LocalFrame::projected("EPSG:2227", 6000000, 2000000, 5, raster_place);
   glm::dvec3 point(1200, 2400, -5);
   const glm::dvec3 mapped = lon_lat_on_map(projected.map(), point.x, point.y);
-  projected.to_lon_lat({&point, 1}, kPlace);
+  projected.to_lon_lat({&point, 1}, raster_place);
   expect_near(mapped, point, 1e-12);
   EXPECT_EQ(LocalFrame().map().crs_wkt, "");
 }
@@ -169,10 +169,10 @@ TEST(LocalFrame, ItsMapShowsLocalPointsWhereTheyAre) {
 TEST(TangentFrame, ItsMapIsOrthographic) {
   const LocalFrame frame = LocalFrame::at_lat_lon(48.3, -4.5, 0);
   const glm::dvec3 on_map = lon_lat_on_map(frame.map(), 1000, -2000);
-  const glm::dvec3 surface = frame.from_lat_lon(on_map.y, on_map.x, 0, kPlace);
+  const glm::dvec3 surface = frame.from_lat_lon(on_map.y, on_map.x, 0, raster_place);
   EXPECT_NEAR(surface.x, 1000, 1e-6);
   EXPECT_NEAR(surface.y, -2000, 1e-6);
-  const glm::dvec3 seabed = frame.from_lat_lon(on_map.y, on_map.x, -50, kPlace);
+  const glm::dvec3 seabed = frame.from_lat_lon(on_map.y, on_map.x, -50, raster_place);
   EXPECT_NEAR(seabed.x, 1000 * (1 - 50 / 6.38e6), 1e-4);
   EXPECT_NEAR(seabed.y, -2000 * (1 - 50 / 6.38e6), 1e-4);
   EXPECT_GT(std::abs(seabed.y + 2000), 0.01);
@@ -189,45 +189,50 @@ TEST(TangentFrame, ItsMapHasAName) {
 
 TEST(LocalFrame, FollowsTheDescription) {
   GeoreferenceDescription description;
-  description.place = kPlace;
+  description.place = raster_place;
   description.crs = "EPSG:32602";
   description.origin_crs = {{621860, 7245027}};
   description.origin_height_m = 5;
   glm::dvec3 point(621861, 7245025, 0);
-  LocalFrame::from(description).carry({&point, 1}, "EPSG:32602", kPlace);
+  LocalFrame::from(description).carry({&point, 1}, "EPSG:32602", raster_place);
   EXPECT_EQ(point, glm::dvec3(1, -2, -5));
 
   GeoreferenceDescription tangent;
   tangent.origin_lat_lon_deg = {{10, 20}};
-  expect_near(LocalFrame::from(tangent).from_lat_lon(10, 20, 3, kPlace), {0, 0, 3}, 1e-8);
+  expect_near(LocalFrame::from(tangent).from_lat_lon(10, 20, 3, raster_place), {0, 0, 3}, 1e-8);
 }
 
 TEST(LocalFrame, RefusesWhatHasNoPlace) {
   const auto message = [](const char* text) {
     return ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:2:1"), HasSubstr(text)));
   };
-  EXPECT_THAT([] { LocalFrame::projected("EPSG:99999999", 0, 0, 0, kPlace); }, message("EPSG:99999999"));
-  EXPECT_THAT([] { LocalFrame::projected("utm two", 0, 0, 0, kPlace); },
+  EXPECT_THAT([] { LocalFrame::projected("EPSG:99999999", 0, 0, 0, raster_place); },
+              message("EPSG:99999999"));
+  EXPECT_THAT([] { LocalFrame::projected("utm two", 0, 0, 0, raster_place); },
               message("not a known coordinate reference system"));
-  EXPECT_THAT([] { LocalFrame::projected("EPSG:4326", 0, 0, 0, kPlace); }, message("not a projected"));
-  EXPECT_THAT([] { LocalFrame::projected("EPSG:2053", 0, 0, 0, kPlace); }, message("west or south"));
-  EXPECT_THAT([] { LocalFrame::at_lat_lon(0, 0, 0).from_lat_lon(91, 0, 0, kPlace); }, message("latitude 91"));
-  EXPECT_THAT([] { LocalFrame().from_lat_lon(1, 0, 0, kPlace); }, message("[georeference]"));
-  EXPECT_THAT([] { LocalFrame().to_lon_lat({}, kPlace); }, message("[georeference]"));
+  EXPECT_THAT([] { LocalFrame::projected("EPSG:4326", 0, 0, 0, raster_place); }, message("not a projected"));
+  EXPECT_THAT([] { LocalFrame::projected("EPSG:2053", 0, 0, 0, raster_place); }, message("west or south"));
+  EXPECT_THAT([] { LocalFrame::at_lat_lon(0, 0, 0).from_lat_lon(91, 0, 0, raster_place); },
+              message("latitude 91"));
+  EXPECT_THAT([] { LocalFrame().from_lat_lon(1, 0, 0, raster_place); }, message("[georeference]"));
+  EXPECT_THAT([] { LocalFrame().to_lon_lat({}, raster_place); }, message("[georeference]"));
   EXPECT_THAT(
       [] {
         glm::dvec3 point(NAN, 0, 0);
-        LocalFrame::at_lat_lon(0, 0, 0).to_lon_lat({&point, 1}, kPlace);
+        LocalFrame::at_lat_lon(0, 0, 0).to_lon_lat({&point, 1}, raster_place);
       },
       message("not a valid local point"));
   EXPECT_THAT(
-      [] { LocalFrame::projected("+proj=gnom +lat_0=90", 0, 0, 0, kPlace).from_lat_lon(-10, 0, 0, kPlace); },
+      [] {
+        LocalFrame::projected("+proj=gnom +lat_0=90", 0, 0, 0, raster_place)
+            .from_lat_lon(-10, 0, 0, raster_place);
+      },
       message("has no position"));
 }
 
 TEST(LocalFrame, PrintsNothing) {
   testing::internal::CaptureStderr();
-  EXPECT_THROW(LocalFrame::projected("EPSG:99999999", 0, 0, 0, kPlace), InputError);
+  EXPECT_THROW(LocalFrame::projected("EPSG:99999999", 0, 0, 0, raster_place), InputError);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 

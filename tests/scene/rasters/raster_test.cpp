@@ -14,6 +14,7 @@
 #include <glm/geometric.hpp>
 
 #include "files/netcdf_size.hpp"
+#include "fixtures/world/mesh_sizes.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "geometry/numbers/world_grid.hpp"
 #include "scene/rasters/terrain_tiles.hpp"
@@ -22,6 +23,7 @@
 namespace tubefoot {
 namespace {
 
+using test::area_from_above;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -77,17 +79,6 @@ ComponentMesh read(const TestRaster& raster, std::optional<LocalFrame> frame = {
 }
 
 LocalFrame utm_frame() { return LocalFrame::projected(kUtm2, 621000, 7245000, 0, {"scene.toml", 1, 1}); }
-
-double area_from_above(const ComponentMesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const double area =
-        glm::cross(mesh.points_m[b] - mesh.points_m[a], mesh.points_m[c] - mesh.points_m[a]).z / 2;
-    EXPECT_GT(area, 0) << "facets face up";
-    sum += area;
-  }
-  return sum;
-}
 
 TEST(Raster, HasAVertexAtEachCellsCentre) {
   const ComponentMesh mesh = read({}, utm_frame());

@@ -28,7 +28,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 constexpr double cell = 50, west = 620000, north = 7246000;
-constexpr float no_data = 1e6f;
+constexpr float bag_no_data = 1e6f;
 
 struct Grid {
   std::uint32_t nodes = 0;  ///< per side; 0: none
@@ -64,7 +64,7 @@ struct VariableBag {
         EXPECT_EQ(plain->GetRasterBand(band)->RasterIO(GF_Write, 0, 0, columns, rows, overview.data(),
                                                        columns, rows, GDT_Float32, 0, 0, nullptr),
                   CE_None);
-        plain->GetRasterBand(band)->SetNoDataValue(no_data);
+        plain->GetRasterBand(band)->SetNoDataValue(bag_no_data);
       }
       const GDALDatasetUniquePtr written(GetGDALDriverManager()->GetDriverByName("BAG")->CreateCopy(
           file.c_str(), plain.get(), FALSE, nullptr, nullptr, nullptr));
@@ -261,7 +261,7 @@ TEST(VariableGrid, WhatIsMissingIsAHoleAndCounted) {
   // One node less, at the side of a strip.
   int count = 0;
   const VariableBag dot({{{5}, {5}}, {{5}, {5}}},
-                        [&](double x, double y) { return ++count == 5 ? no_data : plane(x, y); });
+                        [&](double x, double y) { return ++count == 5 ? bag_no_data : plane(x, y); });
   EXPECT_GT(dot.read().hole_cells, 0u);
   EXPECT_LT(plan_area(dot.read()), area);
 }

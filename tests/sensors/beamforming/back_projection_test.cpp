@@ -20,7 +20,9 @@ namespace {
 
 using Complex = std::complex<double>;
 using Law = ApertureWindow::Law;
-constexpr double c = 1500, frequency_hz = 100e3, wavelength_m = c / frequency_hz;
+using test::c;
+using test::frequency_hz;
+using test::wavelength_m;
 const glm::dvec3 target(50, 1.5, -10);
 const Complex strength(0.3, -0.4);
 

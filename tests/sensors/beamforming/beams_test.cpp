@@ -7,10 +7,10 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "fixtures/lobes.hpp"
 #include "fixtures/refusal.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/signals/aperture_window.hpp"
 #include "sensors/signals/matched_filter.hpp"
 #include "sensors/signals/point_signals.hpp"
@@ -19,9 +19,10 @@ namespace tubefoot {
 namespace {
 
 using Complex = std::complex<double>;
-using std::numbers::pi;
 using Law = ApertureWindow::Law;
-constexpr double c = 1500, frequency_hz = 100e3, wavelength_m = c / frequency_hz;
+using test::c;
+using test::frequency_hz;
+using test::wavelength_m;
 
 VehicleMotion at_rest() { return {{{0, {}}}, {0}}; }
 

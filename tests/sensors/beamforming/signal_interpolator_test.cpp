@@ -4,15 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "fixtures/refusal.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using Complex = std::complex<double>;
-using std::numbers::pi;
 
 std::vector<Complex> tone(double part_of_half_rate, std::size_t samples) {
   std::vector<Complex> signal;

@@ -10,17 +10,16 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <random>
 #include <span>
 
 #include "fixtures/statistics.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/receiver/receiver.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
 constexpr RangeSamples samples{10, 0.05, 400};
 const double anywhere = 0.05 / std::sqrt(12.0);
 

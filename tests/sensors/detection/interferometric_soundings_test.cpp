@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/detection/receiver_pair_soundings.hpp"
 #include "sensors/kinds/kind_interferometric.hpp"
 #include "sensors/receiver/phase_noise.hpp"
@@ -16,7 +17,7 @@ namespace tubefoot {
 namespace {
 
 constexpr double depth_m = 12, baseline_m = 0.012, wavelength_m = 0.003;
-constexpr double tilt_rad = 30 * samples::degree;
+constexpr double tilt_rad = 30 * degree;
 
 struct FlatSeabed {
   std::unique_ptr<Sensor> sensor;
@@ -82,7 +83,7 @@ TEST(InterferometricSoundings, FollowTheSeabedFromItsNearestEchoOrFromTheAltitud
 }
 
 TEST(InterferometricSoundings, LeanWithTheSensor) {
-  const double roll = 10 * samples::degree;
+  const double roll = 10 * degree;
   const FlatSeabed seabed(0, 12, 1, attitude_from_angles(0, 0, roll));  // starboard down
   for (const InterferometricSounding& s : interferometric_soundings(seabed.recording, 0, {})) {
     const double across = (s.beam == 0 ? -1 : 1) * s.estimate.horizontal_m;

@@ -8,16 +8,14 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "fixtures/statistics.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/receiver/phase_noise.hpp"
 
 namespace tubefoot {
 namespace {
 
-using std::numbers::pi;
-constexpr double degree = pi / 180;
 constexpr double wavelength = 0.006;  // 250 kHz at 1500 m/s
 
 TEST(InterferometricSample, OnePathHasItsPhaseAndFullCoherence) {

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -26,10 +27,10 @@ using testing::ThrowsMessage;
 
 constexpr double kAltitude = 6, kStep = 0.05;
 constexpr int kSamples = 1000;
-const SourcePlace kPlace{"scene.toml"};
+const SourcePlace mosaic_place{"scene.toml"};
 
 Pose heading_at(double east, double north, double heading_deg) {
-  return {{east, north, -20}, attitude_from_angles(heading_deg * samples::degree, 0, 0)};
+  return {{east, north, -20}, attitude_from_angles(heading_deg * degree, 0, 0)};
 }
 
 /// Adds pings in sequence, so that each has the previous and the next ping on its line.
@@ -82,7 +83,7 @@ class Survey {
 
   void ping(double east, double north, double heading_deg, double half_beam_m = 0.26) {
     std::vector<float> port(kSamples, 1.f), starboard(kSamples, 1.f);
-    const double h = heading_deg * samples::degree;
+    const double h = heading_deg * degree;
     const glm::dvec2 to = target_ - glm::dvec2(east, north);
     const double ahead = to.x * std::sin(h) + to.y * std::cos(h),
                  abeam = to.x * std::cos(h) - to.y * std::sin(h);
@@ -142,11 +143,11 @@ TEST(SidescanMosaic, ATurnKeepsTheTargetInPlace) {
   SidescanMosaic mosaic(0.1);
   // Around (30, 0) at a radius of 30 m, clockwise from north. The centre stays to starboard, abeam. The
   // target thus lies outside the turn, on the radius of 60 degrees.
-  const double at = 60 * samples::degree;
+  const double at = 60 * degree;
   const glm::dvec2 target = glm::dvec2(30, 0) + 44.0 * glm::dvec2(-std::cos(at), std::sin(at));
   Survey survey(mosaic, target);
   for (int k = 0; k <= 90; ++k) {
-    const double turned = k * samples::degree;
+    const double turned = k * degree;
     survey.ping(30 - 30 * std::cos(turned), 30 * std::sin(turned), k, 0.4);
   }
   expect_at(mosaic.cells(), target);
@@ -217,8 +218,8 @@ TEST(SidescanMosaic, TheRasterLiesOnTheMap) {
   Survey survey(mosaic, {-18.1, 12.1});
   for (int k = 0; k <= 80; ++k) survey.ping(0, 0.25 * k, 0, 0.6);
 
-  mosaic.write_tiff(folder / "utm.tif", LocalFrame::projected("EPSG:32602", 621860, 7245027, -50, kPlace),
-                    "dB");
+  mosaic.write_tiff(folder / "utm.tif",
+                    LocalFrame::projected("EPSG:32602", 621860, 7245027, -50, mosaic_place), "dB");
   Raster utm(folder / "utm.tif");
   EXPECT_STREQ(utm.data->GetSpatialRef()->GetAuthorityCode(nullptr), "32602");
   EXPECT_GT(utm.at(621860 - 18.1, 7245027 + 12.1), 10);
@@ -245,7 +246,7 @@ TEST(SidescanMosaic, TheRasterLiesOnTheMap) {
   const std::unique_ptr<OGRCoordinateTransformation> step(OGRCreateCoordinateTransformation(&crs, &wgs84));
   double x = -18.1, y = 12.1;
   ASSERT_TRUE(step->Transform(1, &x, &y));
-  const glm::dvec3 there = tangent.from_lat_lon(y, x, 0, kPlace);
+  const glm::dvec3 there = tangent.from_lat_lon(y, x, 0, mosaic_place);
   EXPECT_NEAR(there.x, -18.1, 1e-5);
   EXPECT_NEAR(there.y, 12.1, 1e-5);
 }
@@ -361,8 +362,7 @@ TEST(SidescanMosaic, RefusesWhatMakesNoSense) {
   refuses({heading_at(0, 0, 0), -1, 0, kStep, level, level}, "altitude is -1 m");
   refuses({heading_at(0, 0, 0), 1, 0, 0, level, level}, "a step of 0 m");
   refuses({heading_at(NAN, 0, 0), 1, 0, kStep, level, level}, "position");
-  refuses({{{0, 0, 0}, attitude_from_angles(0, 90 * samples::degree, 0)}, 1, 0, kStep, level, level},
-          "no heading");
+  refuses({{{0, 0, 0}, attitude_from_angles(0, 90 * degree, 0)}, 1, 0, kStep, level, level}, "no heading");
   EXPECT_THROW(SidescanMosaic(0), std::invalid_argument);
   EXPECT_THROW(sums_on_map({heading_at(0, 0, 0), 1, 0, kStep, level, level}, nullptr, nullptr, 0),
                std::invalid_argument);

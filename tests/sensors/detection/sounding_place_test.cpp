@@ -7,15 +7,15 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
+#include "geometry/numbers/scalars.hpp"
 #include "scene/scene_water.hpp"
 #include "sensors/detection/bottom_detection.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180, gradient_per_s = -1, surface_m = 3;
+constexpr double gradient_per_s = -1, surface_m = 3;
 
 RunContext under_a_gradient() {
   WaterDescription water;

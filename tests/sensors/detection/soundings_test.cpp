@@ -25,7 +25,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-const SourcePlace kPlace{"scene.toml"};
+const SourcePlace soundings_place{"scene.toml"};
 
 Sounding sounding(std::uint32_t ping, std::uint32_t beam) {
   Sounding s;
@@ -60,7 +60,7 @@ TEST(SoundingsFile, CsvStatesUnitsAndSigns) {
             "ping,beam,time_s,east_m,north_m,up_m,two_way_travel_time_s,slant_range_m,"
             "beam_angle_deg_starboard_positive,amplitude,quality_0_to_1,method,status\n"
             "0,0,0,0.0000,-0.0000,-30.2500,0.046875,35.1250,-62.5,0.375,0.75,energy_centroid,good\n");
-  write(folder / "b.csv", LocalFrame::projected("EPSG:32602", 500000, 0, 5, kPlace), 1, 1);
+  write(folder / "b.csv", LocalFrame::projected("EPSG:32602", 500000, 0, 5, soundings_place), 1, 1);
   std::istringstream lines(bytes_of(folder / "b.csv"));
   std::string head, row;
   std::getline(lines, head);
@@ -96,7 +96,7 @@ struct Points {
 
 TEST(SoundingsFile, GeoPackageHasPointsInTheScenesCrs) {
   const TestFolder folder;
-  const LocalFrame utm = LocalFrame::projected("EPSG:32602", 621860, 7245027, 5, kPlace);
+  const LocalFrame utm = LocalFrame::projected("EPSG:32602", 621860, 7245027, 5, soundings_place);
   write(folder / "utm.gpkg", utm, 100, 101);
   Points points(folder / "utm.gpkg");
   EXPECT_STREQ(points.layer->GetSpatialRef()->GetAuthorityCode(nullptr), "32602");
@@ -131,7 +131,7 @@ TEST(SoundingsFile, GeoPackageOfATangentFrameHasLongitudeAndLatitude) {
   EXPECT_STREQ(points.layer->GetSpatialRef()->GetAuthorityCode(nullptr), "4326");
   const OGRFeatureUniquePtr one(points.layer->GetFeature(141));  // ping 2, beam 40
   const OGRPoint* point = one->GetGeometryRef()->toPoint();
-  const glm::dvec3 back = tangent.from_lat_lon(point->getY(), point->getX(), point->getZ(), kPlace);
+  const glm::dvec3 back = tangent.from_lat_lon(point->getY(), point->getX(), point->getZ(), soundings_place);
   EXPECT_NEAR(back.x, 60, 1e-7);
   EXPECT_NEAR(back.y, -1, 1e-7);
   EXPECT_NEAR(back.z, -30.25, 1e-7);
@@ -178,7 +178,7 @@ TEST(SoundingsFile, SaysThatTheDiskIsFull) {
 
 TEST(SoundingGrid, HoldsMeanDepthsPositiveDown) {
   const TestFolder folder;
-  SoundingGrid grid(LocalFrame::projected("EPSG:32602", 621860, 7245027, 5, kPlace), 2);
+  SoundingGrid grid(LocalFrame::projected("EPSG:32602", 621860, 7245027, 5, soundings_place), 2);
   const auto add = [&](double east, double north, double up) {
     Sounding s;
     s.position_m = {east, north, up};

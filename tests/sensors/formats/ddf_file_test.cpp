@@ -23,28 +23,28 @@ using camera_file::single;
 using camera_file::with_one_frame;
 using ::testing::HasSubstr;
 
-DdfHeader header() {
+DdfHeader ddf_header() {
   DdfHeader made;
   made.sample_rate_hz = ddf_sample_rate_hz(5);
   return made;
 }
 
 DdfHeader low_resolution() {
-  DdfHeader made = header();
+  DdfHeader made = ddf_header();
   made.high_resolution = false;
   made.beams = 48;
   return made;
 }
 
 DdfHeader with_flags(bool high_resolution, std::uint32_t flags) {
-  DdfHeader made = high_resolution ? header() : low_resolution();
+  DdfHeader made = high_resolution ? ddf_header() : low_resolution();
   made.config_flags = flags;
   return made;
 }
 
 TEST(DdfFile, every_field_of_the_format_is_as_told_or_zero) {
   const TestFolder folder;
-  DdfHeader told = header();
+  DdfHeader told = ddf_header();
   told.title = "wreck of the Scotsman";
   told.window = {5, 2};
   told.frame_rate_hz = 6.5;
@@ -117,7 +117,7 @@ TEST(DdfFile, port_ahead_is_the_last_beam_of_its_range) {
   const TestFolder folder;
   std::vector<std::uint8_t> picture(96 * 512);
   picture[3 * 512 + 300] = 200;  // the fourth beam from port, range sample 300
-  with_one_frame<DdfFile>(folder / "a.ddf", header(), picture);
+  with_one_frame<DdfFile>(folder / "a.ddf", ddf_header(), picture);
   const std::string bytes = bytes_of(folder / "a.ddf");
   EXPECT_EQ(bytes[512 + 256 + 300 * 96 + 92], static_cast<char>(200));
   EXPECT_EQ(std::count(bytes.begin() + 512 + 256, bytes.end(), '\0'), 96 * 512 - 1);
@@ -129,7 +129,7 @@ TEST(DdfFile, every_amplitude_comes_back_mirrored_and_range_by_range) {
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
   std::vector<std::vector<std::uint8_t>> pictures(3, std::vector<std::uint8_t>(96 * 512));
-  DdfFile file(folder / "a.ddf", header());
+  DdfFile file(folder / "a.ddf", ddf_header());
   for (auto& picture : pictures) {
     for (auto& amplitude : picture) amplitude = static_cast<std::uint8_t>(random());
     CameraFrame frame;
@@ -148,7 +148,7 @@ TEST(DdfFile, every_amplitude_comes_back_mirrored_and_range_by_range) {
 TEST(DdfFile, a_long_title_is_cut_between_characters) {
   const TestFolder folder;
   const std::vector<std::uint8_t> dark(96 * 512);
-  DdfHeader told = header();
+  DdfHeader told = ddf_header();
   told.title =
       std::string(254, 'x') + "\u00e9pave";  // 254 and 2 bytes: the second does not fit before the zero
   EXPECT_EQ(with_one_frame<DdfFile>(folder / "a.ddf", told, dark).file_fields().at("HeaderID").text,
@@ -158,7 +158,7 @@ TEST(DdfFile, a_long_title_is_cut_between_characters) {
 TEST(DdfFile, headers_no_didson_has_are_refused_before_a_file_is_made) {
   const TestFolder folder;
   const auto refused = [&](auto change) {
-    DdfHeader told = header();
+    DdfHeader told = ddf_header();
     change(told);
     const std::string said = refusal([&] { DdfFile(folder / "a.ddf", told); });
     EXPECT_THAT(said, HasSubstr((folder / "a.ddf").string()));
@@ -187,7 +187,7 @@ TEST(DdfFile, frame_rates_are_whole_and_never_zero) {
   const TestFolder folder;
   const std::vector<std::uint8_t> dark(96 * 512);
   for (const auto& [rate, kept] : {std::pair{0.2, 1.0}, {1.4, 1.0}, {2.5, 3.0}, {21.0, 21.0}}) {
-    DdfHeader told = header();
+    DdfHeader told = ddf_header();
     told.frame_rate_hz = rate;
     EXPECT_EQ(with_one_frame<DdfFile>(folder / "a.ddf", told, dark).file_fields().at("FrameRate").number,
               kept);
@@ -212,13 +212,13 @@ TEST(DdfWindow, lengths_are_those_of_the_formats_tables) {
 }
 
 TEST(DdfWindow, start_steps_are_those_of_each_family_of_readers) {
-  EXPECT_DOUBLE_EQ(ddf_start_step_m(header()), 0.42);
+  EXPECT_DOUBLE_EQ(ddf_start_step_m(ddf_header()), 0.42);
   EXPECT_DOUBLE_EQ(ddf_start_step_m(low_resolution()), 0.84);
-  EXPECT_DOUBLE_EQ(ddf_start_step_m(header(), DdfStartStep::matlab), 0.419);
+  EXPECT_DOUBLE_EQ(ddf_start_step_m(ddf_header(), DdfStartStep::matlab), 0.419);
   EXPECT_DOUBLE_EQ(ddf_start_step_m(low_resolution(), DdfStartStep::matlab), 0.838);
-  EXPECT_DOUBLE_EQ(ddf_start_step_m(header(), DdfStartStep::delay_time), 0.429);
+  EXPECT_DOUBLE_EQ(ddf_start_step_m(ddf_header(), DdfStartStep::delay_time), 0.429);
   EXPECT_DOUBLE_EQ(ddf_start_step_m(low_resolution(), DdfStartStep::delay_time), 0.858);
-  DdfHeader early = header();
+  DdfHeader early = ddf_header();
   for (const auto& [serial, step_m] : {std::pair{18u, 0.384}, {19u, 0.429}}) {
     early.serial_number = serial;
     EXPECT_DOUBLE_EQ(ddf_start_step_m(early, DdfStartStep::delay_time), step_m);
@@ -255,27 +255,27 @@ TEST(DdfWindow, every_undisputed_pair_of_codes_is_found_again) {
 
 TEST(DdfWindow, half_a_range_sample_is_the_tolerance) {
   const double half_m = 5.0 / 512 / 2;
-  EXPECT_EQ(ddf_window(header(), 2.1 + 0.99 * half_m, 5).start_code, 5u);
-  EXPECT_EQ(ddf_window(header(), 2.1 - 0.99 * half_m, 5).start_code, 5u);
-  EXPECT_THROW(ddf_window(header(), 2.1 + 1.01 * half_m, 5), std::invalid_argument);
-  EXPECT_THROW(ddf_window(header(), 2.1 - 1.01 * half_m, 5), std::invalid_argument);
-  EXPECT_EQ(ddf_window(header(), 2.1, 5 + 0.99 * half_m).length_code, 2u);
-  EXPECT_THROW(ddf_window(header(), 2.1, 5 + 1.01 * half_m), std::invalid_argument);
+  EXPECT_EQ(ddf_window(ddf_header(), 2.1 + 0.99 * half_m, 5).start_code, 5u);
+  EXPECT_EQ(ddf_window(ddf_header(), 2.1 - 0.99 * half_m, 5).start_code, 5u);
+  EXPECT_THROW(ddf_window(ddf_header(), 2.1 + 1.01 * half_m, 5), std::invalid_argument);
+  EXPECT_THROW(ddf_window(ddf_header(), 2.1 - 1.01 * half_m, 5), std::invalid_argument);
+  EXPECT_EQ(ddf_window(ddf_header(), 2.1, 5 + 0.99 * half_m).length_code, 2u);
+  EXPECT_THROW(ddf_window(ddf_header(), 2.1, 5 + 1.01 * half_m), std::invalid_argument);
 }
 
 TEST(DdfWindow, a_window_without_codes_is_refused_with_those_there_are) {
-  EXPECT_THAT(refusal([] { ddf_window(header(), 2.1, 3); }), HasSubstr("2.5, 5, 10"));
-  EXPECT_THAT(refusal([] { ddf_window(header(), 2.1, 1.25); }), HasSubstr("2.5, 5, 10"));
+  EXPECT_THAT(refusal([] { ddf_window(ddf_header(), 2.1, 3); }), HasSubstr("2.5, 5, 10"));
+  EXPECT_THAT(refusal([] { ddf_window(ddf_header(), 2.1, 1.25); }), HasSubstr("2.5, 5, 10"));
   EXPECT_THAT(refusal([] { ddf_window(low_resolution(), 0.84, 50); }), HasSubstr("5, 10, 20, 40"));
-  EXPECT_THAT(refusal([] { ddf_window(header(), 2, 5); }), HasSubstr("window_start_m of 2.1"));
-  EXPECT_THAT(refusal([] { ddf_window(header(), 0, 5); }), HasSubstr("window_start_m of 0.42"));
-  EXPECT_THAT(refusal([] { ddf_window(header(), 14, 5); }), HasSubstr("window_start_m of 13.02"));
+  EXPECT_THAT(refusal([] { ddf_window(ddf_header(), 2, 5); }), HasSubstr("window_start_m of 2.1"));
+  EXPECT_THAT(refusal([] { ddf_window(ddf_header(), 0, 5); }), HasSubstr("window_start_m of 0.42"));
+  EXPECT_THAT(refusal([] { ddf_window(ddf_header(), 14, 5); }), HasSubstr("window_start_m of 13.02"));
   for (const double bad :
        {std::nan(""), static_cast<double>(INFINITY), -1.0, -static_cast<double>(INFINITY)}) {
-    EXPECT_THROW(ddf_window(header(), bad, 5), std::invalid_argument);
-    EXPECT_THROW(ddf_window(header(), 2.1, bad), std::invalid_argument);
+    EXPECT_THROW(ddf_window(ddf_header(), bad, 5), std::invalid_argument);
+    EXPECT_THROW(ddf_window(ddf_header(), 2.1, bad), std::invalid_argument);
   }
-  EXPECT_THROW(ddf_window(header(), 2.1, 0), std::invalid_argument);
+  EXPECT_THROW(ddf_window(ddf_header(), 2.1, 0), std::invalid_argument);
 }
 
 TEST(DdfWindow, sample_rates_give_the_length_back_at_1500_metres_a_second) {

@@ -16,21 +16,20 @@
 
 #include "fixtures/packet_reader.hpp"
 #include "fixtures/refusal.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using samples::file_content;
+using samples::nan;
 using samples::PacketReader;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-std::filesystem::path scratch(const std::string& name) {
+std::filesystem::path scratch_gsf(const std::string& name) {
   static const TestFolder folder;
   return folder / (name + ".gsf");
 }
@@ -92,7 +91,7 @@ std::vector<GsfRecord> records_of(const std::filesystem::path& path, bool checks
 
 std::vector<GsfRecord> written(const std::string& name, const GsfOptions& options,
                                const std::function<void(GsfFile&)>& fill) {
-  const auto path = scratch(name);
+  const auto path = scratch_gsf(name);
   {
     GsfFile file(path, options);
     fill(file);
@@ -503,7 +502,7 @@ TEST(GsfFile, RefusesPingsThatItsFieldsDoNotHold) {
     double GsfPing::*field;
     std::vector<double> values;
     const char* what;
-  } fields[] = {{&GsfPing::unix_time_s, {nan, infinity, -1, 2147483648.}, "time"},
+  } fields[] = {{&GsfPing::unix_time_s, {nan, infinite, -1, 2147483648.}, "time"},
                 {&GsfPing::longitude_deg, {nan, -180.5, 180.5}, "longitude"},
                 {&GsfPing::latitude_deg, {nan, -90.5, 90.5}, "latitude"},
                 {&GsfPing::heading_deg, {nan, -1, 361}, "heading"},
@@ -513,20 +512,20 @@ TEST(GsfFile, RefusesPingsThatItsFieldsDoNotHold) {
                 {&GsfPing::course_deg, {nan, -1, 361}, "course"},
                 {&GsfPing::speed_m_s, {nan, -1, 338}, "speed"},
                 {&GsfPing::tide_m, {nan, -328, 328}, "tide"},
-                {&GsfPing::depth_corrector_m, {nan, infinity, 3e7}, "depth corrector"},
-                {&GsfPing::height_m, {nan, infinity, 3e6}, "height"},
-                {&GsfPing::separation_m, {nan, infinity, -3e6}, "separation"},
-                {&GsfPing::gps_tide_m, {nan, infinity, 3e6}, "GPS tide"}};
+                {&GsfPing::depth_corrector_m, {nan, infinite, 3e7}, "depth corrector"},
+                {&GsfPing::height_m, {nan, infinite, 3e6}, "height"},
+                {&GsfPing::separation_m, {nan, infinite, -3e6}, "separation"},
+                {&GsfPing::gps_tide_m, {nan, infinite, 3e6}, "GPS tide"}};
   const struct {
     std::vector<double> GsfPing::*array;
     std::vector<double> values;
     const char* what;
-  } arrays[] = {{&GsfPing::depth_m, {nan, infinity, -1, 4294968}, "depth [m] of beam 3"},
-                {&GsfPing::across_m, {nan, infinity, 2147484}, "distance across [m] of beam 3"},
-                {&GsfPing::along_m, {nan, infinity, -2147484}, "distance along [m] of beam 3"},
+  } arrays[] = {{&GsfPing::depth_m, {nan, infinite, -1, 4294968}, "depth [m] of beam 3"},
+                {&GsfPing::across_m, {nan, infinite, 2147484}, "distance across [m] of beam 3"},
+                {&GsfPing::along_m, {nan, infinite, -2147484}, "distance along [m] of beam 3"},
                 {&GsfPing::two_way_time_s, {nan, -1, 430}, "two-way time [s] of beam 3"},
                 {&GsfPing::beam_angle_deg, {nan, -328, 328}, "beam angle [deg] of beam 3"},
-                {&GsfPing::mean_amplitude_db, {nan, -infinity, -328}, "mean amplitude [dB] of beam 3"}};
+                {&GsfPing::mean_amplitude_db, {nan, -infinite, -328}, "mean amplitude [dB] of beam 3"}};
   const auto records = written("bad", {}, [&](GsfFile& file) {
     for (const auto& one : fields)
       for (const double value : one.values) {
@@ -579,7 +578,7 @@ TEST(GsfFile, RefusesAttitudesThatARecordDoesNotHold) {
 }
 
 TEST(GsfFile, RefusesOptionsBeforeTouchingTheFile) {
-  const auto path = scratch("refused");
+  const auto path = scratch_gsf("refused");
   std::ofstream(path) << "what was there";
   const auto refuse = [&](auto spoil, const char* what) {
     GsfOptions options;
@@ -600,7 +599,7 @@ TEST(GsfFile, RefusesOptionsBeforeTouchingTheFile) {
 }
 
 TEST(GsfFile, LeavesNothingUnlessFinished) {
-  const auto path = scratch("unfinished");
+  const auto path = scratch_gsf("unfinished");
   {
     GsfFile file(path);
     file.add_ping(five_beams());
@@ -609,7 +608,7 @@ TEST(GsfFile, LeavesNothingUnlessFinished) {
 }
 
 TEST(GsfFile, SaysWhenTheDiskIsFull) {
-  const auto path = scratch("full");
+  const auto path = scratch_gsf("full");
   std::filesystem::remove(path);
   std::filesystem::create_symlink("/dev/full", path);
   GsfFile file(path);

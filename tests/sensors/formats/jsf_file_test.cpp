@@ -19,7 +19,7 @@ using Complex = std::complex<double>;
 using samples::file_content;
 using samples::PacketReader;
 
-std::filesystem::path scratch(const std::string& name) {
+std::filesystem::path scratch_jsf(const std::string& name) {
   static const TestFolder folder;
   return folder / (name + ".jsf");
 }
@@ -78,7 +78,7 @@ std::vector<Complex> samples_of(PacketReader& m) {
 }
 
 TEST(JsfFile, HasTheFieldsOfTheTable) {
-  const auto file = scratch("fields");
+  const auto file = scratch_jsf("fields");
   JsfFile out(file);
   out.add(ping(), noise(3, 1));
   out.finish();
@@ -136,7 +136,7 @@ TEST(JsfFile, HasTheFieldsOfTheTable) {
 }
 
 TEST(JsfFile, KeepsComplexSamplesToHalfAnInteger) {
-  const auto file = scratch("samples");
+  const auto file = scratch_jsf("samples");
   JsfFile out(file);
   const double sizes[] = {1e-9, 3e-5, 1, 32767, 2e6};
   for (const double size : sizes) out.add(ping(), noise(1000, size));
@@ -163,7 +163,7 @@ TEST(JsfFile, KeepsComplexSamplesToHalfAnInteger) {
 }
 
 TEST(JsfFile, LeavesUnsaidWhatIsNotKnown) {
-  const auto file = scratch("unknown");
+  const auto file = scratch_jsf("unknown");
   JsfFile out(file);
   JsfPing bare;
   bare.sample_interval_s = 1e-4;
@@ -184,7 +184,7 @@ TEST(JsfFile, LeavesUnsaidWhatIsNotKnown) {
 }
 
 TEST(JsfFile, RefusesWhatDoesNotFit) {
-  const auto file = scratch("refused");
+  const auto file = scratch_jsf("refused");
   JsfFile out(file);
   const auto refused = [&](auto change, const std::vector<Complex>& values, const std::string& what) {
     JsfPing p = ping();

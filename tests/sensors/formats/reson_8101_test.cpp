@@ -13,17 +13,16 @@
 #include <random>
 
 #include "fixtures/packet_reader.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/formats/xtf_file.hpp"
 
 namespace tubefoot {
 namespace {
 
+using samples::nan;
 using samples::PacketReader;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Reson8101Settings settings() {
   Reson8101Settings settings;
@@ -212,10 +211,10 @@ TEST(Reson8101, RefusesWhatItsFieldsDoNotHold) {
       EXPECT_THAT(error.what(), HasSubstr(what));
     }
   };
-  for (const double value : {nan, infinity, -1., 0.})
+  for (const double value : {nan, infinite, -1., 0.})
     refuse([&](auto& sonar, auto&) { sonar.sound_speed_m_s = value; }, "sound speed");
   refuse([](auto& sonar, auto&) { sonar.sound_speed_m_s = 65536; }, "sound speed");
-  for (const double value : {nan, infinity, 0., 65536.})
+  for (const double value : {nan, infinite, 0., 65536.})
     refuse([&](auto& sonar, auto&) { sonar.range_m = value; }, "range setting");
   for (const double value : {nan, 0., 65536.})
     refuse([&](auto& sonar, auto&) { sonar.sample_rate_hz = value; }, "sample rate");
@@ -232,7 +231,7 @@ TEST(Reson8101, RefusesWhatItsFieldsDoNotHold) {
   refuse([](auto& sonar, auto&) { sonar.beam_spacing_deg = -1; }, "beam spacing");
   refuse([](auto& sonar, auto&) { sonar.projector_angle_deg = 328; }, "projector angle");
   refuse([](auto& sonar, auto&) { sonar.head_temperature_c = nan; }, "head temperature");
-  for (const double value : {nan, infinity, -0.01, 0.41})  // 0.41 s: 65600 quarters of a sample
+  for (const double value : {nan, infinite, -0.01, 0.41})  // 0.41 s: 65600 quarters of a sample
     refuse([&](auto&, auto& beam) { beam.two_way_time_s = value; }, "two-way time");
   refuse([](auto&, auto& beam) { beam.quality = 16; }, "quality");
   EXPECT_THROW(packet_of(settings(), {}), std::invalid_argument);

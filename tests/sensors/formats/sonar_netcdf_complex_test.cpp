@@ -21,7 +21,7 @@ namespace {
 constexpr const char* kBeamGroup = "/Sonar/Beam_group1";
 constexpr std::size_t kBeams = 3;
 
-SonarNetcdfHeader header() {
+SonarNetcdfHeader complex_header() {
   SonarNetcdfHeader h;
   h.date_created = "2024-05-06T07:08:09Z";
   h.beams = kBeams;
@@ -51,7 +51,7 @@ SonarNetcdfPing ping(int number) {
 TEST(SonarNetcdfComplex, KeepsBothPartsOfEveryBeam) {
   const TestFolder folder;
   constexpr int pings = 37;
-  SonarNetcdfFile out(folder / "line.nc", header());
+  SonarNetcdfFile out(folder / "line.nc", complex_header());
   for (int k = 0; k < pings; ++k) out.add(ping(k));
   out.finish();
   const NetcdfReader file(folder / "line.nc");
@@ -92,7 +92,7 @@ TEST(SonarNetcdfComplex, GivesATargetItsStrengthByEquationOne) {
   for (std::size_t beam = 0; beam < kBeams; ++beam)
     p.backscatter[beam].assign(beams.begin() + std::ptrdiff_t(beam * 160),
                                beams.begin() + std::ptrdiff_t(beam * 160 + 160));
-  SonarNetcdfFile out(folder / "line.nc", header());
+  SonarNetcdfFile out(folder / "line.nc", complex_header());
   out.add(p);
   out.finish();
   // From here on the test acts as a reader.
@@ -113,14 +113,14 @@ TEST(SonarNetcdfComplex, GivesATargetItsStrengthByEquationOne) {
 
 TEST(SonarNetcdfComplex, RefusesLevelsAmongSignalsAndSignalsAmongLevels) {
   const TestFolder folder;
-  SonarNetcdfFile out(folder / "line.nc", header());
+  SonarNetcdfFile out(folder / "line.nc", complex_header());
   SonarNetcdfPing both = ping(0);
   both.backscatter_db.resize(kBeams);
   expect_refused([&] { out.add(both); }, "ping 0: it has levels, but the file stores complex beams");
   SonarNetcdfPing few = ping(0);
   few.backscatter.pop_back();
   expect_refused([&] { out.add(few); }, "ping 0: there are 2 time series for 3 beams");
-  SonarNetcdfHeader levels = header();
+  SonarNetcdfHeader levels = complex_header();
   levels.complex_beams = false;
   SonarNetcdfFile of_levels(folder / "levels.nc", levels);
   both.backscatter_db.resize(kBeams);

@@ -15,11 +15,13 @@
 
 #include "fixtures/packet_reader.hpp"
 #include "fixtures/refusal.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
 using samples::file_content;
+using samples::nan;
 using samples::PacketReader;
 using testing::Each;
 using testing::ElementsAre;
@@ -27,8 +29,6 @@ using testing::ElementsAreArray;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 // 2024-12-31 23:59:59.25 UTC, the 366th day of its year, and its milliseconds from midnight of the previous
 // day.
 constexpr double new_years_eve = 1735689599.25;
@@ -482,16 +482,16 @@ TEST(XtfFile, RefusesPlacesThatItsFieldsDoNotHold) {
     std::vector<double> values;
     const char* what;
   } cases[] = {
-      {[](XtfPlace& p, double v) { p.unix_time_s = v; }, {nan, infinity, -1, 4294967296.}, "time"},
-      {[](XtfPlace& p, double v) { p.x = v; }, {nan, infinity, -180.5, 180.5}, "longitude"},
-      {[](XtfPlace& p, double v) { p.y = v; }, {nan, infinity, -90.5, 90.5}, "latitude"},
-      {[](XtfPlace& p, double v) { p.heading_deg = v; }, {nan, infinity, -1, 361}, "heading"},
-      {[](XtfPlace& p, double v) { p.pitch_deg = v; }, {nan, infinity, -91, 91}, "pitch"},
-      {[](XtfPlace& p, double v) { p.roll_deg = v; }, {nan, infinity, -181, 181}, "roll"},
-      {[](XtfPlace& p, double v) { p.heave_m = v; }, {nan, infinity, 1e39}, "heave"},
-      {[](XtfPlace& p, double v) { p.depth_m = v; }, {nan, infinity, 1e39}, "depth"},
-      {[](XtfPlace& p, double v) { p.altitude_m = v; }, {nan, infinity, -1}, "altitude"},
-      {[](XtfPlace& p, double v) { p.speed_m_s = v; }, {nan, infinity, -1}, "speed"},
+      {[](XtfPlace& p, double v) { p.unix_time_s = v; }, {nan, infinite, -1, 4294967296.}, "time"},
+      {[](XtfPlace& p, double v) { p.x = v; }, {nan, infinite, -180.5, 180.5}, "longitude"},
+      {[](XtfPlace& p, double v) { p.y = v; }, {nan, infinite, -90.5, 90.5}, "latitude"},
+      {[](XtfPlace& p, double v) { p.heading_deg = v; }, {nan, infinite, -1, 361}, "heading"},
+      {[](XtfPlace& p, double v) { p.pitch_deg = v; }, {nan, infinite, -91, 91}, "pitch"},
+      {[](XtfPlace& p, double v) { p.roll_deg = v; }, {nan, infinite, -181, 181}, "roll"},
+      {[](XtfPlace& p, double v) { p.heave_m = v; }, {nan, infinite, 1e39}, "heave"},
+      {[](XtfPlace& p, double v) { p.depth_m = v; }, {nan, infinite, 1e39}, "depth"},
+      {[](XtfPlace& p, double v) { p.altitude_m = v; }, {nan, infinite, -1}, "altitude"},
+      {[](XtfPlace& p, double v) { p.speed_m_s = v; }, {nan, infinite, -1}, "speed"},
   };
   const std::vector<std::uint16_t> samples{7};
   const XtfContent content = written("places", both_sonars(), [&](XtfFile& file) {
@@ -536,7 +536,7 @@ TEST(XtfFile, RefusesPingsThatAreNotWhatTheHeaderSays) {
           file.add_sidescan_ping({place(), 75, none, one});
         },
         "number of samples on the port side");
-    for (const double range : {nan, infinity, 0.0, -1.0})
+    for (const double range : {nan, infinite, 0.0, -1.0})
       expect_refused([&] { file.add_sidescan_ping({place(), range, one, one}); }, "slant range");
     XtfSounding sounding;
     const auto refuse = [&](double XtfSounding::*field, double value, const char* what) {
@@ -548,7 +548,7 @@ TEST(XtfFile, RefusesPingsThatAreNotWhatTheHeaderSays) {
     refuse(&XtfSounding::two_way_time_s, -1, "two-way time");
     refuse(&XtfSounding::across_angle_deg, 181, "angle across");
     refuse(&XtfSounding::along_angle_deg, nan, "angle along");
-    refuse(&XtfSounding::intensity, infinity, "intensity");
+    refuse(&XtfSounding::intensity, infinite, "intensity");
     const std::vector<XtfSounding> crowd(65536);
     expect_refused([&] { file.add_soundings(place(), crowd); }, "number of soundings");
   });
@@ -584,7 +584,7 @@ TEST(XtfFile, RefusesHeadersBeforeTouchingTheFile) {
   refuse([](XtfHeader& h) { h.sidescan->max_samples = 0; }, "samples");
   refuse([](XtfHeader& h) { h.sidescan->port.frequency_khz = 65536; }, "PORT frequency");
   refuse([](XtfHeader& h) { h.sidescan->starboard.tilt_deg = nan; }, "STBD tilt");
-  refuse([](XtfHeader& h) { h.bathymetry->down_m = infinity; }, "BATHY position down");
+  refuse([](XtfHeader& h) { h.bathymetry->down_m = infinite; }, "BATHY position down");
   refuse([](XtfHeader& h) { h.sidescan.reset(), h.bathymetry.reset(); }, "neither");
   const auto left = file_content(path);
   EXPECT_EQ(std::string(left.begin(), left.end()), "what was there");

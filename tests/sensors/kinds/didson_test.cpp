@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/model/lens_beams.hpp"
 #include "sensors/model/sensor.hpp"
@@ -15,9 +16,7 @@
 namespace tubefoot {
 namespace {
 
-using samples::degree;
-
-const WorldGrid grid(20, {0, 0, 0});
+using samples::grid;
 
 std::unique_ptr<Sensor> camera(const std::function<void(SensorDescription&, DidsonDescription&)>& change,
                                int beams = 96) {

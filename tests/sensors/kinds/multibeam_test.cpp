@@ -8,15 +8,15 @@
 #include <glm/geometric.hpp>
 
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/kinds/kind_multibeam.hpp"
 #include "sensors/products/swath_soundings.hpp"
 
 namespace tubefoot {
 namespace {
 
-using samples::degree;
-
-const WorldGrid grid(20, {0, 0, 0});
+using samples::grid;
+using samples::unit;
 
 SensorDescription multibeam(const MultibeamDescription& fan = {}) {
   SensorDescription description;
@@ -25,7 +25,6 @@ SensorDescription multibeam(const MultibeamDescription& fan = {}) {
   return description;
 }
 
-glm::dvec3 unit(GridPoint ray) { return glm::normalize(glm::dvec3(ray.x, ray.y, ray.z)); }
 double across_deg(glm::dvec3 v) { return std::atan2(v.x, -v.z) / degree; }
 
 TEST(Multibeam, DefaultFanIsThatOfThe8101) {

@@ -9,15 +9,15 @@
 #include <tuple>
 
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/kinds/kind_imaging.hpp"
 #include "sensors/kinds/kind_scanning.hpp"
 
 namespace tubefoot {
 namespace {
 
-using samples::degree;
-
-const WorldGrid grid(20, {0, 0, 0});
+using samples::grid;
+using samples::unit;
 
 template <class Keys>
 SensorDescription described(const Keys& keys) {
@@ -26,7 +26,6 @@ SensorDescription described(const Keys& keys) {
   description.kind = keys;
   return description;
 }
-glm::dvec3 unit(GridPoint ray) { return glm::normalize(glm::dvec3(ray.x, ray.y, ray.z)); }
 double azimuth_deg(glm::dvec3 v) { return std::atan2(v.x, v.y) / degree; }
 
 TEST(Scanning, TurnsOnceRoundClockwiseATransmissionAStep) {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/kinds/kind_echosounder.hpp"
 #include "sensors/kinds/kind_imaging.hpp"
@@ -19,7 +20,7 @@
 namespace tubefoot {
 namespace {
 
-const WorldGrid grid = WorldGrid::fitting(glm::dvec3(-100), glm::dvec3(100));
+const WorldGrid fitting_grid = WorldGrid::fitting(glm::dvec3(-100), glm::dvec3(100));
 
 struct Case {
   const char* name;
@@ -65,11 +66,11 @@ std::vector<Case> all_kinds() {
 /// Largest relative distance in tan(elevation) of the outer walls of tubes from the cones.
 double largest_error(const Case& kind) {
   const auto sensor = make_sensor(kind.sensor);
-  const double cone = std::tan(kind.height_deg / 2 * samples::degree);
+  const double cone = std::tan(kind.height_deg / 2 * degree);
   double worst = 0;
   std::size_t walls = 0;
   for (std::size_t transmission = 0; transmission < sensor->transmissions(); ++transmission) {
-    const TubeSet tubes = sensor->tubes(Pose{}, grid, transmission);
+    const TubeSet tubes = sensor->tubes(Pose{}, fitting_grid, transmission);
     for (const Tube& tube : tubes.tubes)
       for (std::size_t k = 0; k < 4; ++k) {
         const auto ray = [&](std::size_t corner) {
@@ -97,7 +98,7 @@ TEST(ConeSlices, WallsAreWithinTheToleranceOfTheCones) {
   for (Case kind : all_kinds())
     for (const double tolerance : {1e-2, 4.5e-5, 1e-6, 3e-7}) {
       kind.sensor.cone_tolerance = tolerance;
-      const double rays = 2e-9 / std::tan(kind.height_deg / 2 * samples::degree);  // rounded to 2^-30
+      const double rays = 2e-9 / std::tan(kind.height_deg / 2 * degree);  // rounded to 2^-30
       EXPECT_LE(largest_error(kind), tolerance * (1 + 1e-6) + rays) << kind.name << " " << tolerance;
     }
 }

@@ -9,13 +9,13 @@
 #include <glm/geometric.hpp>
 
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/model/pattern_file.hpp"
 #include "sensors/model/sensor.hpp"
 
 namespace tubefoot {
 namespace {
 
-using samples::degree;
 using Kind = Directivity::Kind;
 
 constexpr double sound_speed = 1500;

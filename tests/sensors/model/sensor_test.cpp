@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/kinds/kind_sidescan.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
@@ -17,9 +18,7 @@
 namespace tubefoot {
 namespace {
 
-using samples::degree;
-
-const WorldGrid grid(20, {0, 0, 0});
+using samples::grid;
 
 glm::dvec3 unit(GridPoint ray) { return glm::normalize(glm::dvec3(ray.x, ray.y, ray.z)); }
 

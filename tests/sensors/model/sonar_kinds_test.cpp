@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/kinds/kind_echosounder.hpp"
 #include "sensors/kinds/kind_imaging.hpp"
@@ -16,9 +17,7 @@
 namespace tubefoot {
 namespace {
 
-using samples::degree;
-
-const WorldGrid grid(20, {0, 0, 0});
+using samples::grid;
 
 template <typename Kind>
 std::unique_ptr<Sensor> sensor_of(const Kind& kind) {

@@ -4,12 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 // The fan of a whole turn with steps of 0.9 degrees begins at -180.45 degrees: no sector behind is missing.
 TEST(CameraFan, OfAWholeTurnShowsWhatIsStraightBehind) {

@@ -15,22 +15,22 @@
 namespace tubefoot {
 namespace {
 
-constexpr int width = 400, height = 60;
+constexpr int mask_width = 400, mask_height = 60;
 constexpr Colour ground{0.1f, 0.2f, 0.3f}, ink{0.9f, 0.8f, 0.4f};
 
 /// The pixels of a line of text that OpenImageIO draws on a uniform background.
 std::vector<float> drawn_at_once(int x, int baseline, const std::string& line, int size) {
   std::vector<float> pixels;
-  for (int k = 0; k < width * height; ++k)
+  for (int k = 0; k < mask_width * mask_height; ++k)
     pixels.insert(pixels.end(), {ground.red, ground.green, ground.blue});
-  OIIO::ImageBuf image(OIIO::ImageSpec(width, height, 3, OIIO::TypeDesc::FLOAT), pixels.data());
+  OIIO::ImageBuf image(OIIO::ImageSpec(mask_width, mask_height, 3, OIIO::TypeDesc::FLOAT), pixels.data());
   const float components[] = {ink.red, ink.green, ink.blue};
   EXPECT_TRUE(OIIO::ImageBufAlgo::render_text(image, x, baseline, line, size, label_font(), components));
   return pixels;
 }
 
 void expect_drawn_as_at_once(const std::string& line, int size) {
-  Canvas canvas(width, height, ground, label_font());
+  Canvas canvas(mask_width, mask_height, ground, label_font());
   canvas.text(20, 30, line, size, ink);
   const int baseline = 30 + static_cast<int>(std::lround(0.365 * size));
   const std::vector<float> expected = drawn_at_once(20, baseline, line, size);

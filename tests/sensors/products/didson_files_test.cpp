@@ -8,6 +8,7 @@
 
 #include "fixtures/camera_file_reader.hpp"
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/kinds/kind_didson.hpp"
 #include "sensors/products/camera_files.hpp"
 
@@ -15,7 +16,6 @@ namespace tubefoot {
 namespace {
 
 using camera_file::Reader;
-using samples::degree;
 using ::testing::HasSubstr;
 
 class CameraFiles : public testing::Test {

@@ -16,13 +16,13 @@
 #include "fixtures/test_folder.hpp"
 #include "fixtures/world/packed_recording.hpp"
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/products/pictures.hpp"
 #include "sensors/recordings/recording.hpp"
 
 namespace tubefoot {
 namespace {
 
-using samples::degree;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;

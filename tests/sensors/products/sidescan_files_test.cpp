@@ -12,6 +12,7 @@
 
 #include "fixtures/packet_reader.hpp"
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/kinds/kind_sidescan.hpp"
 #include "sensors/products/two_sided_files.hpp"
 
@@ -102,8 +103,7 @@ TEST(SidescanFiles, XtfHasAttitudeNavigationAndSamplesOfEachPing) {
   const TestFolder folder;
   auto made = line();
   for (std::size_t k = 0; k < 9; ++k)
-    made.recording.ping_pose[k].attitude =
-        attitude_from_angles(30 * samples::degree, 2 * samples::degree, -3 * samples::degree);
+    made.recording.ping_pose[k].attitude = attitude_from_angles(30 * degree, 2 * degree, -3 * degree);
   std::vector<std::string> warnings;
   write_two_sided_files(folder.path(), made.recording, at_sea(), widths, warnings);
   const auto bytes = file_content(folder / "sidescan.xtf");

@@ -9,7 +9,6 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "fixtures/csv_rows.hpp"
@@ -17,6 +16,7 @@
 #include "fixtures/packet_reader.hpp"
 #include "fixtures/refusal.hpp"
 #include "fixtures/test_folder.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/formats/signals_netcdf.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
@@ -29,7 +29,6 @@ namespace tubefoot {
 namespace {
 
 using Complex = std::complex<double>;
-using std::numbers::pi;
 using testing::ElementsAre;
 using testing::HasSubstr;
 

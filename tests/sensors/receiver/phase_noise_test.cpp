@@ -8,15 +8,13 @@
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <complex>
-#include <numbers>
 #include <random>
 
 #include "fixtures/statistics.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
-
-using std::numbers::pi;
 
 constexpr double coherences[] = {0, 0.01, 0.3, 0.5, 0.7, 0.7071, 0.7072, 0.9, 0.99, 0.9999, 0.999999};
 

@@ -10,10 +10,10 @@
 #include <limits>
 #include <random>
 
+#include "geometry/numbers/scalars.hpp"
+
 namespace tubefoot {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 TEST(Quantiser, DidsonSpreads90DecibelsOver256Codes) {
   const Quantiser didson = Quantiser::didson();
@@ -62,12 +62,12 @@ TEST(Quantiser, HalvesGoUpAndOneBitLessGoesDown) {
 TEST(Quantiser, WhatLiesOutsideIsHeldAtTheEnds) {
   for (const Quantiser& q : {Quantiser::didson(), Quantiser::aris(), Quantiser::xtf_amplitude(1e-3),
                              Quantiser::xtf_levels(-100, 20)}) {
-    EXPECT_EQ(q.code(-infinity), 0);  // no echo at all
+    EXPECT_EQ(q.code(-infinite), 0);  // no echo at all
     EXPECT_EQ(q.code(-1e300), 0);
-    EXPECT_EQ(q.code(std::nextafter(q.value(0), -infinity)), 0);
-    EXPECT_EQ(q.code(std::nextafter(q.value(q.largest_code()), infinity)), q.largest_code());
+    EXPECT_EQ(q.code(std::nextafter(q.value(0), -infinite)), 0);
+    EXPECT_EQ(q.code(std::nextafter(q.value(q.largest_code()), infinite)), q.largest_code());
     EXPECT_EQ(q.code(1e300), q.largest_code());
-    EXPECT_EQ(q.code(infinity), q.largest_code());
+    EXPECT_EQ(q.code(infinite), q.largest_code());
   }
 }
 
@@ -96,8 +96,8 @@ TEST(Quantiser, RefusesWhatHasNoCode) {
   EXPECT_THROW(Quantiser::didson().code(std::nan("")), std::invalid_argument);
   EXPECT_THROW(Quantiser(0, 0, 8), std::invalid_argument);
   EXPECT_THROW(Quantiser(1, 0, 8), std::invalid_argument);
-  EXPECT_THROW(Quantiser(0, infinity, 8), std::invalid_argument);
-  EXPECT_THROW(Quantiser(-infinity, 0, 8), std::invalid_argument);
+  EXPECT_THROW(Quantiser(0, infinite, 8), std::invalid_argument);
+  EXPECT_THROW(Quantiser(-infinite, 0, 8), std::invalid_argument);
   EXPECT_THROW(Quantiser(std::nan(""), 1, 8), std::invalid_argument);
   EXPECT_THROW(Quantiser(1e20, 1e20 + 1e5, 16), std::invalid_argument);  // steps too fine for a double
   EXPECT_THROW(Quantiser(0, 1, 0), std::invalid_argument);

@@ -15,6 +15,7 @@
 #include "files/input_error.hpp"
 #include "fixtures/foreign_echoes.hpp"
 #include "fixtures/world/recordings.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -26,7 +27,6 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct EchoReader : testing::Test {
   TestFolder folder;
@@ -149,7 +149,7 @@ TEST_F(EchoReader, GroupsAreSensorsIfTheyHaveEnergies) {
 
 TEST_F(EchoReader, EnergyBoundIsReadIfItIsThere) {
   std::vector<double> half_widths(24, 1e-15);
-  half_widths[7] = infinity;
+  half_widths[7] = infinite;
   group.variables["energy_bound"] = {{"ping", "beam", "sample"}, "J", half_widths};
   write_foreign(file, group);
   EXPECT_EQ(read_echo_file(file).sensors[0].energy_bound, half_widths);
@@ -199,7 +199,7 @@ TEST_F(EchoReader, DimensionsTypesAndUnitsMustBeTheLayouts) {
 }
 
 TEST_F(EchoReader, EnergiesMustBeFiniteAndNotNegative) {
-  for (const double bad : {nan, infinity, -1e-12}) {
+  for (const double bad : {nan, infinite, -1e-12}) {
     variable("energy").values[17] = bad;
     EXPECT_THAT(refusal(), AllOf(HasSubstr(fmt::format("'energy' holds {} at ping 1, beam 1, sample 1", bad)),
                                  HasSubstr("expected finite energies of at least 0")));

@@ -5,15 +5,14 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 #include "fixtures/lobes.hpp"
 #include "fixtures/refusal.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
 
-using std::numbers::pi;
 using Law = ApertureWindow::Law;
 
 /// Figures for elements half a wavelength apart, by u = elements x turns of phase from one to the next.

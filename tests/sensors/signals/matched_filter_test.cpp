@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "fixtures/lobes.hpp"
 #include "fixtures/refusal.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "sensors/signals/point_signals.hpp"
 #include "sensors/signals/signal_transform.hpp"
 
@@ -15,8 +15,7 @@ namespace tubefoot {
 namespace {
 
 using Complex = std::complex<double>;
-using std::numbers::pi;
-constexpr double c = 1500;
+using test::c;
 
 /// A transmitter and a receiver at one position, and a point at a distance with a delay of `delay_s`.
 ElementSignals echo(const TransmitWaveform& waveform, const SignalSampling& sampling, double delay_s) {

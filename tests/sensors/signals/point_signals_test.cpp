@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fixtures/lobes.hpp"
 #include "fixtures/refusal.hpp"
 
 namespace tubefoot {
@@ -15,12 +16,12 @@ namespace {
 
 using Complex = std::complex<double>;
 using Real = long double;
+using test::c;
 struct LongVector {
   Real x, y, z;
 };
 
 constexpr Real two_pi = 2 * std::numbers::pi_v<Real>;
-constexpr double c = 1500;
 /// 1e-9 of a wavelength, which is one turn
 const double phase_tolerance = 2 * std::numbers::pi * 1e-9;
 

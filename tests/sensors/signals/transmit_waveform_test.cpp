@@ -4,14 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "fixtures/refusal.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
-
-using std::numbers::pi;
 
 TEST(TransmitWaveform, HasTheEnergyOneWhateverItsFlanks) {
   for (const double taper : {0.0, 0.1, 0.5, 1.0}) {
