@@ -25,21 +25,25 @@ ReservedSpace::~ReservedSpace() {
 }
 
 void ReservedSpace::reserve(std::uintmax_t bytes) {
+  if (const int error = reserve_beyond(descriptor_, bytes); error != 0) throw write_error(file_, error);
+}
+
+int reserve_beyond(int descriptor, std::uintmax_t bytes) {
   struct stat now {};
-  if (fstat(descriptor_, &now) != 0) throw write_error(file_, errno);
+  if (fstat(descriptor, &now) != 0) return errno;
   const std::uintmax_t wanted = static_cast<std::uintmax_t>(now.st_size) + bytes;
   rlimit limit{};  // some file systems reserve space beyond this limit
   if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && wanted > limit.rlim_cur)
-    throw write_error(file_, EFBIG);
+    return EFBIG;
   int status = 0;
   do {
-    status = fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(wanted));
+    status = fallocate(descriptor, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(wanted));
   } while (status != 0 && errno == EINTR);
-  if (status == 0) return;
-  if (errno != EOPNOTSUPP && errno != ENOSYS) throw write_error(file_, errno);
+  if (status == 0) return 0;
+  if (errno != EOPNOTSUPP && errno != ENOSYS) return errno;
   struct statvfs disk {};
-  if (fstatvfs(descriptor_, &disk) != 0) throw write_error(file_, errno);
-  if (static_cast<std::uintmax_t>(disk.f_bavail) * disk.f_frsize < bytes) throw write_error(file_, ENOSPC);
+  if (fstatvfs(descriptor, &disk) != 0) return errno;
+  return static_cast<std::uintmax_t>(disk.f_bavail) * disk.f_frsize < bytes ? ENOSPC : 0;
 }
 
 }  // namespace tubefoot

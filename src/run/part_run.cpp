@@ -123,18 +123,12 @@ fs::path part_file(const fs::path& output, const PartNumber& part) {
 }
 
 PartDeal::PartDeal(const Survey& survey, StoreLayout layout, int parts)
-    : survey_(survey), layout_(std::move(layout)), parts_(static_cast<std::size_t>(parts)) {
-  std::size_t unit = 0;
-  for (const StoreLayout::Group& group : layout_.groups) {
-    first_unit_.push_back(unit);
-    unit += group.pings;
-  }
-}
+    : survey_(survey), layout_(std::move(layout)), parts_(static_cast<std::size_t>(parts)) {}
 
 int PartDeal::part_of(const PingUnit& unit) const {
   const std::size_t part = survey_.loaded_scene->is_tiled()
                                ? unit.ping * parts_ / layout_.groups[unit.group].pings
-                               : (first_unit_[unit.group] + unit.ping) % parts_;
+                               : layout_.number_of(unit) % parts_;
   return static_cast<int>(part) + 1;
 }
 
@@ -159,7 +153,7 @@ RunPart::RunPart(const RunOptions& options, const Json& scene_request)
     : quiet_(options.quiet), part_(parse_part(*options.part)), file_([&] {
         const fs::path path = part_file(options.output, part_);
         try {
-          return PartFile(path);
+          return PingFile(path, "shard");
         } catch (const StoreInUse&) {
           throw UsageError(fmt::format("another process is computing {} ('{}'): wait until it is finished",
                                        in_words(part_), path.string()));
@@ -168,7 +162,7 @@ RunPart::RunPart(const RunOptions& options, const Json& scene_request)
                                        error.what(), in_words(part_)));
         }
       }()) {
-  kept_ = file_.has_pings();
+  kept_ = file_.pings() > 0;
   if (!kept_) file_.forget();
   if (kept_ && !options.resume)
     throw UsageError(fmt::format(
@@ -278,11 +272,11 @@ RunParts::RunParts(const fs::path& output) : output_(output) {
 
 fs::path RunParts::path_of(int number) const { return part_file(output_, {number, count_}); }
 
-std::unique_ptr<PartFile> RunParts::opened(int number) const {
+std::unique_ptr<PingFile> RunParts::opened(int number) const {
   const PartNumber part{number, count_};
   const fs::path path = path_of(number);
   try {
-    auto file = std::make_unique<PartFile>(path);
+    auto file = std::make_unique<PingFile>(path, "shard");
     if (file->identity().empty())
       throw UsageError(fmt::format("{} has no pings yet ('{}'): compute it with --shard {}/{}",
                                    in_words(part), path.string(), number, count_));
@@ -297,7 +291,7 @@ std::unique_ptr<PartFile> RunParts::opened(int number) const {
 }
 
 RunOptions RunParts::options_of_run(RunOptions options) const {
-  const std::unique_ptr<PartFile> first = opened(1);
+  const std::unique_ptr<PingFile> first = opened(1);
   try {
     return options_of(Json::parse(first->identity()).at("options"), std::move(options));
   } catch (const Json::exception&) {
@@ -307,7 +301,7 @@ RunOptions RunParts::options_of_run(RunOptions options) const {
 
 void RunParts::require(const Json& scene_request) const {
   for (int number = 1; number <= count_; ++number) {
-    const std::unique_ptr<PartFile> file = opened(number);
+    const std::unique_ptr<PingFile> file = opened(number);
     const std::string part = fmt::format("{} ('{}')", in_words({number, count_}), file->path().string());
     try {
       const Json identity = Json::parse(file->identity());
@@ -329,7 +323,7 @@ void RunParts::require_whole(const PartDeal& deal) const {
   std::string example;
   for (int number = 1; number <= count_; ++number) {
     stop_if_wanted();
-    const std::unique_ptr<PartFile> file = opened(number);
+    const std::unique_ptr<PingFile> file = opened(number);
     file->look_through(deal.layout());
     const std::vector<PingUnit> units = deal.units_of(number);
     const auto whole = static_cast<std::size_t>(
@@ -338,7 +332,7 @@ void RunParts::require_whole(const PartDeal& deal) const {
     unfinished.push_back(number);
     if (!example.empty()) continue;
     const auto damaged =
-        std::ranges::find_if(units, [&](const PingUnit& unit) { return file->has_damaged(unit); });
+        std::ranges::find_if(units, [&](const PingUnit& unit) { return file->may_have_damaged(unit); });
     example = fmt::format("{} ('{}') has {} of its {} pings", in_words({number, count_}),
                           file->path().string(), whole, units.size());
     if (damaged != units.end()) example += fmt::format(", and is damaged at {}", deal.in_words(*damaged));
@@ -353,7 +347,7 @@ void RunParts::require_whole(const PartDeal& deal) const {
 void RunParts::hand_over(const PartDeal& deal, PingStore& store, bool quiet) const {
   Progress progress("joined pings", deal.layout().units(), quiet);
   for (int number = 1; number <= count_; ++number) {
-    const std::unique_ptr<PartFile> file = opened(number);
+    const std::unique_ptr<PingFile> file = opened(number);
     file->look_through(deal.layout());
     const std::vector<PingUnit> units = deal.units_of(number);
     tbb::parallel_for(std::size_t{0}, units.size(), [&](std::size_t k) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "run/checkpoint/part_file.hpp"
+#include "run/checkpoint/ping_store.hpp"
 #include "run/options.hpp"
 #include "run/run_request.hpp"
 #include "run/survey.hpp"
@@ -49,7 +49,6 @@ class PartDeal {
   const Survey& survey_;
   StoreLayout layout_;
   std::size_t parts_;
-  std::vector<std::size_t> first_unit_;  ///< by group
 };
 
 /// One shard of a run and its file.
@@ -76,7 +75,7 @@ class RunPart {
  private:
   bool quiet_;
   PartNumber part_;
-  PartFile file_;
+  PingFile file_;
   std::size_t pings_ = 0;                 ///< number of pings of this shard
   std::atomic<std::size_t> done_{0};      ///< number of these that are done
   bool complete_ = false, kept_ = false;  ///< kept: the file continues an earlier run
@@ -103,7 +102,7 @@ class RunParts {
 
  private:
   /// Throws UsageError for an unusable file, also while another process computes the shard.
-  std::unique_ptr<PartFile> opened(int number) const;
+  std::unique_ptr<PingFile> opened(int number) const;
   std::filesystem::path path_of(int number) const;
 
   std::filesystem::path output_;

@@ -70,17 +70,20 @@ void keep_through(const std::function<std::string()>& advice, const std::functio
 
 PartialRun::PartialRun(const fs::path& output, bool resume)
     : file_(beside(output, ".partial")), kept_(std::make_unique<std::optional<Json>>()) {
-  StoreSummary there;
   std::optional<Json> identity;
   const auto in_the_way = [](const std::string& what) {
     return UsageError(
         fmt::format("{}: move or delete it, because this path is needed for the pings of the run", what));
   };
   try {
-    taken_ = take_ping_file(file_, false);
-    if (!taken_) return;
-    there = summary_of(file_, taken_);
-    if (there.done > 0) identity = Json::parse(there.identity);
+    taken_ = std::make_unique<PingFile>(file_);
+    kept_done_ = taken_->pings();
+    if (kept_done_ > 0) {
+      identity = Json::parse(taken_->identity());
+      units_ = identity->at("pings").get<std::size_t>();
+    } else {
+      taken_->forget();
+    }
   } catch (const Json::exception&) {
     throw in_the_way(fmt::format("'{}' is damaged", file_.string()));
   } catch (const StoreInUse& error) {
@@ -88,15 +91,13 @@ PartialRun::PartialRun(const fs::path& output, bool resume)
   } catch (const UnusableStore& error) {
     throw in_the_way(error.what());
   }
-  if (there.done == 0) return;
+  if (kept_done_ == 0) return;
   if (!resume)
     throw UsageError(
         fmt::format("'{}' contains {} of {} pings of an unfinished run: add --resume to continue, or delete "
                     "it to start again",
-                    file_.string(), there.done, there.units));
+                    file_.string(), kept_done_, units_));
   kept_ = std::make_unique<std::optional<Json>>(std::move(identity));
-  units_ = there.units;
-  kept_done_ = there.done;
 }
 
 PartialRun::~PartialRun() {
@@ -108,14 +109,10 @@ const std::optional<Json>& PartialRun::kept() const { return *kept_; }
 
 std::shared_ptr<PingStore> PartialRun::open(const StoreLayout& layout, const Json& identity) {
   units_ = layout.units();
+  Json described = identity;
+  described["pings"] = units_;
   try {
-    if (*kept_)
-      store_ = PingStore::reopen(layout, file_, std::move(taken_));
-    else
-      keep_through([&] {
-        if (!taken_) taken_ = take_ping_file(file_, true);
-        store_ = std::make_shared<PingStore>(layout, file_, std::move(taken_), identity.dump());
-      });
+    keep_through([&] { store_ = std::make_shared<PingStore>(layout, std::move(taken_), described.dump()); });
   } catch (const StoreInUse& error) {
     throw UsageError(error.what());
   } catch (const UnusableStore& error) {

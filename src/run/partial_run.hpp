@@ -64,7 +64,7 @@ class PartialRun {
 
  private:
   std::filesystem::path file_;
-  Descriptor taken_;  ///< the opened file until open() is called, so that no other run can open it
+  std::unique_ptr<PingFile> taken_;  ///< the file until open() is called, so that no other run can open it
   std::unique_ptr<const std::optional<nlohmann::ordered_json>> kept_;
   std::shared_ptr<PingStore> store_;
   std::size_t units_ = 0, kept_done_ = 0;

@@ -76,6 +76,12 @@ int posix_fallocate(int fd, off_t at, off_t size) {
 int posix_fallocate64(int fd, off64_t at, off64_t size) {
   return fails(here_fd(fd)) ? ENOSPC : REAL(posix_fallocate64)(fd, at, size);
 }
+int fallocate(int fd, int mode, off_t at, off_t size) {
+  return fails(here_fd(fd)) ? -1 : REAL(fallocate)(fd, mode, at, size);
+}
+int fallocate64(int fd, int mode, off64_t at, off64_t size) {
+  return fails(here_fd(fd)) ? -1 : REAL(fallocate64)(fd, mode, at, size);
+}
 int fsync(int fd) { return fails(here_fd(fd)) ? -1 : REAL(fsync)(fd); }
 int fdatasync(int fd) { return fails(here_fd(fd)) ? -1 : REAL(fdatasync)(fd); }
 int mkdir(const char* path, mode_t mode) { return fails(here(path)) ? -1 : REAL(mkdir)(path, mode); }

@@ -182,7 +182,7 @@ TEST_F(Hostile, RunsThatWouldFillTheDisk) {
   const Outcome outcome = run({"run", (folder / "scene.toml").string(), "-o", (folder / "results").string()});
   expect_harmless(outcome);
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("results.partial: cannot reserve 53740847.4 MB"),
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("results.partial: cannot reserve 53740814.6 MB"),
                                  HasSubstr("choose another -o")));
   EXPECT_EQ(names_below(folder.path()), before);
 }

@@ -9,7 +9,7 @@
 
 #include "files/usage_error.hpp"
 #include "fuzz.hpp"
-#include "run/checkpoint/part_file.hpp"
+#include "run/checkpoint/ping_file.hpp"
 #include "run/partial_run.hpp"
 #include "run/refined_surface_file.hpp"
 #include "sensors/kinds/scene_file.hpp"
@@ -27,7 +27,9 @@ StoreLayout layout() {
 
 nlohmann::ordered_json requested() { return {{"scene_hash", "0123"}, {"reference", nullptr}}; }
 
-nlohmann::ordered_json identity() { return {{"asked", requested()}, {"run", json_of(RunRequest())}}; }
+nlohmann::ordered_json identity() {
+  return {{"asked", requested()}, {"run", json_of(RunRequest())}, {"pings", layout().units()}};
+}
 
 /// A file of pings as the program writes it, with some finished pings, or with another layout or identity.
 std::string good_store(std::uint32_t kind) {
@@ -35,7 +37,8 @@ std::string good_store(std::uint32_t kind) {
   StoreLayout made = layout();
   if (kind == 1) made.with_bounds = false;
   {
-    PingStore store(made, file, kind == 2 ? "{" : identity().dump());
+    std::filesystem::remove(file);
+    PingStore store(made, std::make_unique<PingFile>(file), kind == 2 ? "{" : identity().dump());
     for (const std::size_t ping : {0, 1, 3}) {
       PingValues values;
       values.clear(made, 0);
@@ -114,7 +117,7 @@ std::string good_part() {
   const auto path = scratch_folder() / "made.part";
   std::filesystem::remove(path);
   {
-    PartFile file(path);
+    PingFile file(path, "shard");
     file.begin(identity().dump());
     for (const PingUnit unit : {PingUnit{0, 3}, PingUnit{1, 0}, PingUnit{0, 1}})
       file.append(packed_ping(layout(), unit, {}, some_ping(unit.group, unit.ping)));
@@ -128,7 +131,7 @@ void part_file(Bytes& bytes) {
   const auto path =
       scratch_file("run.part-1-of-2", bytes.below(8) == 0 ? std::string(bytes.rest()) : damaged(good, bytes));
   try {
-    PartFile file(path);
+    PingFile file(path, "shard");
     file.look_through(layout());
     PingValues values;
     for (std::size_t group = 0; group < 2; ++group)

@@ -231,7 +231,7 @@ TEST_F(Parts, WithAnyByteChangedJoinToTheSameOrAreRefused) {
   ASSERT_EQ(join({"--pictures", "none", "--keep-shards"}).exit_code, 0);
   const std::string whole = bytes_of(results / "echoes.nc");
   int refused = 0, joined = 0;
-  // This test changes some bytes. The test PartFiles changes all bytes of a file. Most changes are in the
+  // This test changes some bytes. The test PingFiles changes all bytes of a file. Most changes are in the
   // header and in the pings.
   for (std::size_t at = 0; at<good.size(); at += at> 40 && at < good.size() - 600 ? 97 : 5) {
     SCOPED_TRACE(at);
@@ -273,8 +273,8 @@ TEST_F(Parts, MeetAFullDiskWithWhatTheyHave) {
   const Outcome outcome = part(1, 1, {}, small_disk);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err,
-              AllOf(HasSubstr("cannot write the part"), HasSubstr("of 3003 pings of shard 1 of 1 are stored"),
-                    HasSubstr("--resume")));
+              AllOf(HasSubstr("cannot write the shard"),
+                    HasSubstr("of 3003 pings of shard 1 of 1 are stored"), HasSubstr("--resume")));
   ASSERT_EQ(part(1, 1, {"--resume", "--quiet"}).exit_code, 0);
   ASSERT_EQ(join({"--quiet"}).exit_code, 0);
 }

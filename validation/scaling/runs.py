@@ -12,9 +12,9 @@ import time
 import numpy
 
 SCENES = pathlib.Path(__file__).resolve().parents[2] / "scenes"
-# src/run/checkpoint/ping_store.hpp: a unit is a checksum, a place, a length and PingCounts; the seconds stand behind five
-# counts.
-UNIT_BYTES, SECONDS_AT, PAGE = 328, 64, 4096
+# src/run/checkpoint/packed_ping.hpp: a packed ping begins with a header (group, ping, number of bytes after the header, checksums).
+# PingCounts follows; its seconds stand behind five counts.
+HEAD_BYTES, SECONDS_AT = 32, 72
 
 
 def with_pings(scene, pings, folder):
@@ -31,16 +31,18 @@ def with_pings(scene, pings, folder):
 def ping_seconds(store, stats):
     """Visibility and echo seconds, [ping][2], of all pings of an open store: they are kept with each ping's energies."""
     data = store.read()
-    if data[:16] != b"tubefoot pings 4":
-        raise RuntimeError(f"{store.name}: this script does not support this checkpoint format (src/run/checkpoint/ping_store.cpp)")
-    identity, units = (int.from_bytes(data[k:k + 8], "little") for k in (16, 32))
-    first = -(-(48 + identity) // PAGE) * PAGE
-    rows = numpy.frombuffer(data, numpy.uint8, units * UNIT_BYTES, first).reshape(units, UNIT_BYTES)
-    seconds = rows[:, SECONDS_AT:SECONDS_AT + 16].copy().view(numpy.float64)
+    if data[:16] != b"tubefoot pings 5":
+        raise RuntimeError(f"{store.name}: this script does not support this checkpoint format (src/run/checkpoint/ping_file.cpp)")
+    at, pings = 32 + int.from_bytes(data[16:24], "little"), {}
+    while at < len(data):
+        group, ping, size = (int.from_bytes(data[at + k:at + k + 8], "little") for k in (0, 8, 16))
+        pings[group, ping] = numpy.frombuffer(data, numpy.float64, 2, at + SECONDS_AT)
+        at += HEAD_BYTES + size
+    seconds = numpy.array([pings[key] for key in sorted(pings)])
     told = [stats["seconds"][k] for k in ("visibility_of_all_pings", "echo_of_all_pings")]
     if not numpy.allclose(seconds.sum(axis=0), told, rtol=1e-6):
         raise RuntimeError(f"{store.name}: the seconds of the pings do not add up to those of stats.json; "
-                           "has PingCounts changed (src/run/checkpoint/ping_store.hpp)?")
+                           "has PingCounts changed (src/run/checkpoint/ping_counts.hpp)?")
     return seconds
 
 

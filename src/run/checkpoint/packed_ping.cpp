@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <type_traits>
 
@@ -95,11 +96,18 @@ std::string packed_ping(const StoreLayout& layout, const PingUnit& unit, const P
   return packed;
 }
 
-PackedHead head_of_packed(std::string_view bytes, const StoreLayout& layout) {
+std::optional<PackedHead> intact_head(std::string_view bytes) {
   PackedHead head;
-  if (bytes.size() < sizeof head) damaged("it is incomplete");
+  if (bytes.size() < sizeof head) return std::nullopt;
   std::memcpy(&head, bytes.data(), sizeof head);
-  if (head.head_checksum != checksum_of(head)) damaged("its header is damaged");
+  if (head.head_checksum != checksum_of(head)) return std::nullopt;
+  return head;
+}
+
+PackedHead head_of_packed(std::string_view bytes, const StoreLayout& layout) {
+  const std::optional<PackedHead> intact = intact_head(bytes);
+  if (!intact) damaged("its header is incomplete or damaged");
+  const PackedHead& head = *intact;
   if (head.unit.group >= layout.groups.size() || head.unit.ping >= layout.groups[head.unit.group].pings)
     damaged("it belongs to another run");
   if (head.bytes > most_packed(layout, head.unit.group) - sizeof head) damaged("it is too long");

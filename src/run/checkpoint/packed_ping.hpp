@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -40,6 +41,9 @@ struct ChunkName {
 std::string packed_ping(const StoreLayout& layout, const PingUnit& unit, const PingCounts& counts,
                         const PingValues& values);
 
+/// Returns the header at the start of `bytes`, or nothing if there is none. The header may belong to another
+/// layout.
+std::optional<PackedHead> intact_head(std::string_view bytes);
 /// Returns the header at the start of `bytes`. Throws DamagedPing if there is no header or if the layout
 /// does not contain the ping. Also throws DamagedPing if the ping has more bytes than such a ping can have
 /// when packed.

@@ -13,6 +13,12 @@ std::size_t StoreLayout::units() const {
   return all;
 }
 
+std::size_t StoreLayout::number_of(const PingUnit& unit) const {
+  std::size_t before = 0;
+  for (std::size_t group = 0; group < unit.group; ++group) before += groups[group].pings;
+  return before + unit.ping;
+}
+
 void PingValues::clear(const StoreLayout& layout, std::size_t group) {
   places_.assign(layout.sensors.size(), {});
   with_bounds_ = layout.with_bounds;

@@ -13,6 +13,11 @@
 
 namespace tubefoot {
 
+/// One ping of one group of sensors.
+struct PingUnit {
+  std::uint64_t group = 0, ping = 0;
+};
+
 /// Sizes of everything that a run stores.
 struct StoreLayout {
   struct Sensor {
@@ -28,11 +33,8 @@ struct StoreLayout {
   std::vector<Group> groups;
   bool with_bounds = false;
   std::size_t units() const;  ///< Returns the number of pings of all groups.
-};
-
-/// One ping of one group of sensors.
-struct PingUnit {
-  std::uint64_t group = 0, ping = 0;
+  /// Returns the number of pings that precede this ping: those of earlier groups, and of its own group.
+  std::size_t number_of(const PingUnit& unit) const;
 };
 
 /// Energies and bounds of one ping while it is computed. The memory is reused for the next ping, because new

@@ -24,7 +24,7 @@ TEST(FuzzedKeptRuns, KeptRunThatSaysNothingOfItselfIsInTheWay) {
   layout.sensors = {{2, 3}};
   layout.groups = {{{0}, 2}};
   {
-    PingStore store(layout, folder / "results.partial", "{");
+    PingStore store(layout, std::make_unique<PingFile>(folder / "results.partial"), "{");
     PingValues silent;
     silent.clear(layout, 0);
     store.finish(0, 1, {}, silent);

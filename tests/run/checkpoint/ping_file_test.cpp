@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests the file of a shard. It keeps finished pings, and accepts nothing else as a ping after cuts,
-// changed bits or other layouts.
-#include "run/checkpoint/part_file.hpp"
+// Tests the file of a checkpoint or of a shard. It keeps finished pings, and accepts nothing else as a ping
+// after cuts, changed bits or other layouts.
+#include "run/checkpoint/ping_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,14 +34,14 @@ std::string packed(std::size_t ping) {
 /// Makes a file with pings 0, 2 and 3.
 fs::path made_in(const TestFolder& folder) {
   const fs::path path = folder / "out.part-1-of-1";
-  PartFile file(path);
+  PingFile file(path, "shard");
   file.begin("me");
   for (const std::size_t ping : {2, 0, 3}) file.append(packed(ping));
   return path;
 }
 
 /// Returns which pings exist, and checks that each has its original values.
-std::vector<bool> there(const PartFile& file) {
+std::vector<bool> there(const PingFile& file) {
   std::vector<bool> found;
   PingValues room;
   for (std::size_t ping = 0; ping < 4; ++ping) {
@@ -54,26 +54,26 @@ std::vector<bool> there(const PartFile& file) {
   return found;
 }
 
-TEST(PartFiles, AreGoneOnWith) {
+TEST(PingFiles, AreGoneOnWith) {
   TestFolder folder;
   const fs::path path = made_in(folder);
   {
-    PartFile file(path);
+    PingFile file(path, "shard");
     EXPECT_EQ(file.identity(), "me");
-    EXPECT_TRUE(file.has_pings());
+    EXPECT_EQ(file.pings(), 3u);
     file.look_through(layout());
     EXPECT_EQ(there(file), (std::vector<bool>{true, false, true, true}));
-    EXPECT_THROW(PartFile{path}, StoreInUse);
+    EXPECT_THROW(PingFile{path}, StoreInUse);
     file.begin("me");
     file.append(packed(1));
   }
-  PartFile file(path);
+  PingFile file(path, "shard");
   file.look_through(layout());
   EXPECT_EQ(there(file), (std::vector<bool>{true, true, true, true}));
 }
 
 // The end of the program or a full disk may cut the file at any byte.
-TEST(PartFiles, CutAnywhereKeepWhatIsWholeAndGoOn) {
+TEST(PingFiles, CutAnywhereKeepWhatIsWholeAndGoOn) {
   TestFolder folder;
   const fs::path path = made_in(folder);
   const std::string good = bytes_of(path);
@@ -82,10 +82,10 @@ TEST(PartFiles, CutAnywhereKeepWhatIsWholeAndGoOn) {
     SCOPED_TRACE(bytes);
     folder.write(path.filename().string(), good.substr(0, bytes));
     if (bytes > 0 && bytes < 32) {
-      EXPECT_THROW(PartFile{path}, UnusableStore);
+      EXPECT_THROW(PingFile{path}, UnusableStore);
       continue;
     }
-    PartFile file(path);
+    PingFile file(path, "shard");
     EXPECT_EQ(file.identity().empty(), bytes < head);
     if (!file.identity().empty()) file.look_through(layout());
     file.begin("me");
@@ -98,7 +98,7 @@ TEST(PartFiles, CutAnywhereKeepWhatIsWholeAndGoOn) {
   }
 }
 
-TEST(PartFiles, WithAnyBitTurnedHaveThePingsThatWereThereOrFewer) {
+TEST(PingFiles, WithAnyBitTurnedHaveThePingsThatWereThereOrFewer) {
   TestFolder folder;
   const fs::path path = made_in(folder);
   const std::string good = bytes_of(path);
@@ -110,7 +110,7 @@ TEST(PartFiles, WithAnyBitTurnedHaveThePingsThatWereThereOrFewer) {
       damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
       folder.write(path.filename().string(), damaged);
       try {
-        PartFile file(path);
+        PingFile file(path, "shard");
         if (file.identity().empty()) continue;  // its length is that of a file that was just begun
         EXPECT_EQ(file.identity(), "me");
         file.look_through(layout());
@@ -120,7 +120,7 @@ TEST(PartFiles, WithAnyBitTurnedHaveThePingsThatWereThereOrFewer) {
         EXPECT_LT(whole, 3);
         lost += whole < 3;
         if (whole == 2 && !found[2]) {
-          EXPECT_TRUE(file.has_damaged({0, 2}));
+          EXPECT_TRUE(file.may_have_damaged({0, 2}));
         }
       } catch (const UnusableStore&) {
         ++refused;
@@ -130,12 +130,25 @@ TEST(PartFiles, WithAnyBitTurnedHaveThePingsThatWereThereOrFewer) {
   EXPECT_GT(refused, 30u);
 }
 
-TEST(PartFiles, OfAnotherScenesLengthsHaveNoPings) {
+// The position of the next ping is then found by its header.
+TEST(PingFiles, WithADamagedHeaderKeepThePingsAfterIt) {
   TestFolder folder;
-  PartFile file(made_in(folder));
+  const fs::path path = made_in(folder);
+  std::string bytes = bytes_of(path);
+  bytes[bytes.find(packed(2)) + 3] ^= 1;
+  folder.write(path.filename().string(), bytes);
+  PingFile file(path);
+  EXPECT_EQ(file.pings(), 2u);
+  file.look_through(layout());
+  EXPECT_EQ(there(file), (std::vector<bool>{true, false, false, true}));
+}
+
+TEST(PingFiles, OfAnotherScenesLengthsAreRefused) {
+  TestFolder folder;
+  PingFile file(made_in(folder), "shard");
   StoreLayout other = layout();
   other.groups[0].pings = 2;
-  file.look_through(other);
+  EXPECT_THROW(file.look_through(other), UnusableStore);
   EXPECT_FALSE(file.has({0, 0}));
   EXPECT_FALSE(file.has({0, 1}));
 }
