@@ -123,13 +123,11 @@ CameraFormat format_of(const Recording& recording, const RunContext& run) {
 class Levels {
  public:
   Levels(const Recording& recording, const RunContext& run)
-      : recording_(recording), receiver_(receiver_of(recording, run)) {}
+      : recording_(recording), received_(recording, run) {}
 
   std::vector<double> of(std::size_t ping) const {
-    const PingEnergies kept = recording_.energy_of(ping);
-    std::vector<double> levels =
-        receiver_.receive(recording_.number_of(ping), kept, recording_.sensor->samples());
-    for (double& level : levels) level = receiver_.level_db(level);
+    std::vector<double> levels = received_.of(ping);
+    for (double& level : levels) level = received_.chain().level_db(level);
     return levels;
   }
 
@@ -162,7 +160,7 @@ class Levels {
 
  private:
   const Recording& recording_;
-  ReceiverChain receiver_;
+  ReceivedPings received_;
 };
 
 CameraAttitude attitude_of(const PoseAngles& angles) {
