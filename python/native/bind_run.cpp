@@ -3,7 +3,9 @@
 // energies, labels and signals as views, and passes warnings on to Python.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
+#include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -29,6 +31,8 @@
 #include "sensors/model/angles.hpp"
 #include "sensors/products/array_files.hpp"
 #include "sensors/recordings/pose_angles.hpp"
+#include "sensors/recordings/receiver_output.hpp"
+#include "sensors/recordings/run_context.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 #include "signals.hpp"
 
@@ -206,6 +210,27 @@ py::dict arrays_of(const py::object& self, std::size_t sensor) {
   return arrays;
 }
 
+/// Returns a copy of the received data of a sensor, of shape (pings, beams, samples). Returns None for an
+/// ideal receiver, for the lower receiver unless there is a pair, and for a file, whose arrays include them.
+py::object received_of(const NativeResult& self, std::size_t sensor, bool lower) {
+  if (self.read) return py::none();
+  const Recording& r = self.recordings.at(sensor);
+  RunContext run;
+  run.seed = self.survey->scene.description.run.seed;
+  const std::optional<ReceiverOutput> received = receiver_output_of(r, run);
+  if (!received || (lower && !received->lower_energy_of)) return py::none();
+  const auto samples = py::ssize_t(r.sensor->samples().count);
+  py::array_t<double> values({py::ssize_t(r.pings()), py::ssize_t(r.cells()) / samples, samples});
+  double* first = values.mutable_data();
+  {
+    const py::gil_scoped_release released;
+    tbb::parallel_for(std::size_t{0}, r.pings(), [&](std::size_t ping) {
+      std::ranges::copy(received->recorded_energy_of(ping, lower), first + ping * r.cells());
+    });
+  }
+  return values;
+}
+
 /// Returns the labels of the energies of a sensor under the names of echoes.nc, with ping as the first
 /// axis. Returns None if labels were not requested.
 py::object label_recording_of(const py::object& result, std::size_t sensor) {
@@ -327,6 +352,7 @@ void bind_run(py::module_& module) {
       .def_readonly("warnings", &NativeResult::warnings)
       .def("arrays", &arrays_of)
       .def("axes", &axes_of)
+      .def("received", &received_of)
       .def("labels", &label_recording_of)
       .def("signals", &signals_of)
       .def("attributes", &attributes_of)

@@ -52,6 +52,38 @@ def test_an_opened_reference_has_its_bounds_and_two_receivers_their_products(fol
     assert again["camera"].cross is None
 
 
+RECEIVER = 'speckle = "rayleigh"\nsource_level_db = 200\nnoise_level_db = 100\n'
+
+
+def test_received_data_are_those_of_the_file(folder):
+    (folder / "noisy.toml").write_text((folder / "scene.toml").read_text() + RECEIVER)
+    result = tubefoot.run(folder / "noisy.toml", output=folder / "out")
+    again = tubefoot.open(folder / "out")
+    assert result["camera"].received is None and again["camera"].received is None
+    side = result["side"].received
+    assert side.shape == result["side"].energy.shape and side.dtype == np.float64 and not side.flags.writeable
+    assert again["side"].received.tobytes() == side.tobytes()
+    assert again["side"].received_lower is None and result["side"].received_lower is None
+    with netCDF4.Dataset(folder / "out" / "echoes.nc") as file:
+        assert file["side"]["received"][:].filled().tobytes() == side.tobytes()
+    assert (side > 0).all() and abs(np.mean(side / (result["side"].energy + 1e-10)) - 1) < 5 / np.sqrt(side.size)
+    assert (result["side"][1:].received == side[1:]).all()
+    assert (tubefoot.run(folder / "noisy.toml", pings=1, sensor="side")["side"].received == side[1]).all()
+    assert (tubefoot.run(folder / "noisy.toml", seed=2)["side"].received != side).all()
+    xarray.testing.assert_identical(again["side"].to_xarray(), result["side"].to_xarray())
+    assert "received" in result["side"].to_xarray() and "received" not in result["camera"].to_xarray()
+
+
+def test_a_receiver_pair_has_the_received_data_of_both(folder):
+    text = (folder / "scene.toml").read_text().replace('"sidescan"', '"interferometric"')
+    (folder / "two.toml").write_text(text + RECEIVER)
+    result = tubefoot.run(folder / "two.toml", output=folder / "out")
+    again = tubefoot.open(folder / "out")
+    for name in ("received", "received_lower"):
+        assert getattr(again["side"], name).tobytes() == getattr(result["side"], name).tobytes()
+    assert (result["side"].received != result["side"].received_lower).any()
+
+
 def test_warnings_of_a_run_are_kept(folder):
     text = (folder / "scene.toml").read_text().replace("tilt_deg = 30", "tilt_deg = -40", 1)
     (folder / "silent.toml").write_text(text)

@@ -38,6 +38,11 @@ _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
                    "receiver"),
     "energy_bound": (("ping", "beam", "sample"), "J m-2",
                      "certified half-width: the true energy lies within energy +- energy_bound"),
+    "received": (("ping", "beam", "sample"), "J m-2",
+                 "energy density per beam and range bin as the receiver records it, for a source of 1 J/sr at 1 m"),
+    "received_lower": (("ping", "beam", "sample"), "J m-2",
+                       "energy density per beam and range bin as the lower receiver records it; received is that of the upper "
+                       "receiver"),
     "ping_time": (("ping",), "s", "time of the transmission on the clock of the scene"),
     "slant_range": (("sample",), "m", "slant range of the centre of the range bin"),
     "slant_range_bounds": (("sample", "bound"), "m",
@@ -223,6 +228,33 @@ class SensorResult:
         return self._values["cross_real"] + 1j * self._values["cross_imag"]
 
     @property
+    def received(self) -> Optional[np.ndarray]:
+        """(P, B, K) float64: received data in J/m², with pulse, speckle, noise, gain and quantisation (docs/sensors.md).
+
+        The property is None for an ideal receiver, and for ``array``, which records :attr:`signals`. The values are those of
+        echoes.nc, with 24 significant bits. For ``interferometric``, the data are those of the upper receiver. The first
+        access creates the array.
+        """
+        return self._received("received")
+
+    @property
+    def received_lower(self) -> Optional[np.ndarray]:
+        """(P, B, K) float64: received data of the lower of two receivers in J/m²; None except for ``interferometric``.
+
+        :attr:`received` contains those of the upper receiver. The speckle of both has the coherence of the signals.
+        """
+        return self._received("received_lower")
+
+    def _received(self, name: str) -> Optional[np.ndarray]:
+        if name not in self._values:
+            values = self._native.received(self._index, name == "received_lower")
+            if values is not None:
+                values = values if self._pings is None else values[self._pings]
+                values.flags.writeable = False
+                self._values[name] = values
+        return self._values.get(name)
+
+    @property
     def labels(self) -> Optional[dict[str, Any]]:
         """Objects and materials of each range bin, by the names of echoes.nc (docs/output-files.md).
 
@@ -320,11 +352,13 @@ class SensorResult:
         """Returns a dataset with the layout of echoes.nc: dimensions, names, ``units`` and ``long_name``.
 
         ``ping_utc`` contains dates. Descriptions of pings, beams and samples are coordinates; energies and poses are data.
-        The method does not copy energies. The method needs xarray (Debian: python3-xarray).
+        The method does not copy energies. It creates received data (:attr:`received`). The method needs xarray (Debian: python3-xarray).
         """
         import xarray
 
         variables = {}
+        for name in ("received", "received_lower"):
+            self._received(name)  # creates the array
         for name, (dimensions, units, long_name) in self._variables.items():
             if name in self._values and name != "ping_utc":
                 variables[name] = (dimensions, self._values[name], {"units": units, "long_name": long_name})

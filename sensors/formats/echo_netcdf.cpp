@@ -94,6 +94,10 @@ void EchoGroup::attribute(int variable, const char* name, const std::string& tex
   check(nc_put_att_text(id_, variable, name, text.size(), text.c_str()), "write attribute", name);
 }
 
+void EchoGroup::attribute(int variable, const char* name, double value) {
+  check(nc_put_att_double(id_, variable, name, NC_DOUBLE, 1, &value), "write attribute", name);
+}
+
 int EchoGroup::define(const std::string& name, const std::vector<int>& dimensions, const std::string& units,
                       const std::string& long_name) {
   int variable = 0;

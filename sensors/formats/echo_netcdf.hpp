@@ -56,6 +56,7 @@ class EchoGroup {
   void attribute(const std::string& name, const std::string& text);
   void attribute(const std::string& name, double value);
   void attribute(int variable, const char* name, const std::string& text);
+  void attribute(int variable, const char* name, double value);
 
   /// A float64 variable without values. Without `units` it has no such attribute.
   int define(const std::string& name, const std::vector<int>& dimensions, const std::string& units,

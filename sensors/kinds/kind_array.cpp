@@ -299,7 +299,8 @@ class ArrayKind : public SensorKind {
                        "kind = \"array\" needs the length of the transmitted pulse: add 'pulse_length_us'");
     for (const char* key :
          {"source_level_db", "noise_level_db", "speckle", "speckle_looks", "speckle_shape", "tvg_spreading",
-          "tvg_absorption_db_per_km", "tvg_gain_db", "tvg_fixed_below_m", "display_gain_db"})
+          "tvg_absorption_db_per_km", "tvg_gain_db", "tvg_fixed_below_m", "display_gain_db",
+          "quantisation_bits", "quantisation_bottom_db", "quantisation_top_db"})
       if (table.has(key))
         throw InputError(
             table.place_of(key),

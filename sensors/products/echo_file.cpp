@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 
@@ -12,7 +13,9 @@
 #include "sensors/formats/echo_netcdf.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/recordings/pose_angles.hpp"
+#include "sensors/recordings/receiver_output.hpp"
 #include "sensors/recordings/recording.hpp"
+#include "sensors/recordings/run_context.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
 namespace tubefoot {
@@ -51,6 +54,11 @@ std::string meaning_of(const std::string& name) {
     return "certified half-width: the true " + (of == "energy" ? "energy" : "value of " + of) +
            " lies within " + of + " +- " + name;
   }
+  if (name == "received")
+    return "energy density per beam and range bin as the receiver records it, for a source of 1 J/sr at 1 m";
+  if (name == "received_lower")
+    return "energy density per beam and range bin as the lower receiver records it; received is that of the "
+           "upper receiver";
   for (const auto& receiver_pair : receiver_pair_variables)
     if (name == receiver_pair.name) return receiver_pair.long_name;
   throw std::invalid_argument("no variable " + name);
@@ -58,7 +66,8 @@ std::string meaning_of(const std::string& name) {
 
 /// The variables of a recording over ping, beam and sample: their names in its group and their contents.
 /// Chunks that are already packed go into the file unchanged.
-std::vector<PingVariable> ping_variables(const Recording& recording) {
+std::vector<PingVariable> ping_variables(const Recording& recording,
+                                         const std::optional<ReceiverOutput>& received) {
   std::vector<PingVariable> variables;
   const auto add = [&](const std::string& name, std::size_t channel, bool bound) {
     const PackedPings* packed = (bound ? recording.packed_bound : recording.packed_energy).get();
@@ -75,10 +84,36 @@ std::vector<PingVariable> ping_variables(const Recording& recording) {
   for (std::size_t c = 0; c < recording.channels(); ++c) add(name_of(c), c, false);
   for (std::size_t c = 0; c < recording.channels() && recording.has_bounds(); ++c)
     add(name_of(c) + "_bound", c, true);
+  const auto add_received = [&](const char* name, bool lower) {
+    variables.push_back({name, [&received, lower](std::size_t ping) {
+                           return packed_chunk(received->recorded_energy_of(ping, lower));
+                         }});
+  };
+  if (received) add_received("received", false);
+  if (received && received->lower_energy_of) add_received("received_lower", true);
   return variables;
 }
 
-void define_recording(EchoGroup& group, const Recording& recording, const Provenance& provenance) {
+void describe_received(EchoGroup& group, int variable, const ReceiverOutput& received) {
+  group.attribute(variable, "receiver", received.said);
+  group.attribute(variable, "unit_level_db", received.unit_level_db);
+  group.attribute(variable, "random_seed", fmt::format("{}", received.seed));
+  std::string comment =
+      "Level [dB re 1 uPa] = unit_level_db + 10 log10(received). Random numbers are Philox4x32-10 of seed, "
+      "ping, beam and range bin. Values are rounded to 24 significant bits.";
+  if (received.codes) {
+    group.attribute(variable, "quantisation_bits", received.codes->bits);
+    group.attribute(variable, "quantisation_bottom_db", received.codes->bottom_db);
+    group.attribute(variable, "quantisation_step_db", received.codes->step_db);
+    comment +=
+        " Code = (level - quantisation_bottom_db) / quantisation_step_db. Code 0 (no echo, or a level "
+        "up to quantisation_bottom_db) is the value 0.";
+  }
+  group.attribute(variable, "comment", comment);
+}
+
+void define_recording(EchoGroup& group, const Recording& recording, const Provenance& provenance,
+                      const std::optional<ReceiverOutput>& received) {
   const Sensor& sensor = *recording.sensor;
   const std::vector<BeamAxis>& beams = sensor.beams();
   const RangeSamples& samples = sensor.samples();
@@ -97,11 +132,12 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
   const int xyz = group.dimension("xyz", 3);
   const int wxyz = group.dimension("wxyz", 4);
 
-  for (const PingVariable& of_pings : ping_variables(recording)) {
+  for (const PingVariable& of_pings : ping_variables(recording, received)) {
     const std::string& name = of_pings.name;
     const int variable = group.define(name, {ping, beam, sample}, "J m-2", meaning_of(name));
-    if (name == "energy")
+    if (name == "energy" || name.starts_with("received"))
       group.attribute(variable, "coordinates", "ping_time beam_azimuth beam_elevation slant_range");
+    if (name.starts_with("received")) describe_received(group, variable, *received);
     group.chunk(variable, name, {1, beams.size(), static_cast<std::size_t>(samples.count)});
   }
 
@@ -175,33 +211,51 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
   group.write();
 }
 
-}  // namespace
-
-void write_echoes(const fs::path& path, const std::vector<Recording>& recordings,
-                  const Provenance& provenance) {
+/// `received`: by recording.
+void write_file_of(const fs::path& path, const std::vector<Recording>& recordings,
+                   const Provenance& provenance, const std::vector<std::optional<ReceiverOutput>>& received) {
   if (recordings.empty()) throw std::invalid_argument("no recording to write into " + path.string());
   for (const Recording& recording : recordings) check(recording);
 
   std::size_t bytes = 0;
-  for (const Recording& r : recordings)
-    bytes += (r.has_bounds() ? 2 : 1) * r.pings() * r.channels() * r.cells() * sizeof(double);
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const Recording& r = recordings[k];
+    const std::size_t of_receivers = !received[k] ? 0 : received[k]->lower_energy_of ? 2 : 1;
+    const std::size_t variables = (r.has_bounds() ? 2 : 1) * r.channels() + of_receivers;
+    bytes += variables * r.pings() * r.cells() * sizeof(double);
+  }
   EchoNetcdf file(path);
   EchoGroup root = file.root();
   for (const auto& [name, value] : attributes_of(provenance))
     std::visit([&, name = name](const auto& v) { root.attribute(name, v); }, value);
   const bool grouped = recordings.size() > 1;
-  for (const Recording& recording : recordings) {
-    EchoGroup group = grouped ? root.group(recording.sensor->description().name) : root;
-    define_recording(group, recording, provenance);
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    EchoGroup group = grouped ? root.group(recordings[k].sensor->description().name) : root;
+    define_recording(group, recordings[k], provenance, received[k]);
   }
   Hdf5Chunks& chunks = file.chunks(bytes);
-  for (const Recording& recording : recordings) {
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const Recording& recording = recordings[k];
     Steps steps("pings of echoes.nc", recording.pings());
     write_pings(chunks, grouped ? "/" + recording.sensor->description().name + "/" : "/",
-                ping_variables(recording), recording.pings(), recording.cells(),
+                ping_variables(recording, received[k]), recording.pings(), recording.cells(),
                 [&](std::size_t) { steps.done(); });
   }
   file.close();
+}
+
+}  // namespace
+
+void write_echoes(const fs::path& path, const std::vector<Recording>& recordings,
+                  const Provenance& provenance) {
+  write_file_of(path, recordings, provenance, std::vector<std::optional<ReceiverOutput>>(recordings.size()));
+}
+
+void write_echoes(const fs::path& path, const std::vector<Recording>& recordings,
+                  const Provenance& provenance, const RunContext& run) {
+  std::vector<std::optional<ReceiverOutput>> received;
+  for (const Recording& recording : recordings) received.push_back(receiver_output_of(recording, run));
+  write_file_of(path, recordings, provenance, received);
 }
 
 }  // namespace tubefoot

@@ -3,7 +3,9 @@
 
 #include <fmt/ranges.h>
 
+#include <bit>
 #include <cmath>
+#include <iterator>
 
 #include "sensors/products/noise_floor.hpp"
 #include "sensors/receiver/lit_samples.hpp"
@@ -22,6 +24,9 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
   receiver.speckle.looks = signal.speckle_looks;
   receiver.speckle.shape = signal.speckle_shape;
   receiver.tvg = gain_of(recording);
+  if (signal.quantisation_bits)
+    receiver.quantiser.emplace(signal.quantisation_bottom_db, signal.quantisation_top_db,
+                               *signal.quantisation_bits);
   if (signal.pulse_length_us)
     receiver.source_level_db +=
         10 * std::log10(pulse_extent_m(*signal.pulse_length_us, recording.sound_speed_m_s) /
@@ -40,39 +45,89 @@ ReceivedPings::ReceivedPings(const Recording& recording, const ReceiverChain& ch
   if (pulse_us) extent_m_ = pulse_extent_m(*pulse_us, recording.sound_speed_m_s);
 }
 
+std::uint32_t ReceivedPings::beam_number(std::size_t beam) const {
+  return recording_->beam_numbers.empty() ? static_cast<std::uint32_t>(beam) : recording_->beam_numbers[beam];
+}
+
+std::vector<double> ReceivedPings::spread(std::span<const double> values) const {
+  if (extent_m_) return spread_over_pulse(values, recording_->sensor->samples(), *extent_m_);
+  return {values.begin(), values.end()};
+}
+
 std::vector<double> ReceivedPings::of(std::size_t ping) const {
-  const std::uint32_t number = recording_->number_of(ping);
-  const PingEnergies energies = recording_->energy_of(ping);
-  if (!extent_m_) return chain_.receive(number, energies, gains_);
-  return chain_.receive(number, spread_over_pulse(energies, recording_->sensor->samples(), *extent_m_),
-                        gains_);
+  const PingEnergies kept = recording_->energy_of(ping);
+  const std::vector<double> energies = spread(kept);
+  std::vector<double> received(energies.size());
+  const std::size_t count = gains_.size();
+  for (std::size_t beam = 0; beam * count < energies.size(); ++beam)
+    chain_.receive_beam(recording_->number_of(ping), beam_number(beam),
+                        std::span(energies).subspan(beam * count, count), gains_,
+                        std::span(received).subspan(beam * count, count));
+  return received;
+}
+
+std::vector<double> ReceivedPings::lower_of(std::size_t ping) const {
+  std::vector<double> channels[4], received;
+  for (std::size_t channel = 0; channel < std::size(channels); ++channel) {
+    const PingEnergies kept = recording_->channel_of(ping, channel);
+    channels[channel] = spread(kept);
+  }
+  auto& [upper, lower, product, imaginary] = channels;
+  for (std::size_t k = 0; k < product.size(); ++k) product[k] = std::hypot(product[k], imaginary[k]);
+  received.resize(lower.size());
+  const std::size_t count = gains_.size();
+  for (std::size_t beam = 0; beam * count < lower.size(); ++beam) {
+    const auto own = [&](auto& all) { return std::span(all).subspan(beam * count, count); };
+    chain_.receive_lower_beam(recording_->number_of(ping), beam_number(beam), own(upper), own(lower),
+                              own(product), gains_, own(received));
+  }
+  return received;
 }
 
 std::vector<double> ReceivedPings::of_beam(std::size_t ping, std::size_t beam,
                                            std::span<const double> energies) const {
   std::span<const double> receiver_output = energies.subspan(beam * gains_.size(), gains_.size());
-  std::vector<double> spread;
-  if (extent_m_)
-    receiver_output = spread = spread_over_pulse(receiver_output, recording_->sensor->samples(), *extent_m_);
+  std::vector<double> pulse;
+  if (extent_m_) receiver_output = pulse = spread(receiver_output);
   if (chain_.noise_j() == 0) receiver_output = receiver_output.first(lit_samples(receiver_output).end);
   std::vector<double> received(receiver_output.size());
-  chain_.receive_beam(recording_->number_of(ping), static_cast<std::uint32_t>(beam), receiver_output, gains_,
-                      received);
+  chain_.receive_beam(recording_->number_of(ping), beam_number(beam), receiver_output, gains_, received);
   received.resize(lit_samples(received).end);
   return received;
 }
 
 std::optional<ReceiverOutput> receiver_output_of(const Recording& recording, const RunContext& run) {
   const SignalDescription& signal = recording.sensor->description().signal;
+  if (recording.sensor->signals() != nullptr) return std::nullopt;  // its received data are its signals
   std::vector<std::string> parts;
   if (signal.speckle != "none") parts.push_back("speckle");
   if (signal.noise_level_db) parts.push_back("noise");
   if (signal.tvg_spreading) parts.push_back("the gain of the sonar");
   if (signal.pulse_length_us) parts.push_back("the length of the pulse");
+  if (signal.quantisation_bits) parts.push_back("quantisation");
   if (parts.empty()) return std::nullopt;
-  return ReceiverOutput{[pings = ReceivedPings(recording, run)](std::size_t ping) { return pings.of(ping); },
-                        signal.tvg_spreading.has_value(),
-                        fmt::format("as received, with {}", fmt::join(parts, ", "))};
+  const ReceivedPings pings(recording, run);
+  ReceiverOutput output{
+      [pings](std::size_t ping) { return pings.of(ping); }, signal.tvg_spreading.has_value(),
+      fmt::format("as received, with {}", fmt::join(parts, ", ")), run.seed, pings.chain().level_db(1)};
+  if (recording.channels() > 1)
+    output.lower_energy_of = [pings](std::size_t ping) { return pings.lower_of(ping); };
+  if (signal.quantisation_bits)
+    output.codes = {*signal.quantisation_bits, signal.quantisation_bottom_db,
+                    pings.chain().quantiser()->step()};
+  return output;
+}
+
+std::vector<double> ReceiverOutput::recorded_energy_of(std::size_t ping, bool lower) const {
+  constexpr int dropped_bits = 29;  // of the 53 bits of a double
+  constexpr std::uint64_t last = std::uint64_t{1} << dropped_bits;
+  std::vector<double> energies = lower ? lower_energy_of(ping) : energy_of(ping);
+  for (double& energy : energies) {
+    const auto bits = std::bit_cast<std::uint64_t>(energy);
+    const std::uint64_t half = last / 2 - 1 + (bits >> dropped_bits & 1);  // ties to even
+    energy = std::bit_cast<double>((bits + half) & ~(last - 1));
+  }
+  return energies;
 }
 
 }  // namespace tubefoot

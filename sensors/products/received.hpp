@@ -17,8 +17,8 @@ namespace tubefoot {
 ReceiverChain receiver_of(const Recording& recording, const RunContext& run);
 
 /// The pings of a recording after the sensor's receiver: energies spread over the pulse, then processed by
-/// receiver_of(). All files of a sonar use them, except echoes.nc. Data that all pings share are computed
-/// once. Thread-safe; the recording must outlive this object.
+/// receiver_of(). All files of received data use them. Data that all pings share are computed once.
+/// Thread-safe; the recording must outlive this object.
 class ReceivedPings {
  public:
   ReceivedPings(const Recording& recording, const RunContext& run);
@@ -29,6 +29,8 @@ class ReceivedPings {
 
   /// Energies [J], [beam][sample].
   std::vector<double> of(std::size_t ping) const;
+  /// Energies at the lower receiver of a pair, [beam][sample]; of() returns those at the upper receiver.
+  std::vector<double> lower_of(std::size_t ping) const;
   /// Energies of one beam, up to the last one above 0. `energies`: all energies of that ping.
   std::vector<double> of_beam(std::size_t ping, std::size_t beam, std::span<const double> energies) const;
   const ReceiverChain& chain() const { return chain_; }
@@ -36,13 +38,15 @@ class ReceivedPings {
  private:
   ReceivedPings(const Recording& recording, const ReceiverChain& chain, std::optional<double> pulse_us);
 
+  /// The values of a ping, spread over the pulse.
+  std::vector<double> spread(std::span<const double> values) const;
+  /// Number of a beam in the sonar, which determines its random numbers.
+  std::uint32_t beam_number(std::size_t beam) const;
+
   const Recording* recording_;
   ReceiverChain chain_;
   std::vector<double> gains_;       ///< by sample
   std::optional<double> extent_m_;  ///< of the pulse
 };
-
-/// The same for pictures; empty for an ideal receiver.
-std::optional<ReceiverOutput> receiver_output_of(const Recording& recording, const RunContext& run);
 
 }  // namespace tubefoot

@@ -26,6 +26,7 @@ class Quantiser {
   std::uint16_t code(double value) const;
   /// The value that a code represents.
   double value(std::uint16_t code) const { return bottom_ + code * step_; }
+  double step() const { return step_; }
   /// The largest |value(code(v)) - v| for v between bottom and top, except for rounding of doubles.
   double error_bound() const { return step_ / 2; }
   std::uint16_t largest_code() const { return largest_; }

@@ -111,8 +111,29 @@ void ReceiverChain::receive_beam(std::uint32_t ping, std::uint32_t beam, std::sp
                       "and not negative",
                       ping, beam, sample, energies_j[k]));
     const SampleRandom random(description_.seed, ping, beam, sample);
-    received_j[k] = received_energy(random, description_.speckle, energies_j[k], noise_j_) * gains[k];
+    received_j[k] =
+        recorded_j(received_energy(random, description_.speckle, energies_j[k], noise_j_), gains[k]);
   }
+}
+
+void ReceiverChain::receive_lower_beam(std::uint32_t ping, std::uint32_t beam,
+                                       std::span<const double> upper_j, std::span<const double> lower_j,
+                                       std::span<const double> product_j, std::span<const double> gains,
+                                       std::span<double> received_j) const {
+  for (std::size_t k = 0; k < lower_j.size(); ++k) {
+    const SampleRandom random(description_.seed, ping, beam, static_cast<std::uint32_t>(k));
+    received_j[k] = recorded_j(
+        lower_received_energy(random, description_.speckle, upper_j[k], lower_j[k], product_j[k], noise_j_),
+        gains[k]);
+  }
+}
+
+double ReceiverChain::recorded_j(double energy_j, double gain) const {
+  const double amplified_j = energy_j * gain;
+  if (!description_.quantiser) return amplified_j;
+  const Quantiser& quantiser = *description_.quantiser;
+  const std::uint16_t code = quantiser.code(description_.source_level_db + 10 * std::log10(amplified_j));
+  return code == 0 ? 0 : ratio(quantiser.value(code) - description_.source_level_db);
 }
 
 double ReceiverChain::level_db(double energy_j) const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/scattering/range_samples.hpp"
+#include "sensors/receiver/quantisation.hpp"
 #include "sensors/receiver/speckle.hpp"
 
 namespace tubefoot {
@@ -38,6 +39,7 @@ struct ReceiverDescription {
   std::optional<double> noise_level_db;  ///< mean noise in the band, dB re 1 uPa; none: no noise
   Speckle speckle;
   std::optional<TimeVariedGain> tvg;
+  std::optional<Quantiser> quantiser{};  ///< of levels after the gain [dB re 1 uPa]
   std::uint64_t seed = 1;
   double display_gain = 1, display_offset_db = 0;  ///< displayed level = gain * level + offset
 };
@@ -51,9 +53,9 @@ class ReceiverChain {
   explicit ReceiverChain(const ReceiverDescription& description);
 
   /// The energies [J] of one ping, [beam][sample], as received: with speckle and noise, then the time-varied
-  /// gain at the middle of the sample. Effects that are off do not change a bit. Random numbers depend on
-  /// seed, ping, beam and sample only. Throws std::invalid_argument for a negative or non-finite energy, and
-  /// for incomplete beams of `samples.count` samples.
+  /// gain at the middle of the sample, then quantised. Effects that are off do not change a bit. Random
+  /// numbers depend on seed, ping, beam and sample only. Throws std::invalid_argument for a negative or
+  /// non-finite energy, and for incomplete beams of `samples.count` samples.
   std::vector<double> receive(std::uint32_t ping, std::span<const double> energies_j,
                               const RangeSamples& samples) const {
     return receive(ping, energies_j, gains(samples));
@@ -64,6 +66,11 @@ class ReceiverChain {
   /// The same for the samples of one beam, from the first on. `gains` may have more elements.
   void receive_beam(std::uint32_t ping, std::uint32_t beam, std::span<const double> energies_j,
                     std::span<const double> gains, std::span<double> received_j) const;
+  /// The same for the lower receiver of a pair: mean energies of both, and absolute mean products of their
+  /// signals.
+  void receive_lower_beam(std::uint32_t ping, std::uint32_t beam, std::span<const double> upper_j,
+                          std::span<const double> lower_j, std::span<const double> product_j,
+                          std::span<const double> gains, std::span<double> received_j) const;
   /// Time-varied gain by sample, as a factor of energies; 1 without gain.
   std::vector<double> gains(const RangeSamples& samples) const;
 
@@ -74,8 +81,12 @@ class ReceiverChain {
   double amplitude_upa(double energy_j) const { return std::sqrt(energy_j) * source_upa_; }
   /// Mean energy of the noise [J]; 0 without noise.
   double noise_j() const { return noise_j_; }
+  const std::optional<Quantiser>& quantiser() const { return description_.quantiser; }
 
  private:
+  /// The energy after the gain and, with a quantiser, of the code of its level; 0 for code 0.
+  double recorded_j(double energy_j, double gain) const;
+
   ReceiverDescription description_;
   double noise_j_ = 0, source_upa_ = 0;
 };

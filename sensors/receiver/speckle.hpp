@@ -32,4 +32,12 @@ double gamma_texture(const SampleRandom& random, double shape);
 /// a steady echo has Rice's distribution in the noise. Without both the result is bitwise `mean_j`.
 double received_energy(const SampleRandom& random, const Speckle& speckle, double mean_j, double noise_j);
 
+/// Average energy over the looks at the lower receiver of a pair; received_energy() draws that of the upper.
+/// `product_j` is the absolute mean product of their signals. With speckle, both signals are complex
+/// Gaussian. Given the upper signal, the lower one is a steady part with the share g^2 of the energy, and
+/// noise. Here g is the coherence, including receiver noise. The energies of one look have the correlation
+/// g^2. Both receivers have the same texture and independent noise.
+double lower_received_energy(const SampleRandom& random, const Speckle& speckle, double upper_j,
+                             double lower_j, double product_j, double noise_j);
+
 }  // namespace tubefoot

@@ -10,6 +10,13 @@ WritingCost cost_of_echoes(const Recording& recording, bool with_bounds) {
   return {copying_s * bytes, 0, bytes};
 }
 
+WritingCost cost_of_received(const Recording& recording) {
+  constexpr double receiving_and_compressing_s = 3e-7, bytes_of_24_bits = 5;  // per value
+  const auto values =
+      static_cast<double>(recording.pings() * recording.cells()) * (recording.channels() > 1 ? 2 : 1);
+  return {0, receiving_and_compressing_s * values, bytes_of_24_bits * values};
+}
+
 WritingCost cost_of_labels(const Recording& recording, std::size_t objects, std::size_t materials) {
   constexpr double compressing_s = 3.5e-8, means_and_labels = 2.5;  // per value; doubles per cell
   const double values = static_cast<double>(recording.pings() * recording.cells()) *

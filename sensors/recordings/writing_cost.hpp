@@ -25,6 +25,9 @@ struct WritingCost {
 /// The cost of the energies in echoes.nc.
 WritingCost cost_of_echoes(const Recording& recording, bool with_bounds);
 
+/// The cost of the received data in echoes.nc.
+WritingCost cost_of_received(const Recording& recording);
+
 /// The cost of the labels in echoes.nc, for so many objects and materials of a scene.
 WritingCost cost_of_labels(const Recording& recording, std::size_t objects, std::size_t materials);
 

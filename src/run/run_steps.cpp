@@ -18,6 +18,7 @@
 #include "run/own_engine.hpp"
 #include "run/settings.hpp"
 #include "sensors/kinds/scene_file.hpp"
+#include "sensors/recordings/receiver_output.hpp"
 
 // This file implements the steps of a run that the command and the Python module share: request, identity,
 // expected cost, and result files.
@@ -215,6 +216,7 @@ WritingCost expected_writing(const Survey& survey, const RunRequest& request,
   if (pictures.which != PictureSettings::Which::none) all += {scene_picture_s, 0, scene_picture_bytes};
   for (const Recording& recording : recordings_to_be(survey, request.selection)) {
     all += cost_of_echoes(recording, with_bounds);
+    if (receiver_output_of(recording, context)) all += cost_of_received(recording);
     if (request.labels)
       all += cost_of_labels(recording, survey.scene.report.components.size(),
                             survey.scene.description.materials.size());
@@ -232,7 +234,7 @@ std::vector<std::filesystem::path> write_result_files(const std::filesystem::pat
   const RunContext context = context_of(survey.scene, how.pictures, request.reference_tolerance.has_value());
   const Progress progress("writing", how.quiet);
   const std::filesystem::path echoes = folder / "echoes.nc";
-  write_echoes(echoes, recordings, provenance_of(survey.scene, request));
+  write_echoes(echoes, recordings, provenance_of(survey.scene, request), context);
   if (!label_recordings.empty()) add_labels(echoes, recordings, label_recordings);
   std::vector<std::filesystem::path> files{"echoes.nc"};
   for (const Recording& recording : recordings) {

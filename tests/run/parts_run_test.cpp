@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "fixtures/netcdf_reader.hpp"
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
 
@@ -100,6 +101,18 @@ TEST_F(Parts, JoinToTheBytesOfOneRun) {
       fs::remove_all(results);
     }
   }
+}
+
+TEST_F(Parts, JoinToTheReceivedDataOfOneRun) {
+  write_scene(11, "speckle = \"rayleigh\"\nnoise_level_db = 90\ntvg_spreading = 30\n");
+  const fs::path whole = folder / "whole";
+  ASSERT_EQ(run(whole).exit_code, 0);
+  EXPECT_EQ(NetcdfReader(whole / "echoes.nc").values("/side", "received").size(), 11u * 2 * 40);
+  EXPECT_THAT(NetcdfReader(whole / "echoes.nc").variables("/camera"),
+              testing::Not(testing::Contains("received")));
+  all_parts(3);
+  ASSERT_EQ(join().exit_code, 0);
+  expect_same(whole, results);
 }
 
 TEST_F(Parts, OfMoreThanThereArePingsJoin) {

@@ -138,7 +138,8 @@ TEST_F(SelectionRun, HasTheWholeRunsEnergiesBitForBit) {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     for (const char* sensor : {"near", "tilted"})
       expect_part(c.options, sensor, 2, 3, of_camera, pings_and_beams);
-    expect_part(c.options, "side", 4, 5, {0, 1}, {"--pings", "4:"});
+    expect_part(c.options, "side", 4, 5, {0, 1}, {"--pings", "4:"}, {"energy", "received"});
+    expect_part(c.options, "side", 4, 5, {1}, {"--pings", "4:", "--beams", "1"}, {"energy", "received"});
   }
 }
 

@@ -73,8 +73,8 @@ struct PatternDescription {
   SourcePlace file_place;
 };
 
-/// Processing of echoes by the receiver, for files in the formats of sonars. echoes.nc contains the
-/// energies.
+/// Processing of echoes by the receiver, for received data and files in the formats of sonars. Energies
+/// stay as they are.
 struct SignalDescription {
   double source_level_db = 210;          ///< dB re 1 uPa at 1 m
   std::optional<double> noise_level_db;  ///< dB re 1 uPa in the receiver's band
@@ -87,6 +87,8 @@ struct SignalDescription {
   double tvg_fixed_below_m = 10;          ///< at shorter range the gain has its value at this range
   double display_gain_db = 0;             ///< increases the brightness of pictures; files keep their values
   std::optional<double> pulse_length_us;  ///< echoes are spread over c tau / 2; if empty, not spread
+  std::optional<int> quantisation_bits;   ///< of codes of levels; if empty, levels are not quantised
+  double quantisation_bottom_db = 0, quantisation_top_db = 0;  ///< of code 0 and of the largest code
 };
 
 struct SensorDescription {

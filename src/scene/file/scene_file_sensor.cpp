@@ -56,11 +56,19 @@ void check_signal(const SignalDescription& signal, const TomlTable& table) {
       {"tvg_absorption_db_per_km", signal.tvg_spreading.has_value(), "'tvg_spreading'"},
       {"tvg_gain_db", signal.tvg_spreading.has_value(), "'tvg_spreading'"},
       {"tvg_fixed_below_m", signal.tvg_spreading.has_value(), "'tvg_spreading'"},
+      {"quantisation_bottom_db", signal.quantisation_bits.has_value(), "'quantisation_bits'"},
+      {"quantisation_top_db", signal.quantisation_bits.has_value(), "'quantisation_bits'"},
   };
   for (const auto& [key, takes, wanted] : rules)
     if (table.has(key) && !takes)
       throw InputError(table.place_of(key),
                        fmt::format("'{}' needs {}: add it, or remove the key", key, wanted));
+  if (signal.quantisation_bits && !(signal.quantisation_bottom_db < signal.quantisation_top_db))
+    throw InputError(
+        place_of_pair(table, "quantisation_bits", "quantisation_top_db"),
+        fmt::format("'quantisation_bottom_db' ({:g}) must be less than 'quantisation_top_db' ({:g}), the "
+                    "levels of code 0 and of the largest code: set both",
+                    signal.quantisation_bottom_db, signal.quantisation_top_db));
 }
 
 /// Limits the energies of a ping and the poses of a sensor, because memory holds all of them.
@@ -184,7 +192,17 @@ std::vector<TomlField<SensorDescription>> signal_fields() {
       field("pulse_length_us", &G::pulse_length_us,
             {.meaning = "Length tau of the pulse. Files in sonar formats spread each echo over c tau / 2 in "
                         "range, and levels apply to this pulse. Without this key, echoes are not spread.",
-             .ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}})};
+             .ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}}),
+      field("quantisation_bits", &G::quantisation_bits,
+            {.meaning = "Bits of the codes to which the receiver quantises levels, after the gain. Without "
+                        "this key, levels are not quantised.",
+             .ranges = {{.lo = 1, .hi = 16}}}),
+      field("quantisation_bottom_db", &G::quantisation_bottom_db,
+            {.meaning = "Level re 1 uPa of code 0, which also stands for lower levels and no echo.",
+             .ranges = {level}}),
+      field("quantisation_top_db", &G::quantisation_top_db,
+            {.meaning = "Level re 1 uPa of the largest code, which also stands for higher levels.",
+             .ranges = {level}})};
   std::vector<TomlField<SensorDescription>> fields;
   for (const TomlField<G>& f : own)
     fields.push_back({f.key, [read = f.read](const toml::node& node, TomlSource& source,

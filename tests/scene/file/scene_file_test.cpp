@@ -227,6 +227,9 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(signal.tvg_spreading, 40);
   EXPECT_EQ(signal.tvg_absorption_db_per_km, 12);
   EXPECT_EQ(signal.tvg_gain_db, 6);
+  EXPECT_EQ(signal.quantisation_bits, 12);
+  EXPECT_EQ(signal.quantisation_bottom_db, 60);
+  EXPECT_EQ(signal.quantisation_top_db, 140);
   EXPECT_EQ(scene.sensors[4].preset, "geoswath-500");
   const auto& swath = scene.sensors.at(4).kind.as<InterferometricDescription>();
   EXPECT_EQ(swath.frequency_khz, 500);

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <thread>
 
@@ -18,7 +19,9 @@
 #include "fixtures/world/recordings.hpp"
 #include "geometry/numbers/scalars.hpp"
 #include "sensors/products/pictures.hpp"
+#include "sensors/recordings/receiver_output.hpp"
 #include "sensors/recordings/recording.hpp"
+#include "sensors/recordings/run_context.hpp"
 
 namespace tubefoot {
 namespace {
@@ -329,6 +332,133 @@ TEST(EchoFile, RefusesRecordingsThatDoNotAddUp) {
   });
   EXPECT_THROW(write_echoes(file, {}, provenance), std::invalid_argument);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+/// Rounds to 24 significant bits by the specification.
+double rounded(double value) {
+  int exponent = 0;
+  const double fraction = std::frexp(value, &exponent);
+  return std::ldexp(std::nearbyint(std::ldexp(fraction, 24)), exponent - 24);
+}
+
+SensorDescription with_receiver(SensorDescription description) {
+  description.signal.speckle = "rayleigh";
+  description.signal.noise_level_db = 90;
+  description.signal.tvg_spreading = 30;
+  description.signal.pulse_length_us = 300;
+  return description;
+}
+
+TEST(ReceivedData, AreThoseOfThePicturesInTheFile) {
+  const TestFolder folder;
+  auto camera = samples::silent(with_receiver(samples::camera(4, 8)), 3);
+  for (std::size_t k = 0; k < camera.energies.size(); ++k) camera.energies[k] = k % 5 ? 1e-12 * double(k) : 0;
+  RunContext run;
+  run.seed = 11;
+  write_echoes(folder / "echoes.nc", {camera.recording}, provenance, run);
+  const NetcdfReader file(folder / "echoes.nc");
+  EXPECT_EQ(file.values("/", "energy"), camera.energies);
+  EXPECT_EQ(file.dimensions("/", "received"), "ping,beam,sample");
+  const auto received = file.values("/", "received");
+  const auto pictured = receiver_output_of(camera.recording, run);
+  ASSERT_TRUE(pictured);
+  std::size_t k = 0;
+  for (std::size_t ping = 0; ping < 3; ++ping)
+    for (const double energy : pictured->energy_of(ping)) ASSERT_EQ(received.at(k++), rounded(energy));
+  EXPECT_EQ(k, received.size());
+  EXPECT_EQ(file.text("/", "units", "received"), "J m-2");
+  EXPECT_THAT(file.text("/", "long_name", "received"), HasSubstr("as the receiver records it"));
+  EXPECT_THAT(file.text("/", "receiver", "received"), HasSubstr("speckle, noise"));
+  EXPECT_EQ(file.text("/", "random_seed", "received"), "11");
+  EXPECT_NEAR(file.number("/", "unit_level_db", "received"), pictured->unit_level_db, 1e-12);
+
+  run.seed = 12;
+  write_echoes(folder / "other.nc", {camera.recording}, provenance, run);
+  EXPECT_NE(NetcdfReader(folder / "other.nc").values("/", "received"), received);
+}
+
+TEST(ReceivedData, AreAbsentForAnIdealReceiver) {
+  const TestFolder folder;
+  const auto made = noisy_camera();
+  write_echoes(folder / "echoes.nc", {made.recording}, provenance);
+  write_echoes(folder / "run.nc", {made.recording}, provenance, RunContext{});
+  EXPECT_EQ(bytes_of(folder / "run.nc"), bytes_of(folder / "echoes.nc"));
+}
+
+TEST(ReceivedData, HaveTheMeanOfEnergyAndNoise) {
+  SensorDescription description = samples::sidescan(1000);
+  description.signal.speckle = "rayleigh";
+  description.signal.source_level_db = 200;
+  description.signal.noise_level_db = 100;  // 1e-10 J/m2
+  auto made = samples::silent(description, 50);
+  std::ranges::fill(made.energies, 4e-10);
+  const TestFolder folder;
+  write_echoes(folder / "echoes.nc", {made.recording}, provenance, RunContext{});
+  double sum = 0, squares = 0;
+  const auto received = NetcdfReader(folder / "echoes.nc").values("/", "received");
+  for (const double energy : received) sum += energy / 5e-10, squares += energy / 5e-10 * energy / 5e-10;
+  const auto n = double(received.size());
+  EXPECT_NEAR(sum / n, 1, 5 / std::sqrt(n));
+  EXPECT_NEAR(squares / n, 2, 5 * std::sqrt(20 / n));  // exponential: the variance of squares is 4! - 2^2
+}
+
+TEST(ReceivedData, HaveTheLevelsOfTheirCodes) {
+  SensorDescription description = samples::sidescan(1000);
+  description.signal.speckle = "rayleigh";
+  description.signal.source_level_db = 200;
+  description.signal.quantisation_bits = 8;
+  description.signal.quantisation_bottom_db = 80;
+  description.signal.quantisation_top_db = 131;
+  auto made = samples::silent(description, 2);
+  for (std::size_t k = 0; k < made.energies.size(); ++k) made.energies[k] = k % 3 ? 1e-9 : 0;
+  const TestFolder folder;
+  write_echoes(folder / "echoes.nc", {made.recording}, provenance, RunContext{});
+  const NetcdfReader file(folder / "echoes.nc");
+  EXPECT_EQ(file.number("/", "quantisation_bits", "received"), 8);
+  EXPECT_EQ(file.number("/", "quantisation_bottom_db", "received"), 80);
+  EXPECT_NEAR(file.number("/", "quantisation_step_db", "received"), 51.0 / 255, 1e-12);
+  const double unit_db = file.number("/", "unit_level_db", "received");
+  EXPECT_NEAR(unit_db, 200, 1e-12);
+  const auto received = file.values("/", "received");
+  std::size_t faint = 0;  // 30 dB below the mean: one of a thousand
+  for (std::size_t k = 0; k < received.size(); ++k) {
+    if (k % 3 == 0) {
+      ASSERT_EQ(received[k], 0);
+      continue;
+    }
+    if (received[k] == 0) {
+      ++faint;
+      continue;
+    }
+    const double code = (unit_db + 10 * std::log10(received[k]) - 80) / (51.0 / 255);
+    ASSERT_NEAR(code, std::round(code), 1e-5);
+    ASSERT_TRUE(code > 0.5 && code < 255.5) << code;
+  }
+  EXPECT_LT(faint, 20u);
+}
+
+TEST(ReceivedData, OfSelectedPingsAndBeamsAreThoseOfTheWhole) {
+  auto whole = samples::silent(with_receiver(samples::camera(4, 8)), 3);
+  std::ranges::fill(whole.energies, 1e-12);
+  auto part = samples::silent(with_receiver(samples::camera(4, 8)), 1);
+  std::ranges::fill(part.energies, 1e-12);
+  part.recording.ping_numbers = {2};
+  part.recording.beam_numbers = {3, 2, 1, 0};
+  const auto of_whole = receiver_output_of(whole.recording, {})->energy_of(2),
+             of_part = receiver_output_of(part.recording, {})->energy_of(0);
+  for (std::size_t beam = 0; beam < 4; ++beam)
+    for (std::size_t k = 0; k < 8; ++k) EXPECT_EQ(of_part[(3 - beam) * 8 + k], of_whole[beam * 8 + k]);
+}
+
+TEST(ReceivedData, AreTheSameForAnyNumberOfThreads) {
+  const TestFolder folder;
+  auto made = samples::silent(with_receiver(samples::sidescan(200)), 40);
+  for (const int threads : {1, 2, 7}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
+    write_echoes(folder / fmt::format("{}.nc", threads), {made.recording}, provenance, RunContext{});
+  }
+  EXPECT_EQ(bytes_of(folder / "2.nc"), bytes_of(folder / "1.nc"));
+  EXPECT_EQ(bytes_of(folder / "7.nc"), bytes_of(folder / "1.nc"));
 }
 
 }  // namespace

@@ -216,5 +216,25 @@ TEST(ReceiverChain, RefusesWhatIsNoEnergyAndSaysWhere) {
   EXPECT_THROW(chain.receive(0, std::vector<double>(150), {0, 1, 0}), std::invalid_argument);
 }
 
+TEST(ReceiverChain, QuantisesLevelsAfterTheGain) {
+  ReceiverDescription description;
+  description.source_level_db = 200;
+  description.tvg = TimeVariedGain{0, 0, 10};
+  description.quantiser.emplace(100, 163, 6);  // steps of 1 dB
+  const ReceiverChain chain(description);
+  std::vector<double> energies(100);
+  for (int k = 0; k < 100; ++k) energies[k] = std::pow(10, (80.3 + k - 200) / 10);  // levels with gain
+  energies[99] = 0;
+  const auto received = chain.receive(0, energies, samples);
+  for (int k = 0; k < 99; ++k) {
+    const double level = std::round(90.3 + k);
+    if (level <= 100)
+      EXPECT_EQ(received[k], 0) << k;  // code 0
+    else
+      EXPECT_NEAR(chain.level_db(received[k]), std::min(level, 163.0), 1e-9) << k;
+  }
+  EXPECT_EQ(received[99], 0);
+}
+
 }  // namespace
 }  // namespace tubefoot

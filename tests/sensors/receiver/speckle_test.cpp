@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <boost/math/distributions/gamma.hpp>
 #include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <boost/math/special_functions/bessel.hpp>
@@ -150,6 +151,52 @@ TEST(Speckle, TextureOfTinyShapeIsFinite) {
     const double texture = gamma_texture(SampleRandom(seed, 0, 0, i), 1e-3);
     EXPECT_TRUE(texture >= 0 && std::isfinite(texture)) << texture;
   }
+}
+
+/// Energies of both receivers of a pair in `n` range bins.
+std::array<std::vector<double>, 2> draw_pair(const Speckle& speckle, double upper_j, double lower_j,
+                                             double product_j, double noise_j, std::uint32_t n) {
+  std::array<std::vector<double>, 2> pair;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const SampleRandom random(seed, i / 100000, i / 1000 % 100, i % 1000);
+    pair[0].push_back(received_energy(random, speckle, upper_j, noise_j));
+    pair[1].push_back(lower_received_energy(random, speckle, upper_j, lower_j, product_j, noise_j));
+  }
+  return pair;
+}
+
+// Siegert's relation: energies of Gaussian signals have the squared coherence as their correlation.
+TEST(Speckle, OfAPairHasTheCoherenceOfItsSignals) {
+  constexpr std::uint32_t n = 400000;
+  for (const double coherence : {0.0, 0.5, 0.9, 1.0}) {
+    SCOPED_TRACE(coherence);
+    const auto [upper, lower] = draw_pair({SpeckleModel::rayleigh, 1, 1}, 1, 4, 2 * coherence, 0, n);
+    std::vector<double> unit;
+    for (const double energy : lower) unit.push_back(energy / 4);
+    expect_model(unit, [](double x) { return 1 - std::exp(-x); });
+    EXPECT_NEAR(statistics::correlation(upper, lower), coherence * coherence, 0.02);
+    for (std::uint32_t i = 0; coherence == 1 && i < n; ++i)
+      ASSERT_NEAR(lower[i], 4 * upper[i], 1e-7 * (1 + upper[i]));
+  }
+}
+
+TEST(Speckle, NoiseOfAPairIsIndependent) {
+  constexpr std::uint32_t n = 400000;
+  const auto [upper, lower] = draw_pair({SpeckleModel::rayleigh, 1, 1}, 1, 1, 1, 1, n);
+  EXPECT_NEAR(statistics::correlation(upper, lower), 0.25, 0.02);  // coherence 1 / (1 + 1)
+  EXPECT_NEAR(statistics::mean(lower), 2, 0.02);
+  const auto [steady, other] = draw_pair({}, 1, 3, std::sqrt(3), 0.5, n);
+  EXPECT_NEAR(statistics::correlation(steady, other), 0, 0.02);
+  EXPECT_NEAR(statistics::mean(other), 3.5, 0.02);
+}
+
+TEST(Speckle, OfAPairOverLooksAndTextureKeepsTheMean) {
+  constexpr std::uint32_t n = 400000;
+  const auto [upper, lower] = draw_pair({SpeckleModel::k, 2, 3}, 1, 2, std::sqrt(2), 0, n);
+  EXPECT_NEAR(statistics::mean(lower), 2, 0.02);
+  EXPECT_NEAR(statistics::correlation(upper, lower), 1, 1e-6);  // full coherence, common texture
+  EXPECT_EQ(lower_received_energy(SampleRandom(1, 2, 3, 4), {}, 1, 1.0 / 3, 0.1, 0), 1.0 / 3);
+  EXPECT_EQ(lower_received_energy(SampleRandom(1, 2, 3, 4), {SpeckleModel::k, 2, 1}, 1, 0, 0, 0), 0);
 }
 
 }  // namespace
