@@ -36,7 +36,7 @@ struct Piece {
   std::uint32_t first = 0, count = 0;
 };
 
-/// Convex cone of directions, in which a tube meets no facet: corners [first, first + count) of
+/// Convex cone of directions in which a tube meets no facet. Its corners are [first, first + count) of
 /// FootprintSet::open_directions, in the sense of rotation of the tube's rays.
 struct OpenPiece {
   std::uint32_t tube = 0;

@@ -11,8 +11,8 @@ namespace tubefoot {
 /// Rounds the enclosure outwards to doubles.
 inline Interval interval_of(const Ball& x) { return {x.lo(), x.hi()}; }
 
-/// The function at_foot + along_u x + along_v y of the coordinates of a polygon, such as a texture coordinate
-/// or a cosine times a range.
+/// The function at_foot + along_u x + along_v y of the coordinates of a polygon. A texture coordinate is one,
+/// and a cosine times a range.
 template <class N>
 struct PlaneFunction {
   N at_foot, along_u, along_v;

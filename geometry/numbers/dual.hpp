@@ -44,7 +44,7 @@ struct Dual {
   Dual& operator+=(const Dual& b) { return *this = *this + b; }
 
   friend Dual squared(const Dual& x) { return x * x; }
-  /// Returns the square root of a number that is known not to be negative. Where it is 0 it has no
+  /// Returns the square root of a number that is known not to be negative. The root of 0 has no
   /// derivative, and the result is the constant 0.
   friend Dual root(const Dual& x) {
     if (!(x.value > 0)) return {};

@@ -18,7 +18,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int camera_header_height = 2 * margin + 44;
+constexpr int camera_header_height = 2 * page_margin + 44;
 
 std::vector<int> surfaces_of(const Recording& recording, std::size_t ping) {
   return recording.surfaces ? recording.surfaces(ping) : std::vector<int>();
@@ -115,12 +115,13 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
                   fan.far_m(), receiver_output ? "; " + receiver_output->said : std::string());
   const int content = std::max({columns * cell_width + DecibelScale::legend_width,
                                 text_width(title, title_size, font), text_width(subtitle, label_size, font)});
-  Canvas canvas(2 * margin + content, camera_header_height + std::max(rows * cell_height, 240) + margin,
-                palette.background, font);
-  canvas.text(margin, margin, title, title_size, palette.ink);
-  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
+  Canvas canvas(2 * page_margin + content,
+                camera_header_height + std::max(rows * cell_height, 240) + page_margin, palette.background,
+                font);
+  canvas.text(page_margin, page_margin, title, title_size, palette.ink);
+  canvas.text(page_margin, page_margin + 30, subtitle, label_size, palette.faint_ink);
   const auto left_of = [&](std::size_t k) {
-    return margin + static_cast<int>(k) % columns * cell_width + (cell_width - gap - fan.width()) / 2;
+    return page_margin + static_cast<int>(k) % columns * cell_width + (cell_width - gap - fan.width()) / 2;
   };
   const auto top_of = [&](std::size_t k) {
     return camera_header_height + static_cast<int>(k) / columns * cell_height;
@@ -137,8 +138,8 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
   for (std::size_t k = 0; k < frames.size(); ++k)
     canvas.label(left_of(k) + fan.width() / 2, top_of(k) + fan.height() + caption_height / 2, captions[k],
                  label_size, palette.faint_ink, Anchor::centre);
-  const int legend_bottom = canvas.height() - margin;
-  scale.draw_legend(canvas, canvas.width() - margin - DecibelScale::legend_width + 20,
+  const int legend_bottom = canvas.height() - page_margin;
+  scale.draw_legend(canvas, canvas.width() - page_margin - DecibelScale::legend_width + 20,
                     std::max(camera_header_height, legend_bottom - 400), legend_bottom);
   return canvas;
 }

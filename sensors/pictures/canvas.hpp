@@ -12,7 +12,7 @@
 namespace tubefoot {
 
 /// Border of a page, and height of the labels below a horizontal axis, in pixels.
-constexpr int margin = 28, axis_height = 62;
+constexpr int page_margin = 28, axis_label_height = 62;
 
 /// sRGB-coded components, 0..1.
 struct Colour {

@@ -20,7 +20,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int depth_header_height = 2 * margin + 52, legend_width = 180;
+constexpr int depth_header_height = 2 * page_margin + 52, legend_width = 180;
 constexpr int longest_side = 900, shortest_side = 320;
 
 /// Colour of a point in the perceptually uniform space OKLab (B. Ottosson, 2020), in sRGB.
@@ -111,17 +111,17 @@ Canvas draw_depths(const CellMeans& depths, const std::string& title, const std:
               static_cast<double>(extent.west) * cell,
               static_cast<double>(extent.south) * cell,
               pixels_per_cell / cell};
-  map.left = margin + map.northings_width(font);
+  map.left = page_margin + map.northings_width(font);
   const int left = map.left, top = map.top;
   const int page_width = std::max(width, shortest_side), page_height = std::max(height, shortest_side);
   const DepthRange range = range_of(depths);
   const std::string subtitle =
       fmt::format("mean depth of soundings in cells of {:g} m, {:.2f} to {:.2f} m; lit from the north-west",
                   cell, range.shallow, range.deep);
-  Canvas canvas(
-      margin + std::max({left + page_width + legend_width, margin + text_width(title, title_size, font),
-                         margin + text_width(subtitle, label_size, font)}),
-      top + page_height + axis_height + margin, palette.background, font);
+  Canvas canvas(page_margin + std::max({left + page_width + legend_width,
+                                        page_margin + text_width(title, title_size, font),
+                                        page_margin + text_width(subtitle, label_size, font)}),
+                top + page_height + axis_label_height + page_margin, palette.background, font);
 
   // On large grids each pixel shows the cell under its middle.
   for (int y = 0; y < height; ++y)
@@ -139,8 +139,8 @@ Canvas draw_depths(const CellMeans& depths, const std::string& title, const std:
   canvas.fill(left - 1, bottom, right + 1, bottom + 1, palette.grid, 0.55);
   canvas.fill(left - 1, top, left, bottom, palette.grid, 0.55);
   canvas.fill(right, top, right + 1, bottom, palette.grid, 0.55);
-  canvas.text(margin, margin, title, title_size, palette.ink);
-  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
+  canvas.text(page_margin, page_margin, title, title_size, palette.ink);
+  canvas.text(page_margin, page_margin + 30, subtitle, label_size, palette.faint_ink);
   map.draw_axes(canvas);
 
   constexpr int bar_width = 22, bar_height = 260;

@@ -13,7 +13,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int echogram_header_height = 2 * margin + 44, echogram_axis_width = 72;
+constexpr int echogram_header_height = 2 * page_margin + 44, echogram_axis_width = 72;
 constexpr Colour bottom_colour{0.35f, 0.85f, 0.95f};
 
 /// Mean of the cells under each pixel, row by row.
@@ -56,12 +56,12 @@ Canvas draw_echogram(const Recording& recording, std::span<const float> energy_j
                                  ? fmt::format("0 dB: {} dB re 1 J/m2; blue: no echo",
                                                tick_label(10 * std::log10(scale.reference_j()), 0.1))
                                  : "no echo";
-  const int left = margin + echogram_axis_width, top = echogram_header_height;
-  const int page_width = std::max({left + width + DecibelScale::legend_width + margin,
-                                   margin + text_width(title, title_size, font),
-                                   margin + widest_text({subtitle, footer}, label_size, font)}) +
-                         margin;
-  Canvas canvas(page_width, top + height + axis_height + margin, palette.background, font);
+  const int left = page_margin + echogram_axis_width, top = echogram_header_height;
+  const int page_width = std::max({left + width + DecibelScale::legend_width + page_margin,
+                                   page_margin + text_width(title, title_size, font),
+                                   page_margin + widest_text({subtitle, footer}, label_size, font)}) +
+                         page_margin;
+  Canvas canvas(page_width, top + height + axis_label_height + page_margin, palette.background, font);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       canvas.blend(left + x, top + y, scale.colour(means[static_cast<std::size_t>(y * width + x)]));
@@ -74,12 +74,12 @@ Canvas draw_echogram(const Recording& recording, std::span<const float> energy_j
     if (std::isfinite(bottom)) canvas.blend(left + x, row_of(bottom), bottom_colour);
   }
 
-  canvas.text(margin, margin, title, title_size, palette.ink);
-  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
-  canvas.text(margin, canvas.height() - margin + 6, footer, label_size, palette.faint_ink);
+  canvas.text(page_margin, page_margin, title, title_size, palette.ink);
+  canvas.text(page_margin, page_margin + 30, subtitle, label_size, palette.faint_ink);
+  canvas.text(page_margin, canvas.height() - page_margin + 6, footer, label_size, palette.faint_ink);
   canvas.text(left + width / 2, top + height + 42, "ping", label_size, palette.ink, Anchor::centre);
   canvas.text(left - 10, top - 22, "range (m)", label_size, palette.ink, Anchor::right);
-  scale.draw_legend(canvas, left + width + margin, top, top + std::min(height, 400));
+  scale.draw_legend(canvas, left + width + page_margin, top, top + std::min(height, 400));
   const double range_step = tick_step(far_m - samples.first_m, 8);
   for (const double range : ticks(samples.first_m, far_m, range_step)) {
     canvas.fill(left, row_of(range), left + width, row_of(range) + 1, palette.grid, 0.16);

@@ -12,7 +12,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int fan_header_height = 2 * margin + 44, footer_height = 44;
+constexpr int fan_header_height = 2 * page_margin + 44, footer_height = 44;
 constexpr int angle_label_gap = 20, range_label_gap = 12, range_label_width = 60;
 
 /// Step of the angle lines: a convenient divisor of a circle, at most eight parts, with labels at least 50
@@ -76,11 +76,12 @@ Canvas FanPage::draw(const Texts& texts, const PingEchoes& echoes, const Decibel
   // The fan, its labels and the legend are side by side. Short fans leave space for the title.
   const int drawing_height = std::max(fan.height(), 200);  // space for the legend
   const int content = fan.width() + 2 * range_label_width + DecibelScale::legend_width;
-  const int width = 2 * margin + std::max({content, text_width(texts.title, title_size, font),
-                                           text_width(texts.subtitle, label_size, font),
-                                           text_width(texts.footer, label_size, font)});
-  const int fan_left = margin + range_label_width + (width - 2 * margin - content) / 2;
-  Canvas canvas(width, fan_header_height + drawing_height + footer_height + margin, palette.background, font);
+  const int width = 2 * page_margin + std::max({content, text_width(texts.title, title_size, font),
+                                                text_width(texts.subtitle, label_size, font),
+                                                text_width(texts.footer, label_size, font)});
+  const int fan_left = page_margin + range_label_width + (width - 2 * page_margin - content) / 2;
+  Canvas canvas(width, fan_header_height + drawing_height + footer_height + page_margin, palette.background,
+                font);
 
   constexpr int around = CameraPixels::around;
   FanColours colours(pixels_, echoes, scale);
@@ -96,11 +97,11 @@ Canvas FanPage::draw(const Texts& texts, const PingEchoes& echoes, const Decibel
       if (lines->outline > 0) canvas.blend(column, row, palette.grid, 0.55 * lines->outline);
     }
 
-  canvas.text(margin, margin, texts.title, title_size, palette.ink);
-  canvas.text(margin, margin + 30, texts.subtitle, label_size, palette.faint_ink);
-  canvas.text(margin, canvas.height() - margin, texts.footer, label_size, palette.faint_ink);
+  canvas.text(page_margin, page_margin, texts.title, title_size, palette.ink);
+  canvas.text(page_margin, page_margin + 30, texts.subtitle, label_size, palette.faint_ink);
+  canvas.text(page_margin, canvas.height() - page_margin, texts.footer, label_size, palette.faint_ink);
   const int legend_bottom = fan_header_height + drawing_height;
-  scale.draw_legend(canvas, width - margin - DecibelScale::legend_width + 20,
+  scale.draw_legend(canvas, width - page_margin - DecibelScale::legend_width + 20,
                     std::max(fan_header_height, legend_bottom - 400), legend_bottom);
   draw_labels(canvas, fan_left, fan_header_height);
   return canvas;

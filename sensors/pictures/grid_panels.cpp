@@ -17,7 +17,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int panel_header_height = 2 * margin + 44, panel_axis_width = 76, panel_title_height = 58,
+constexpr int panel_header_height = 2 * page_margin + 44, panel_axis_width = 76, panel_title_height = 58,
               footer_height = 34;
 
 /// Pixels of a panel's drawing.
@@ -113,7 +113,7 @@ void draw(Canvas& canvas, const GridPanel& panel, int left, int top, DrawingSize
               y = top + static_cast<int>(std::floor(share_of(panel.down, mark.down) * size.height));
     canvas.fill(x - 1, y - 1, x + 2, y + 2, mark.colour);
   }
-  draw_legend(canvas, panel.legend, left + size.width + margin, top, top + std::min(size.height, 400));
+  draw_legend(canvas, panel.legend, left + size.width + page_margin, top, top + std::min(size.height, 400));
 }
 
 }  // namespace
@@ -134,9 +134,11 @@ Canvas draw_grid_page(const GridPage& page, const std::string& font) {
     sizes.push_back(wide ? size_of(panel, 640, 1100, 520)
                          : size_of(panel, one ? 640 : 360, one ? 1000 : 560, 760));
   const auto outer_width = [&](DrawingSize size) {
-    return panel_axis_width + size.width + margin + DecibelScale::legend_width;
+    return panel_axis_width + size.width + page_margin + DecibelScale::legend_width;
   };
-  const auto outer_height = [&](DrawingSize size) { return panel_title_height + size.height + axis_height; };
+  const auto outer_height = [&](DrawingSize size) {
+    return panel_title_height + size.height + axis_label_height;
+  };
   int width = 0, height = 0;
   for (const DrawingSize size : sizes) {
     width = wide ? std::max(width, outer_width(size)) : width + outer_width(size);
@@ -144,12 +146,13 @@ Canvas draw_grid_page(const GridPage& page, const std::string& font) {
   }
   width = std::max({width, text_width(page.title, title_size, font),
                     widest_text({page.subtitle, page.footer}, label_size, font)});
-  Canvas canvas(width + 2 * margin, panel_header_height - margin + height + footer_height + margin,
-                palette.background, font);
-  canvas.text(margin, margin, page.title, title_size, palette.ink);
-  canvas.text(margin, margin + 30, page.subtitle, label_size, palette.faint_ink);
-  canvas.text(margin, canvas.height() - margin, page.footer, label_size, palette.faint_ink);
-  int left = margin + panel_axis_width, top = panel_header_height - margin + panel_title_height;
+  Canvas canvas(width + 2 * page_margin,
+                panel_header_height - page_margin + height + footer_height + page_margin, palette.background,
+                font);
+  canvas.text(page_margin, page_margin, page.title, title_size, palette.ink);
+  canvas.text(page_margin, page_margin + 30, page.subtitle, label_size, palette.faint_ink);
+  canvas.text(page_margin, canvas.height() - page_margin, page.footer, label_size, palette.faint_ink);
+  int left = page_margin + panel_axis_width, top = panel_header_height - page_margin + panel_title_height;
   for (std::size_t k = 0; k < sizes.size(); ++k) {
     draw(canvas, page.panels[k], left, top, sizes[k]);
     (wide ? top : left) += wide ? outer_height(sizes[k]) : outer_width(sizes[k]);

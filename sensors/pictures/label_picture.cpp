@@ -23,7 +23,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int label_header_height = 2 * margin + 50, panel_gap = 36, caption_height = 34, widest = 460,
+constexpr int label_header_height = 2 * page_margin + 50, panel_gap = 36, caption_height = 34, widest = 460,
               highest = 560, entry_height = 26, most_entries = 14, swatch = 16, points = 3;
 
 /// Colour of an object or a material by its number; the first is often the seabed. The sequence repeats,
@@ -277,19 +277,19 @@ Canvas draw(const LabelRecording& label_recording, const Layout& layout, const F
   const int pitch = std::max(layout.width, 260) + panel_gap;
   const int width = std::max(
       {3 * pitch - panel_gap, text_width(title, title_size, font), text_width(subtitle, label_size, font)});
-  Canvas canvas(2 * margin + width,
-                label_header_height + layout.height + margin + entries * entry_height + margin,
+  Canvas canvas(2 * page_margin + width,
+                label_header_height + layout.height + page_margin + entries * entry_height + page_margin,
                 palette.background, font);
-  canvas.text(margin, margin, title, title_size, palette.ink);
-  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
-  const int below = label_header_height + layout.height + margin;
-  draw_panel(canvas, margin, layout, frames.objects, "objects");
-  draw_names(canvas, margin, below, label_recording.objects, frames.objects_seen, frames.unscattered);
-  draw_panel(canvas, margin + pitch, layout, frames.materials, "materials");
-  draw_names(canvas, margin + pitch, below, label_recording.materials, frames.materials_seen,
+  canvas.text(page_margin, page_margin, title, title_size, palette.ink);
+  canvas.text(page_margin, page_margin + 30, subtitle, label_size, palette.faint_ink);
+  const int below = label_header_height + layout.height + page_margin;
+  draw_panel(canvas, page_margin, layout, frames.objects, "objects");
+  draw_names(canvas, page_margin, below, label_recording.objects, frames.objects_seen, frames.unscattered);
+  draw_panel(canvas, page_margin + pitch, layout, frames.materials, "materials");
+  draw_names(canvas, page_margin + pitch, below, label_recording.materials, frames.materials_seen,
              frames.unscattered);
-  draw_panel(canvas, margin + 2 * pitch, layout, heights, "mean height");
-  draw_heights(canvas, margin + 2 * pitch, below, std::max(layout.width, 260), frames.extremes);
+  draw_panel(canvas, page_margin + 2 * pitch, layout, heights, "mean height");
+  draw_heights(canvas, page_margin + 2 * pitch, below, std::max(layout.width, 260), frames.extremes);
   return canvas;
 }
 

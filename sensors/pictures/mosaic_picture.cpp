@@ -14,7 +14,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int mosaic_header_height = 2 * margin + 34;
+constexpr int mosaic_header_height = 2 * page_margin + 34;
 constexpr int smallest_side = 240, largest_side = 1400;
 
 /// Mean power of the cells [c0, c1) x [r0, r1); NaN if no cell has a value.
@@ -72,11 +72,12 @@ Canvas draw_mosaic(const CellMeans& amplitudes, double display_gain_db, const st
               static_cast<double>(extent.west) * cell_m,
               static_cast<double>(extent.south) * cell_m,
               pixels_per_cell / cell_m};
-  map.left = margin + map.northings_width(font);
+  map.left = page_margin + map.northings_width(font);
   const int left = map.left, top = map.top, right = left + width, bottom = top + height;
-  const int least_width = 2 * margin + text_width(title, title_size, font);
-  Canvas canvas(std::max(least_width, right + 24 + DecibelScale::legend_width + margin),
-                std::max(bottom, top + smallest_side) + axis_height + margin, palette.background, font);
+  const int least_width = 2 * page_margin + text_width(title, title_size, font);
+  Canvas canvas(std::max(least_width, right + 24 + DecibelScale::legend_width + page_margin),
+                std::max(bottom, top + smallest_side) + axis_label_height + page_margin, palette.background,
+                font);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const double value =
@@ -88,7 +89,7 @@ Canvas draw_mosaic(const CellMeans& amplitudes, double display_gain_db, const st
   canvas.fill(left - 1, bottom, right + 1, bottom + 1, palette.grid, 0.55);
   canvas.fill(left - 1, top, left, bottom, palette.grid, 0.55);
   canvas.fill(right, top, right + 1, bottom, palette.grid, 0.55);
-  canvas.text(margin, margin, title, title_size, palette.ink);
+  canvas.text(page_margin, page_margin, title, title_size, palette.ink);
   scale.draw_legend(canvas, right + 24, top, std::max(top + smallest_side, std::min(bottom, top + 400)));
   map.draw_axes(canvas);
   return canvas;

@@ -17,7 +17,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int phase_header_height = 2 * margin + 44, phase_axis_width = 72;
+constexpr int phase_header_height = 2 * page_margin + 44, phase_axis_width = 72;
 
 /// Adds the samples of one ping under a pixel.
 void add(const ReceiverPairPing& ping, std::size_t beam, PixelSpan samples, const InterferometricNoise* noise,
@@ -43,7 +43,7 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
   const auto count = static_cast<std::size_t>(samples.count);
   const int side = static_cast<int>(std::clamp<std::size_t>(count, 300, 600));
   const int rows = static_cast<int>(std::clamp<std::size_t>(recording.pings(), 480, 1500));
-  const int left = margin + phase_axis_width, top = phase_header_height, bottom = top + rows,
+  const int left = page_margin + phase_axis_width, top = phase_header_height, bottom = top + rows,
             middle = left + side;
   const std::string title =
       fmt::format("{}   phase of upper against lower receiver", sensor.description().name);
@@ -51,10 +51,10 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
   const std::string subtitle = fmt::format(
       "{:g} kHz, baseline {:g} m, receiver pair tilted by {:g} degrees; brightness: coherence{}",
       sensor.frequency_khz(), receiver_pair.baseline_m, receiver_pair.tilt_deg, noise ? "; as received" : "");
-  const int page_width = margin + std::max({middle + side + DecibelScale::legend_width + margin,
-                                            margin + text_width(title, title_size, font),
-                                            margin + text_width(subtitle, label_size, font)});
-  Canvas canvas(page_width, bottom + axis_height + margin, palette.background, font);
+  const int page_width = page_margin + std::max({middle + side + DecibelScale::legend_width + page_margin,
+                                                 page_margin + text_width(title, title_size, font),
+                                                 page_margin + text_width(subtitle, label_size, font)});
+  Canvas canvas(page_width, bottom + axis_label_height + page_margin, palette.background, font);
   tbb::parallel_for(0, rows, [&](int row) {
     const PixelSpan pings = items_under(row, rows, recording.pings());
     std::vector<std::array<InterferometricSample, 2>> sums(static_cast<std::size_t>(side));
@@ -72,13 +72,13 @@ Canvas draw_phases(const Recording& recording, const std::string& font, const In
     }
   });
 
-  canvas.text(margin, margin, title, title_size, palette.ink);
-  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
+  canvas.text(page_margin, page_margin, title, title_size, palette.ink);
+  canvas.text(page_margin, page_margin + 30, subtitle, label_size, palette.faint_ink);
   canvas.text(left, bottom + 42, "port", label_size, palette.ink);
   canvas.text(middle, bottom + 42, "slant range (m)", label_size, palette.ink, Anchor::centre);
   canvas.text(middle + side, bottom + 42, "starboard", label_size, palette.ink, Anchor::right);
   canvas.text(left - 12, top - 22, "ping", label_size, palette.ink, Anchor::right);
-  draw_phase_legend(canvas, middle + side + margin, top, top + std::min(rows, 400));
+  draw_phase_legend(canvas, middle + side + page_margin, top, top + std::min(rows, 400));
   const double near_m = samples.first_m, far_m = samples.first_m + samples.count * samples.step_m;
   const double step_m = tick_step(far_m - near_m, 5);
   for (const double range : ticks(near_m, far_m, step_m)) {

@@ -21,7 +21,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int waterfall_header_height = 2 * margin + 52, waterfall_axis_width = 72;
+constexpr int waterfall_header_height = 2 * page_margin + 52, waterfall_axis_width = 72;
 constexpr int narrowest_side = 300, widest_side = 600, lowest = 240, highest = 3000;
 constexpr std::size_t sides = 2;  // port, starboard
 
@@ -246,14 +246,14 @@ Canvas Waterfall::draw(const ReceiverOutput* receiver_output) const {
                     tick_label(10 * std::log10(scale.reference_j()), 0.1), has_empty ? "; blue: no echo" : "",
                     has_empty && drawn.ends_early ? "; grey: no surface there" : "");
 
-  const int left = margin + waterfall_axis_width, top = waterfall_header_height, bottom = top + rows,
+  const int left = page_margin + waterfall_axis_width, top = waterfall_header_height, bottom = top + rows,
             middle = left + side;
   const int right = middle + side;
   const int page_width = std::max({right + waterfall_axis_width + DecibelScale::legend_width,
-                                   margin + text_width(title, title_size, font_),
-                                   margin + widest_text({subtitle, footer}, label_size, font_)}) +
-                         margin;
-  Canvas canvas(page_width, bottom + axis_height + margin + 10, palette.background, font_);
+                                   page_margin + text_width(title, title_size, font_),
+                                   page_margin + widest_text({subtitle, footer}, label_size, font_)}) +
+                         page_margin;
+  Canvas canvas(page_width, bottom + axis_label_height + page_margin + 10, palette.background, font_);
 
   const auto draw_strip = [&, side = side, &strips = strips, &columns = columns](std::size_t s) {
     for (std::size_t beam = 0; beam < sides; ++beam)  // port, starboard
@@ -273,9 +273,9 @@ Canvas Waterfall::draw(const ReceiverOutput* receiver_output) const {
   canvas.fill(left - 1, bottom, right + 1, bottom + 1, palette.grid, 0.55);
   canvas.fill(left - 1, top, left, bottom, palette.grid, 0.55);
   canvas.fill(right, top, right + 1, bottom, palette.grid, 0.55);
-  canvas.text(margin, margin, title, title_size, palette.ink);
-  canvas.text(margin, margin + 30, subtitle, label_size, palette.faint_ink);
-  canvas.text(margin, canvas.height() - margin + 6, footer, label_size, palette.faint_ink);
+  canvas.text(page_margin, page_margin, title, title_size, palette.ink);
+  canvas.text(page_margin, page_margin + 30, subtitle, label_size, palette.faint_ink);
+  canvas.text(page_margin, canvas.height() - page_margin + 6, footer, label_size, palette.faint_ink);
   canvas.text(left, bottom + 44, "port", label_size, palette.ink);
   canvas.text(middle, bottom + 44, "slant range (m)", label_size, palette.ink, Anchor::centre);
   canvas.text(right, bottom + 44, "starboard", label_size, palette.ink, Anchor::right);

@@ -24,11 +24,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr const char* local_crs =
-    R"wkt(ENGCRS["tubefoot local east-north",EDATUM["scene origin"],CS[Cartesian,2],)wkt"
-    R"wkt(AXIS["east (E)",east,ORDER[1],LENGTHUNIT["metre",1]],)wkt"
-    R"wkt(AXIS["north (N)",north,ORDER[2],LENGTHUNIT["metre",1]]])wkt";
-
 /// Fixes the date of change that GDAL writes into a GeoPackage, so that equal runs give equal files.
 class FixedDate {
  public:

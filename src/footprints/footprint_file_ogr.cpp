@@ -18,13 +18,6 @@
 namespace tubefoot {
 namespace {
 
-/// Coordinate reference system of the local frame: east and north in metres from the scene's origin.
-/// Heights are metres above the origin.
-constexpr const char* local_crs =
-    R"wkt(ENGCRS["tubefoot local east-north",EDATUM["scene origin"],CS[Cartesian,2],)wkt"
-    R"wkt(AXIS["east (E)",east,ORDER[1],LENGTHUNIT["metre",1]],)wkt"
-    R"wkt(AXIS["north (N)",north,ORDER[2],LENGTHUNIT["metre",1]]])wkt";
-
 class GeoPackage : public FootprintFile {
  public:
   GeoPackage(const std::filesystem::path& file, const FootprintSource& source)

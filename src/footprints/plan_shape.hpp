@@ -12,6 +12,13 @@
 
 namespace tubefoot {
 
+/// Coordinate reference system of the local frame: east and north in metres from the scene's origin.
+/// Heights are metres above the origin.
+constexpr const char* local_crs =
+    R"wkt(ENGCRS["tubefoot local east-north",EDATUM["scene origin"],CS[Cartesian,2],)wkt"
+    R"wkt(AXIS["east (E)",east,ORDER[1],LENGTHUNIT["metre",1]],)wkt"
+    R"wkt(AXIS["north (N)",north,ORDER[2],LENGTHUNIT["metre",1]]])wkt";
+
 /// A part of a facet for geographic programs: a valid OGC simple feature in plan view. A part without plan
 /// area (of a wall) cannot be a valid polygon, so that lines around it represent it.
 struct PlanShape {

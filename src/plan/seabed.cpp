@@ -210,14 +210,14 @@ std::optional<double> PlanHeights::distance_m(glm::dvec3 from_m, glm::dvec3 dire
 
 namespace {
 
-using Components = std::array<double, 3>;
+using Oklab = std::array<double, 3>;
 
-Components tint(double share) {
+Oklab tint(double share) {
   // Colours from deep to shallow. The colours of the sensors must stand out from them.
-  constexpr std::array<Components, 3> stops{{{0.56, 0.66, 0.73}, {0.78, 0.80, 0.76}, {0.95, 0.90, 0.78}}};
+  constexpr std::array<Oklab, 3> stops{{{0.56, 0.66, 0.73}, {0.78, 0.80, 0.76}, {0.95, 0.90, 0.78}}};
   const double at = std::clamp(share, 0.0, 1.0) * (stops.size() - 1);
   const auto k = std::min(static_cast<std::size_t>(at), stops.size() - 2);
-  Components mixed;
+  Oklab mixed;
   for (std::size_t c = 0; c < 3; ++c)
     mixed[c] = stops[k][c] + (at - static_cast<double>(k)) * (stops[k + 1][c] - stops[k][c]);
   return mixed;
@@ -230,7 +230,7 @@ std::uint32_t byte_of(double component) {
 }  // namespace
 
 std::string seabed_colour(double share_of_height) {
-  const Components c = tint(share_of_height);
+  const Oklab c = tint(share_of_height);
   return fmt::format("#{:02x}{:02x}{:02x}", byte_of(c[0]), byte_of(c[1]), byte_of(c[2]));
 }
 
@@ -270,7 +270,7 @@ std::string shaded(const PlanHeights& heights, double low_m, double high_m) {
       // Few levels of both, which compress well.
       const double share = high_m > low_m ? std::round(24 * (up - low_m) / (high_m - low_m)) / 24 : 0.5,
                    light = 1 - 0.16 * std::round(4 * std::clamp(slope(column, row) / usual, -1.0, 1.0)) / 4;
-      const Components c = tint(share);
+      const Oklab c = tint(share);
       auto* pixel =
           reinterpret_cast<std::uint32_t*>(bytes + static_cast<std::size_t>(rows - 1 - row) * stride) +
           column;

@@ -61,7 +61,7 @@ std::vector<Traits::Surface_3> mapped_triangles(const FacetMesh& mesh, GridPoint
 }
 
 template <class Work>
-double seconds(const Work& work) {
+double wall_seconds(const Work& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -79,9 +79,10 @@ double envelope_over_fixed(const FacetMesh& whole, const TubeSet& tubes, std::ui
   for (int repeat = 0; repeat < 5; ++repeat) {
     std::vector<double> looks;
     for (int k = 0; k < 101; ++k)
-      looks.push_back(seconds([&] { see(mesh, tree, tubes, tube, VisibilityOptions{}, scratch, seen); }));
+      looks.push_back(
+          wall_seconds([&] { see(mesh, tree, tubes, tube, VisibilityOptions{}, scratch, seen); }));
     fixed_times.push_back(median(looks));
-    envelope_times.push_back(seconds([&] {
+    envelope_times.push_back(wall_seconds([&] {
       CGAL::Envelope_diagram_2<Traits> diagram;
       CGAL::lower_envelope_3(triangles.begin(), triangles.end(), diagram);
     }));

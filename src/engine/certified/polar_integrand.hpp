@@ -10,8 +10,8 @@
 #include "engine/scattering/scattering_model.hpp"
 #include "geometry/integrals/polar_arcs.hpp"
 
-// The monostatic echo density over a slab of a polygon as an integral over range, for any number type: the
-// density of a circle times the length of its arcs in the polygon. CertifiedIntegrator and IntervalIntegrator
+// The monostatic echo density over a slab of a polygon as an integral over range, for any number type. Its
+// integrand is the density of a circle times the length of its arcs in the polygon. CertifiedIntegrator and IntervalIntegrator
 // add their bounds of the quadrature error. Include this heavy header only in .cpp files and in headers of
 // integrators.
 namespace tubefoot {

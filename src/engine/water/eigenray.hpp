@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <glm/vec3.hpp>
 #include <limits>
 #include <optional>
 #include <utility>

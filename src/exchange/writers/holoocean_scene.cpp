@@ -64,7 +64,7 @@ Json sensor_of(const ExchangedSonar& sonar) {
   return sensor;
 }
 
-std::vector<std::string> notes_on(const ExchangedScene& scene) {
+std::vector<std::string> holoocean_notes(const ExchangedScene& scene) {
   std::vector<std::string> notes{
       "HoloOcean's worlds are made in the Unreal editor: import scene.gltf there in metres, and rotate it "
       "until y points north and z points up. Then package the world, and replace YOUR_WORLD in scenario.json "
@@ -118,7 +118,7 @@ WrittenScene write_holoocean_scene(const ExchangedScene& scene, const std::files
             {"octree_max", 5.0},
             {"agents", agents}};
   write_file(folder / "scenario.json", std::string_view(text_of(root) + "\n"));
-  WrittenScene written{{"scenario.json"}, notes_on(scene)};
+  WrittenScene written{{"scenario.json"}, holoocean_notes(scene)};
   written.files.insert(written.files.end(), meshes.files.begin(), meshes.files.end());
   written.notes.push_back(meshes.notes.front());
   return written;

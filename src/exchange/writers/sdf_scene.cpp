@@ -24,8 +24,8 @@ void add_geometry(pugi::xml_node parent, const std::string& mesh) {
   add(add(add(parent, "geometry"), "mesh"), "uri", mesh);
 }
 
-void add_piece(pugi::xml_node world, const ExchangedScene& scene, const ExchangedPiece& piece,
-               const std::string& mesh) {
+void add_sdf_piece(pugi::xml_node world, const ExchangedScene& scene, const ExchangedPiece& piece,
+                   const std::string& mesh) {
   const ExchangedMaterial& material = scene.materials[piece.material];
   const pugi::xml_node model = set(add(world, "model"), "name", piece.file_stem);
   add(model, "static", "true");
@@ -132,7 +132,7 @@ void add_sonar(pugi::xml_node world, const ExchangedSonar& sonar, std::size_t nu
   add_fan(link, sonar, fan, true, own);
 }
 
-std::vector<std::string> notes_on(const ExchangedScene& scene) {
+std::vector<std::string> sdf_notes(const ExchangedScene& scene) {
   std::vector<std::string> notes{
       "sonars are sensors of type \"custom\" with gz:type=\"multibeam_sonar\". DAVE's plugin for Gazebo "
       "reads them, and other programs ignore them. Elements tubefoot:... hold the exact values for 'tubefoot "
@@ -172,10 +172,11 @@ WrittenScene write_sdf_scene(const ExchangedScene& scene, const std::filesystem:
   const pugi::xml_node sun = set(add(world, "light"), "name", std::string("sun"));
   set(sun, "type", std::string("directional"));
   add(sun, "direction", "-0.5 0.1 -0.9");
-  for (std::size_t k = 0; k < scene.pieces.size(); ++k) add_piece(world, scene, scene.pieces[k], meshes[k]);
+  for (std::size_t k = 0; k < scene.pieces.size(); ++k)
+    add_sdf_piece(world, scene, scene.pieces[k], meshes[k]);
   for (std::size_t k = 0; k < scene.sonars.size(); ++k) add_sonar(world, scene.sonars[k], k);
   write_xml(document, folder / "scene.sdf");
-  WrittenScene written{{"scene.sdf"}, notes_on(scene)};
+  WrittenScene written{{"scene.sdf"}, sdf_notes(scene)};
   written.files.insert(written.files.end(), meshes.begin(), meshes.end());
   return written;
 }

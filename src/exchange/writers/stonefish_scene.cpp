@@ -61,8 +61,8 @@ void add_materials(pugi::xml_node root, const ExchangedScene& scene) {
     }
 }
 
-void add_piece(pugi::xml_node root, const ExchangedScene& scene, const ExchangedPiece& piece,
-               const std::string& mesh) {
+void add_stonefish_piece(pugi::xml_node root, const ExchangedScene& scene, const ExchangedPiece& piece,
+                         const std::string& mesh) {
   const std::string& material = scene.materials[piece.material].name;
   const pugi::xml_node body = set(add(root, "static"), "name", piece.file_stem);
   set(body, "type", std::string("model"));
@@ -106,7 +106,7 @@ void add_sonar(pugi::xml_node root, const ExchangedSonar& sonar) {
   add_own_sonar(sensor, sonar, to_theirs(sonar.own, stonefish_axes().world, stonefish_axes().sonar));
 }
 
-std::vector<std::string> notes_on(const ExchangedScene& scene) {
+std::vector<std::string> stonefish_notes(const ExchangedScene& scene) {
   using Shape = ExchangedSonar::Shape;
   std::vector<std::string> notes{
       "Stonefish's documentation does not say how the restitution of a body affects its echo: exported "
@@ -151,10 +151,11 @@ WrittenScene write_stonefish_scene(const ExchangedScene& scene, const std::files
   add_own_scene(root, scene);
   add_environment(root);
   add_materials(root, scene);
-  for (std::size_t k = 0; k < scene.pieces.size(); ++k) add_piece(root, scene, scene.pieces[k], meshes[k]);
+  for (std::size_t k = 0; k < scene.pieces.size(); ++k)
+    add_stonefish_piece(root, scene, scene.pieces[k], meshes[k]);
   for (const ExchangedSonar& sonar : scene.sonars) add_sonar(root, sonar);
   write_xml(document, folder / "scene.scn");
-  WrittenScene written{{"scene.scn"}, notes_on(scene)};
+  WrittenScene written{{"scene.scn"}, stonefish_notes(scene)};
   written.files.insert(written.files.end(), meshes.begin(), meshes.end());
   return written;
 }
