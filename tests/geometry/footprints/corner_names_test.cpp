@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fixtures/geometry/layered_scenes.hpp"
+#include "fixtures/geometry/looks.hpp"
 #include "geometry/arithmetic/exact_corner.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/integrals/measure.hpp"
