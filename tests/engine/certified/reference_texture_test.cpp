@@ -25,7 +25,7 @@ namespace tubefoot {
 namespace {
 
 using Vec = glm::tvec3<long double>;
-const double mu = std::pow(10, -2.7);
+const double texture_mu = std::pow(10, -2.7);
 
 /// Lines on which q = at + along . place is an integer, where the integrand is not smooth.
 struct Kinks {
@@ -146,13 +146,13 @@ struct Oracle {
           },
           0.0L, std::numbers::pi_v<long double>);
     }
-    return (long double)(mu)*sum;
+    return (long double)(texture_mu)*sum;
   }
 };
 
 /// Facets on a grid of 2^-20 m, an apex, and tubes.
-struct Bench {
-  Bench(const std::vector<std::array<glm::dvec3, 3>>& facets_m, glm::dvec3 apex)
+struct TextureBench {
+  TextureBench(const std::vector<std::array<glm::dvec3, 3>>& facets_m, glm::dvec3 apex)
       : grid(20, glm::dvec3(0)),
         apex_m(grid.to_metres(grid.snap(apex))),
         mesh(test::mesh_of(facets_m, grid)),
@@ -175,7 +175,7 @@ struct Bench {
   Result run(const TubeSet& set, const RangeSamples& samples, double absorption, double tolerance,
              const std::shared_ptr<const ReflectivityField>& texture,
              const BeamPatterns* patterns = nullptr) const {
-    const std::vector<double> material_mu{mu};
+    const std::vector<double> material_mu{texture_mu};
     EchoModel model{material_mu, mesh.material, absorption, patterns};
     const std::vector fields{texture};
     model.reflectivity = fields;
@@ -231,7 +231,8 @@ struct Held {
 
 /// The true value lies in the bound, the bound is as narrow as requested, and the ordinary echo keeps its
 /// own error.
-void expect_held(const Bench::Result& result, const RangeSamples& samples, const Oracle& oracle, Held held) {
+void expect_held(const TextureBench::Result& result, const RangeSamples& samples, const Oracle& oracle,
+                 Held held) {
   EXPECT_EQ(result.certified.bins_over, 0u);
   double sum = 0;
   for (int k = 0; k < samples.count; ++k) {
@@ -256,7 +257,7 @@ TEST(ReferenceTexture, BoundHoldsOnTiltedFacetsForAnyNoise) {
     const glm::dvec3 hit = apex + (4 + 2 * unit(random)) * axis;
     const glm::dvec3 tilt(0.5 * unit(random), 0.5 * unit(random), 1);
     const glm::dvec3 p = glm::normalize(glm::cross(tilt, glm::dvec3(1, 0.3, 0))), q = glm::cross(tilt, p);
-    const Bench seabed({{hit - 40.0 * p - 30.0 * q, hit + 40.0 * p - 30.0 * q, hit + 50.0 * q}}, apex);
+    const TextureBench seabed({{hit - 40.0 * p - 30.0 * q, hit + 40.0 * p - 30.0 * q, hit + 50.0 * q}}, apex);
     const TubeSet set = seabed.tube(pyramid(axis, {0.03, 0.03 * unit(random), 0.05}, {0, 0.06, 0}), 40);
     const PerlinReflectivity::Settings settings{0.2 + 0.4 * (1 + unit(random)), 1 + trial % 3, 0.6,
                                                 0.25 + 0.05 * (trial % 4), std::uint64_t(trial)};
@@ -276,7 +277,7 @@ TEST(ReferenceTexture, BoundHoldsOnTiltedFacetsForAnyNoise) {
 TEST(ReferenceTexture, FootCornersAndFacetMayLieInPlanesBetweenCells) {
   // The wavelength is 1. The facet lies in the plane z = -4, and its corners and the foot point lie on
   // nodes of the lattice. The cases are whole circles, arcs and empty bins.
-  const Bench seabed({{glm::dvec3(-4, -3, -4), {5, -3, -4}, {0, 4, -4}}}, {0, 0, 0});
+  const TextureBench seabed({{glm::dvec3(-4, -3, -4), {5, -3, -4}, {0, 4, -4}}}, {0, 0, 0});
   const TubeSet set = seabed.tube(pyramid({0, 0, -1}, {8, 0, 0}, {0, 8, 0}), 40);
   const PerlinReflectivity::Settings settings{1, 2, 0.5, 0.9, 5};
   const auto texture = std::make_shared<const PerlinReflectivity>(settings);
@@ -289,19 +290,20 @@ TEST(ReferenceTexture, FootCornersAndFacetMayLieInPlanesBetweenCells) {
   expect_held(seabed.run(set, samples, 0.1, 1e-9, texture), samples, oracle, {1e-9, 1e-10});
 }
 
-Directivity pattern(Directivity::Kind kind, glm::dvec3 axis, bool from_axis, double centre, double size) {
+Directivity texture_pattern(Directivity::Kind kind, glm::dvec3 axis, bool from_axis, double centre,
+                            double size) {
   return {kind, glm::normalize(axis), from_axis, centre, size, {}};
 }
 
 TEST(ReferenceTexture, BoundHoldsWithPatterns) {
   using Kind = Directivity::Kind;
-  const Bench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
+  const TextureBench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
   const glm::dvec3 axis(1, 0.2, -1);
   const TubeSet set = seabed.tube(pyramid(axis, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
   const BeamPatterns patterns{
-      {TransmitPattern(std::vector{pattern(Kind::line, {0, 1, 0}, false, 0.1, 9),
-                                   pattern(Kind::gaussian, {0, 0, 1}, false, -0.6, 0.3)})},
-      {pattern(Kind::piston, axis, true, 0, 12)},
+      {TransmitPattern(std::vector{texture_pattern(Kind::line, {0, 1, 0}, false, 0.1, 9),
+                                   texture_pattern(Kind::gaussian, {0, 0, 1}, false, -0.6, 0.3)})},
+      {texture_pattern(Kind::piston, axis, true, 0, 12)},
       {0},
       {{0, 1}}};
   const PerlinReflectivity::Settings settings{0.6, 2, 0.5, 0.25, 11};
@@ -337,7 +339,7 @@ std::vector<Kinks> kinks_of(const MapReflectivity& map) {
 }
 
 TEST(ReferenceTexture, BoundHoldsForMapsAndProducts) {
-  const Bench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
+  const TextureBench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
   const glm::dvec3 axis(1, 0.2, -1);
   const TubeSet set = seabed.tube(pyramid(axis, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
   const std::vector<Vec> corners = seabed.section(set);
@@ -360,7 +362,7 @@ TEST(ReferenceTexture, BoundHoldsForMapsAndProducts) {
 }
 
 TEST(ReferenceTexture, NoDepthIsNoTexture) {
-  const Bench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
+  const TextureBench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
   const TubeSet set = seabed.tube(pyramid({1, 0.2, -1}, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
   const RangeSamples samples = samples_over(seabed.section(set), 5);
   const auto even = seabed.run(set, samples, 0.1, 1e-9, nullptr);
@@ -387,7 +389,7 @@ TEST(ReferenceTexture, NoDepthIsNoTexture) {
 }
 
 TEST(ReferenceTexture, MoreCellsThanAllowedAreEnclosedByTheTexturesRange) {
-  const Bench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
+  const TextureBench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0.3, 0.2, 0.1});
   const TubeSet set = seabed.tube(pyramid({1, 0.2, -1}, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
   const RangeSamples samples = samples_over(seabed.section(set), 3);
   const auto even = seabed.run(set, samples, 0, 1e-9, nullptr);
@@ -395,7 +397,7 @@ TEST(ReferenceTexture, MoreCellsThanAllowedAreEnclosedByTheTexturesRange) {
   // is 1.
   std::vector<std::shared_ptr<const ReflectivityField>> fields{
       std::make_shared<const PerlinReflectivity>(PerlinReflectivity::Settings{5e-6, 1, 0.5, 0.25, 1})};
-  const std::vector<double> material_mu{mu};
+  const std::vector<double> material_mu{texture_mu};
   EchoModel model{material_mu, seabed.mesh.material, 0};
   model.reflectivity = fields;
   model.path.tx.apex_m = seabed.apex_m;
@@ -427,7 +429,7 @@ TEST(ReferenceTexture, RefusesAFieldThatItCannotEnclose) {
   EXPECT_EQ(material_without_enclosure(Fields{nullptr, noise}), std::nullopt);
   EXPECT_EQ(material_without_enclosure(Fields{nullptr, noise, other}), 2u);
   EXPECT_EQ(material_without_enclosure(Fields{nullptr, layered, noise}), 1u);
-  const Bench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0, 0, 0});
+  const TextureBench seabed({{glm::dvec3(-100, -100, -8), {100, -100, -9}, {0, 150, -8.5}}}, {0, 0, 0});
   const TubeSet set = seabed.tube(pyramid({1, 0.2, -1}, {0.04, 0, 0.04}, {0, 0.06, 0}), 60);
   try {
     seabed.run(set, {10, 1, 2}, 0, 1e-6, other);
