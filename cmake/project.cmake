@@ -8,7 +8,7 @@ option(TUBEFOOT_WARNINGS_AS_ERRORS "Stop the build at a compiler's warning" OFF)
 option(TUBEFOOT_UNITY "Compile several files of a folder in one unit" ON)
 add_library(tubefoot_project INTERFACE)
 target_compile_options(tubefoot_project INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow$<$<BOOL:${TUBEFOOT_UNITY}>:=local> -Wconversion -Wno-sign-conversion
+  -Wall -Wextra -Wpedantic -Wshadow$<$<AND:$<BOOL:${TUBEFOOT_UNITY}>,$<CXX_COMPILER_ID:GNU>>:=local> -Wconversion -Wno-sign-conversion
   $<$<BOOL:${TUBEFOOT_WARNINGS_AS_ERRORS}>:-Werror>
   # A contracted multiply-add would break every floating-point error bound (docs/notes/visibility.md).
   -ffp-contract=off)

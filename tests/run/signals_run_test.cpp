@@ -34,7 +34,7 @@ using Complex = std::complex<double>;
 constexpr double sound_speed = 1500;
 
 /// The array is mounted so that it sees all of a small seabed, 6 m below and ahead.
-std::string scene(const std::string& sensor, const std::string& more = "", double extent_m = 1.5) {
+std::string array_scene(const std::string& sensor, const std::string& more = "", double extent_m = 1.5) {
   return fmt::format(
       "[water]\nsound_speed_m_s = 1500\nabsorption_db_per_km = 0\n"
       "[[materials]]\nname = \"sand\"\nlambert_db = -20\n"
@@ -141,7 +141,7 @@ ElementSignals of_points(const ElementSignals& like, const SurfaceField& field, 
 // From the scene file to the recordings of the elements. The scene has motion from ping to ping, elements
 // off the middle, a mounting, and a mixing frequency off the middle of the band.
 TEST_F(SignalsRun, AreThoseOfTheSurfacesScatterers) {
-  const ElementSignals signals = signals_of(scene(
+  const ElementSignals signals = signals_of(array_scene(
       "baseband_khz = 30.5\nsampling_frequency_khz = 20\nsignal_tolerance = 1e-6\nlever_arm_m = [0.1, 0.2, "
       "0.3]\n"
       "receivers_m = [[0, 0, 0], [0.4, 0, -0.1], [-0.2, 0.3, 0]]\npings = 2\nping_interval_s = 1\n",
@@ -163,8 +163,8 @@ TEST_F(SignalsRun, HaveTheEnergiesOfTheSameVisibility) {
   constexpr int surface_meshes = 60;
   std::vector<double> mean, energy;
   for (int seed = 1; seed <= surface_meshes; ++seed) {
-    const ElementSignals signals =
-        signals_of(scene("receivers = 1\n", at_rest + box + fmt::format("[run]\nseed = {}\n", seed), 3));
+    const ElementSignals signals = signals_of(
+        array_scene("receivers = 1\n", at_rest + box + fmt::format("[run]\nseed = {}\n", seed), 3));
     mean.resize(signals.samples());
     for (std::size_t k = 0; k < signals.samples(); ++k)
       mean[k] += std::norm(signals.channel(0, 0)[k]) / signals.sampling.rate_hz / surface_meshes;
@@ -182,7 +182,7 @@ TEST_F(SignalsRun, HaveTheEnergiesOfTheSameVisibility) {
 
 TEST_F(SignalsRun, AreTheSurfacesForEveryoneAndEveryThread) {
   const std::string two =
-      scene("receivers = 3\n", at_rest) +
+      array_scene("receivers = 3\n", at_rest) +
       "[[sensors]]\nname = \"other\"\nkind = \"array\"\ntilt_deg = 45\nfrequency_khz = 30\nbandwidth_khz = "
       "6\n"
       "pulse_length_us = 500\npulse_taper = 0.4\nrange_min_m = 6.5\nrange_max_m = 11\nhorizontal_deg = 52\n"
@@ -196,7 +196,7 @@ TEST_F(SignalsRun, AreTheSurfacesForEveryoneAndEveryThread) {
 }
 
 TEST_F(SignalsRun, OfASeparateReceiverAreThoseOfTheSurfacesScatterers) {
-  const ElementSignals signals = signals_of(scene(
+  const ElementSignals signals = signals_of(array_scene(
       "receiver_arm_m = [1, 0.5, 0.2]\nreceivers_m = [[0, 0, 0], [0.1, 0, 0]]\nsignal_tolerance = 1e-6\n",
       at_rest));
   EXPECT_NEAR(signals.array.receivers_m[1].x, 1.1, 1e-12);
@@ -210,7 +210,9 @@ TEST_F(SignalsRun, OfOwnViewsAreThoseOfSeparateReceivers) {
   const std::string wall =
       "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [0.1, 1, 1.2]\nposition_m = [0.3, 5.8, "
       "-5.5]\n";
-  const auto only = [&](const std::string& sensor) { return signals_of(scene(sensor, at_rest + wall, 3)); };
+  const auto only = [&](const std::string& sensor) {
+    return signals_of(array_scene(sensor, at_rest + wall, 3));
+  };
   const std::string fine = "signal_tolerance = 1e-6\n";
   const ElementSignals own =
                            only("own_sights = true\nreceivers_m = [[-1, 0.2, 0.1], [1.5, 0, 0.2]]\n" + fine),
@@ -235,11 +237,11 @@ TEST_F(SignalsRun, OfAVehicleOnTheWayAreThoseOfTheSurfacesScatterers) {
   const std::string sensor =
       "lever_arm_m = [0.1, 0.2, 0.3]\nreceivers_m = [[0, 0, 0], [0.4, 0, -0.1]]\nsignal_tolerance = 1e-6\n"
       "first_ping_s = 0.2\n";
-  const ElementSignals moving = signals_of(scene(sensor + "stop_and_hop = false\n", track));
+  const ElementSignals moving = signals_of(array_scene(sensor + "stop_and_hop = false\n", track));
   const ElementSignals points = of_points_on_the_way(moving, surface_field_of(*survey), {0.3, 6, -6}, 0.75);
   EXPECT_FALSE(moving.motion.stop_and_hop());
   EXPECT_LE(largest_difference(moving, points), 1e-5 * largest(points));
-  const ElementSignals hopping = signals_of(scene(sensor, track));
+  const ElementSignals hopping = signals_of(array_scene(sensor, track));
   EXPECT_GT(largest_difference(moving, hopping), 0.1 * largest(points));
 }
 
@@ -252,10 +254,10 @@ TEST_F(SignalsRun, OfAVehicleOnTheWayLateOnItsClock) {
                  fmt::format("time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n{:.17g},0.1,0,0,0,"
                              "0,0\n{:.17g},0.1,8,0,0,0,0\n",
                              start_s, start_s + 2));
-    return signals_of(scene(fmt::format("receivers = 2\nsignal_tolerance = 1e-5\nstop_and_hop = false\n"
-                                        "first_ping_s = {:.17g}\n",
-                                        start_s + 0.5),
-                            "[trajectory]\nkind = \"waypoints\"\nfile = \"track.csv\"\n"));
+    return signals_of(array_scene(fmt::format("receivers = 2\nsignal_tolerance = 1e-5\nstop_and_hop = false\n"
+                                              "first_ping_s = {:.17g}\n",
+                                              start_s + 0.5),
+                                  "[trajectory]\nkind = \"waypoints\"\nfile = \"track.csv\"\n"));
   };
   const ElementSignals early = at(0), late = at(epoch_s);
   EXPECT_GT(largest(early), 0);
@@ -265,8 +267,9 @@ TEST_F(SignalsRun, OfAVehicleOnTheWayLateOnItsClock) {
 
 // The range limit of a distant receiver is that of its own path.
 TEST_F(SignalsRun, OfOwnViewsReachAsFarAsThoseOfSeparateReceivers) {
-  const std::string far = replaced(scene("receiver_arm_m = [0, -4, 0]\nreceivers_m = [[0, 0, 0]]\n", at_rest),
-                                   "range_max_m = 11", "range_max_m = 10.6");
+  const std::string far =
+      replaced(array_scene("receiver_arm_m = [0, -4, 0]\nreceivers_m = [[0, 0, 0]]\n", at_rest),
+               "range_max_m = 11", "range_max_m = 10.6");
   const ElementSignals apart = signals_of(far), own = signals_of(far + "own_sights = true\n");
   EXPECT_GT(largest(apart), 0);
   EXPECT_LE(largest_difference(apart, own), 1e-9 * largest(apart));
@@ -274,7 +277,7 @@ TEST_F(SignalsRun, OfOwnViewsReachAsFarAsThoseOfSeparateReceivers) {
 
 TEST_F(SignalsRun, OfOneThatIsTurnedToLook) {
   const ElementSignals signals = signals_of(
-      replaced(scene("look_at_m = [0.3, 6, -6]\nreceivers = 2\nsignal_tolerance = 1e-6\n", at_rest),
+      replaced(array_scene("look_at_m = [0.3, 6, -6]\nreceivers = 2\nsignal_tolerance = 1e-6\n", at_rest),
                "tilt_deg = 45\n", ""));
   const ElementSignals points = of_points(signals, surface_field_of(*survey), {0.3, 6, -6}, 0.75);
   EXPECT_LE(largest_difference(signals, points), 1e-5 * largest(points));
@@ -319,9 +322,10 @@ TEST_F(SignalsRun, OfASmoothPlaneAreItsImage) {
 TEST_F(SignalsRun, ProductsThatCannotBeMadeAreLeftOut) {
   const auto file = folder.write(
       "scene.toml",
-      scene("receivers = 2\nproducts = [\"sidescan\", \"fan\", \"interferogram\"]\nupper = [0]\nlower = [1]\n"
-            "pings = 6\n",
-            at_rest));
+      array_scene(
+          "receivers = 2\nproducts = [\"sidescan\", \"fan\", \"interferogram\"]\nupper = [0]\nlower = [1]\n"
+          "pings = 6\n",
+          at_rest));
   const auto out = folder / "out";
   const Outcome check = run_program({"check", file.string()}),
                 run = run_program({"run", file.string(), "-o", out.string(), "--pings", "0:2"});
@@ -339,8 +343,9 @@ TEST_F(SignalsRun, ProductsThatCannotBeMadeAreLeftOut) {
 // Products depend on the mounting of the array: four elements along the keel make the beam of a sidescan,
 // and no fan.
 TEST_F(SignalsRun, ProductsAreOfArraysAsTheyAreMounted) {
-  const auto file = folder.write(
-      "scene.toml", scene("yaw_deg = 90\nreceivers = 4\nproducts = [\"sidescan\", \"fan\"]\n", at_rest));
+  const auto file =
+      folder.write("scene.toml",
+                   array_scene("yaw_deg = 90\nreceivers = 4\nproducts = [\"sidescan\", \"fan\"]\n", at_rest));
   const Outcome outcome = run_program({"check", file.string()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err + outcome.out, HasSubstr("tubefoot does not compute the fan"));
@@ -358,64 +363,65 @@ struct SignalRefusals : testing::Test {
 };
 
 TEST_F(SignalRefusals, SayWhatIsWrongAndWhatToDo) {
-  EXPECT_THAT(said(replaced(scene("", at_rest), "pulse_length_us = 500\n", "")),
+  EXPECT_THAT(said(replaced(array_scene("", at_rest), "pulse_length_us = 500\n", "")),
               HasSubstr("pulse_length_us"));
-  EXPECT_THAT(said(scene("sampling_frequency_khz = 5\n", at_rest)), HasSubstr("sample at"));
-  EXPECT_THAT(said(replaced(scene("", at_rest), "pulse_length_us = 500\n", "pulse_length_us = 20000\n")),
-              HasSubstr("longer than"));
-  EXPECT_THAT(said(scene("receivers = 2\nreceivers_m = [[0, 0, 0]]\n", at_rest)),
-              HasSubstr("remove 'receivers'"));
-  EXPECT_THAT(said(scene("products = [\"aperture\"]\n", at_rest)), HasSubstr("'picture_m'"));
-  EXPECT_THAT(said(scene("pixel_m = 0.1\n", at_rest)), HasSubstr("'pixel_m'"));
-  EXPECT_THAT(said(scene("formats = [\"jsf\"]\n", at_rest)), HasSubstr("sidescan"));
-  EXPECT_THAT(said(scene("products = [\"fan\"]\nformats = [\"sonar_netcdf\"]\n", at_rest)),
-              HasSubstr("across the track"));
-  EXPECT_THAT(said(scene("noise_level_db = 60\n", at_rest)), HasSubstr("'noise_level_db'"));
-  EXPECT_THAT(said(scene("products = [\"sidescan\"]\nbeams = 5\n", at_rest)), HasSubstr("'beams'"));
+  EXPECT_THAT(said(array_scene("sampling_frequency_khz = 5\n", at_rest)), HasSubstr("sample at"));
   EXPECT_THAT(
-      said(scene("products = [\"interferogram\"]\nupper = [0]\nlower = [1]\nsides = \"both\"\n", at_rest)),
-      HasSubstr("one side"));
-  EXPECT_THAT(said(replaced(scene("receivers = 4096\nsampling_frequency_khz = 3000\n", at_rest),
+      said(replaced(array_scene("", at_rest), "pulse_length_us = 500\n", "pulse_length_us = 20000\n")),
+      HasSubstr("longer than"));
+  EXPECT_THAT(said(array_scene("receivers = 2\nreceivers_m = [[0, 0, 0]]\n", at_rest)),
+              HasSubstr("remove 'receivers'"));
+  EXPECT_THAT(said(array_scene("products = [\"aperture\"]\n", at_rest)), HasSubstr("'picture_m'"));
+  EXPECT_THAT(said(array_scene("pixel_m = 0.1\n", at_rest)), HasSubstr("'pixel_m'"));
+  EXPECT_THAT(said(array_scene("formats = [\"jsf\"]\n", at_rest)), HasSubstr("sidescan"));
+  EXPECT_THAT(said(array_scene("products = [\"fan\"]\nformats = [\"sonar_netcdf\"]\n", at_rest)),
+              HasSubstr("across the track"));
+  EXPECT_THAT(said(array_scene("noise_level_db = 60\n", at_rest)), HasSubstr("'noise_level_db'"));
+  EXPECT_THAT(said(array_scene("products = [\"sidescan\"]\nbeams = 5\n", at_rest)), HasSubstr("'beams'"));
+  EXPECT_THAT(said(array_scene("products = [\"interferogram\"]\nupper = [0]\nlower = [1]\nsides = \"both\"\n",
+                               at_rest)),
+              HasSubstr("one side"));
+  EXPECT_THAT(said(replaced(array_scene("receivers = 4096\nsampling_frequency_khz = 3000\n", at_rest),
                             "frequency_khz = 30\n", "frequency_khz = 2900\n")),
               HasSubstr("512 MB"));
-  EXPECT_THAT(said(scene("products = [\"interferogram\"]\nupper = [0]\nlower = [40]\n", at_rest)),
+  EXPECT_THAT(said(array_scene("products = [\"interferogram\"]\nupper = [0]\nlower = [40]\n", at_rest)),
               HasSubstr("receiver 40"));
-  EXPECT_THAT(said(replaced(scene("", at_rest + "[run]\ngrid_exponent = 4\n"), "frequency_khz = 30\n",
+  EXPECT_THAT(said(replaced(array_scene("", at_rest + "[run]\ngrid_exponent = 4\n"), "frequency_khz = 30\n",
                             "frequency_khz = 300\n")),
               HasSubstr("wavelength"));
   // Products that no run can make are an error at the position of the key, not omitted.
-  EXPECT_THAT(said(scene("products = [\"fan\"]\nbeams = 1\n", at_rest)),
+  EXPECT_THAT(said(array_scene("products = [\"fan\"]\nbeams = 1\n", at_rest)),
               HasSubstr("'beams' must be 2 to 4096"));
-  EXPECT_THAT(said(scene("products = [\"interferogram\"]\nupper = [1]\nlower = [1]\n", at_rest)),
+  EXPECT_THAT(said(array_scene("products = [\"interferogram\"]\nupper = [1]\nlower = [1]\n", at_rest)),
               HasSubstr("same receivers"));
   for (const char* pixels : {"picture_m = [-1e7, -1e7, 1e7, 1e7]\npixel_m = 1e-4\n",
                              "picture_m = [0, 0, 0.01, 0.01]\n", "picture_m = [0, 0, 0.04, 9]\n"})
-    EXPECT_THAT(said(scene("pings = 2\nproducts = [\"aperture\"]\n" + std::string(pixels), at_rest)),
+    EXPECT_THAT(said(array_scene("pings = 2\nproducts = [\"aperture\"]\n" + std::string(pixels), at_rest)),
                 HasSubstr("pixels, but the picture must have 2 x 2 or more, and 4194304 at most"))
         << pixels;
   // Absurd pulse lengths and sampling rates are reported with the keys of the array.
   for (const char* length : {"1e-9", "1e-300"})
-    EXPECT_THAT(said(replaced(scene("", at_rest), "pulse_length_us = 500\n",
+    EXPECT_THAT(said(replaced(array_scene("", at_rest), "pulse_length_us = 500\n",
                               fmt::format("pulse_length_us = {}\n", length))),
                 HasSubstr("too short for 27000 Hz"));
-  EXPECT_THAT(said(replaced(scene("sampling_frequency_khz = 10000\n", at_rest), "range_max_m = 11",
+  EXPECT_THAT(said(replaced(array_scene("sampling_frequency_khz = 10000\n", at_rest), "range_max_m = 11",
                             "range_max_m = 100000")),
               HasSubstr("samples at 10000 kHz, but the limit is 65536"));
   // Scatterer fields that are too dense for the available time, or beyond the range of the lattice, are
   // rejected at once, with the position.
   const std::string dense = "[scatterers]\nspacing_m = 0.0001\n";
+  EXPECT_THAT(said(replaced(array_scene("receivers = 1\n", at_rest + dense, 60), "range_max_m = 11",
+                            "range_max_m = 60")),
+              AllOf(HasSubstr("scene.toml:"), HasSubstr("scatterers at a spacing of 0.0001 m"),
+                    HasSubstr("'spacing_m' to")));
   EXPECT_THAT(
-      said(replaced(scene("receivers = 1\n", at_rest + dense, 60), "range_max_m = 11", "range_max_m = 60")),
-      AllOf(HasSubstr("scene.toml:"), HasSubstr("scatterers at a spacing of 0.0001 m"),
-            HasSubstr("'spacing_m' to")));
-  EXPECT_THAT(
-      said(replaced(scene("", "[trajectory]\nkind = \"fixed\"\nposition_m = [900000, 0, 0]\n" + dense),
+      said(replaced(array_scene("", "[trajectory]\nkind = \"fixed\"\nposition_m = [900000, 0, 0]\n" + dense),
                     "[0.3, 6, -6]", "[900000.3, 6, -6]")),
       AllOf(HasSubstr("scene.toml:"), HasSubstr("larger spacing")));
-  EXPECT_THAT(
-      said(scene("stop_and_hop = false\npings = 2\nping_interval_s = 0.5\n",
-                 "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 0]\nend_m = [1, 0, 0]\nspeed_m_s = 2\n")),
-      HasSubstr("last sample"));
+  EXPECT_THAT(said(array_scene(
+                  "stop_and_hop = false\npings = 2\nping_interval_s = 0.5\n",
+                  "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 0]\nend_m = [1, 0, 0]\nspeed_m_s = 2\n")),
+              HasSubstr("last sample"));
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr std::string_view sidescan = R"(
+constexpr std::string_view symmetric_sidescan = R"(
 [[sensors]]
 name = "sidescan"
 kind = "sidescan"
@@ -39,7 +39,7 @@ std::string box_scene(double heading_deg, double box_bearing_deg, bool with_box)
     scene += fmt::format(
         "[[objects]]\nname = \"box\"\nshape = \"box\"\nsize_m = [1, 1, 1]\nposition_m = [{}, {}, 0.5]\n",
         12 * std::sin(bearing), 12 * std::cos(bearing));
-  return scene + std::string(sidescan);
+  return scene + std::string(symmetric_sidescan);
 }
 
 TEST(Sides, AnObjectEchoesOnItsOwnSideOnly) {
@@ -85,8 +85,8 @@ TEST(MirroredScene, SwapsPortAndStarboard) {
   const TestMesh mesh = relief(96, 48, bumps);
   for (const double heading_deg : {0.0, 17.0}) {
     SCOPED_TRACE(heading_deg);
-    const Echoes there = echoes_over(mesh, mesh_scene(heading_deg, sidescan)),
-                 mirrored_there = echoes_over(mirrored(mesh), mesh_scene(-heading_deg, sidescan));
+    const Echoes there = echoes_over(mesh, mesh_scene(heading_deg, symmetric_sidescan)),
+                 mirrored_there = echoes_over(mirrored(mesh), mesh_scene(-heading_deg, symmetric_sidescan));
     double worst = 0;
     for (const std::size_t beam : {0u, 1u})
       for (std::size_t k = 0; k < there.samples; ++k) {
@@ -101,7 +101,7 @@ TEST(MirroredScene, SwapsPortAndStarboard) {
 
 TEST(Translation, ByGridUnitsChangesNothing) {
   const TestMesh mesh = relief(96, 48, bumps);
-  const std::string at_origin = mesh_scene(23, sidescan, R"(
+  const std::string at_origin = mesh_scene(23, symmetric_sidescan, R"(
 [[terrain]]
 kind = "flat"
 width_m = 64
@@ -177,7 +177,7 @@ std::string projection_of(int epsg) {
 TEST(Georeference, UtmCoordinatesCostNothing) {
   const TestFolder local;
   local.write("bed.asc", ascii_grid(-40, -40));
-  const std::string own_frame = std::string(raster_scene) + std::string(sidescan);
+  const std::string own_frame = std::string(raster_scene) + std::string(symmetric_sidescan);
   const Echoes there = echoes_in(local, own_frame);
   EXPECT_GT(there.total(), 0);
   for (const auto& [east, north] : {std::pair{621930.0, 7245100.0}, std::pair{345678.0, 5000001.0}}) {
