@@ -157,8 +157,8 @@ TEST_F(HostileToMemory, NumbersWithinAllOtherLimits) {
       {"scene.toml:4:1: ", "4.9e+07 cells would need 7.84 GB of memory", "GB are available",
        "larger cell_m"});
   expect_refused(sphere(3e-7), {"scene.toml:8:1: ", "facets would need", "larger chord_error_m"});
-  expect_refused(replaced(small_scene, "beams = 4\n", "beams = 4\npings = 10000000\n"),
-                 {"scene.toml:15:1: ", "the poses of 1e+07 transmissions would need 1.28 GB",
+  expect_refused(replaced(small_scene, "beams = 4\n", "beams = 4\ncycles = 4\npings = 10000000\n"),
+                 {"scene.toml:15:1: ", "the poses of 4e+07 transmissions would need 2.96 GB",
                   "reduce the number of pings"});
   folder.write("grid.tif", sparse_tiff(7000, 7000, 100));
   expect_refused(with_raster_keys("load = \"whole\""),

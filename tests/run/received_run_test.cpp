@@ -75,8 +75,10 @@ TEST_F(ReceivedRun, EveryKindOfEnergiesHasReceivedData) {
 }
 
 TEST_F(ReceivedRun, AnArrayHasNoReceiverButSignals) {
-  const std::string keys = "pulse_length_us = 100\nrange_min_m = 1\nrange_max_m = 8\n";
-  const Outcome outcome = run(scene_of("array", keys + "quantisation_bits = 8\n"));
+  const std::string keys =
+      "quantisation_bits = 8\nquantisation_bottom_db = 40\nquantisation_top_db = 100\npulse_length_us = "
+      "100\n";
+  const Outcome outcome = run(replaced(scene_of("array", keys), "samples = 80\n", ""));
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("an array records signals"));
 }

@@ -73,7 +73,7 @@ TEST(CornerNames, GiveTheCornersOfAllFootprints) {
 
 TEST(CornerNames, AreNotKeptUnlessRequested) {
   for (const test::Scene& scene : test::adversarial_cases(seed)) {
-    const FootprintSet set = footprints_of(scene, test::with(Arithmetic::fixed));
+    const FootprintSet set = footprints_of(scene, VisibilityOptions{});
     EXPECT_TRUE(set.corner_names.empty() && set.name_rays.empty()) << scene.name;
     EXPECT_TRUE(set.open_pieces.empty() && set.open_directions.empty()) << scene.name;
   }
