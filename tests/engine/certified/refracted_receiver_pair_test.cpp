@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests certified references of a receiver pair in stratified water. The comparisons are closed forms of
 // one gradient, straight references, references of one receiver, and laws that hold in any water.
-#include "engine/certified/bistatic_reference.hpp"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
+#include "engine/certified/bistatic_reference.hpp"
 #include "engine/certified/receiver_pair_reference.hpp"
 #include "fixtures/world/gradient_pairs.hpp"
 #include "fixtures/world/textures.hpp"
