@@ -22,7 +22,8 @@ namespace tubefoot {
 namespace {
 
 constexpr int most_tries = 6;
-constexpr double most_refined_facets = 24'000;  // limit for the last refinement: about half a minute of one core
+constexpr double most_refined_facets =
+    24'000;  // limit for the last refinement: about half a minute of one core
 constexpr double most_facets_of_paths = 6'000;  // lower, because each pair of images has bounds of its own
 constexpr std::size_t few_facets = 1'500;       // surfaces of so few facets cost almost no time
 constexpr double coarsest = 0.1;                // tolerance for which the first surface is made

@@ -11,9 +11,9 @@
 #include "geometry/integrals/polar_arcs.hpp"
 
 // The monostatic echo density over a slab of a polygon as an integral over range, for any number type. Its
-// integrand is the density of a circle times the length of its arcs in the polygon. CertifiedIntegrator and IntervalIntegrator
-// add their bounds of the quadrature error. Include this heavy header only in .cpp files and in headers of
-// integrators.
+// integrand is the density of a circle times the length of its arcs in the polygon. CertifiedIntegrator and
+// IntervalIntegrator add their bounds of the quadrature error. Include this heavy header only in .cpp files
+// and in headers of integrators.
 namespace tubefoot {
 
 template <class Numbers>
