@@ -112,7 +112,7 @@ whole: program
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_manual tubefoot_python tubefoot_mpi
 
 # Minutes of one processor that the program takes to build from nothing.
-MINUTES := 25
+MINUTES := 20
 
 # With tests, benchmarks and studies.
 build: configured

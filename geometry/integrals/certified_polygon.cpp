@@ -13,11 +13,10 @@
 
 #include "geometry/arithmetic/wide_direction.hpp"
 #include "geometry/integrals/polar_numbers.hpp"
+#include "geometry/numbers/ball_vector.hpp"
 
 namespace tubefoot {
 namespace {
-
-using BallVector = std::array<Ball, 3>;
 
 /// Converts exactly, then rounds outwards once.
 Ball ball(const WideInt& x) {
@@ -33,8 +32,6 @@ Ball ball(const WideInt& x) {
 }
 
 BallVector balls(const WideVec& v) { return {ball(v[0]), ball(v[1]), ball(v[2])}; }
-
-Ball dot(const BallVector& a, const BallVector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 BallVector scaled(const BallVector& a, const Ball& factor) {
   return {a[0] * factor, a[1] * factor, a[2] * factor};

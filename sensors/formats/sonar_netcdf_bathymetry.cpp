@@ -4,11 +4,6 @@
 #include "sensors/formats/sonar_netcdf_builder.hpp"
 
 namespace tubefoot {
-namespace {
-
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
 
 void SonarNetcdfBuilder::bathymetry() {
   const NetcdfGroup g = beam_group_.group("Bathymetry");
@@ -22,7 +17,7 @@ void SonarNetcdfBuilder::bathymetry() {
   const auto found = [&](const NetcdfVariable& row, double (*value)(const SonarDetection&),
                          const char* crs = nullptr) {
     each_beam(g, row, [value](const Ping& p, std::size_t k) {
-      return p.detections[k].found ? value(p.detections[k]) : no_value;
+      return p.detections[k].found ? value(p.detections[k]) : SonarDetection::none;
     });
     if (crs) g.attribute(last_, "crs", crs);
   };
@@ -127,7 +122,7 @@ void SonarNetcdfBuilder::bathymetry() {
               {ping_, detection},
               "dB",
               "imaginary part of the backscatter: none, levels are in dB"},
-             no_value);
+             SonarDetection::none);
   every_beam(g,
              {"detection_mean_absorption_coefficient",
               NC_FLOAT,

@@ -9,11 +9,6 @@
 #include "sensors/formats/sonar_netcdf_builder.hpp"
 
 namespace tubefoot {
-namespace {
-
-constexpr double not_found = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
 
 void SonarNetcdfBuilder::beam_group(const NetcdfGroup& sonar) {
   beam_group_ = sonar.group("Beam_group1");
@@ -307,7 +302,7 @@ void SonarNetcdfBuilder::beam_geometry(const NetcdfGroup& g) {
       {"detected_bottom_range", NC_FLOAT, {ping_, beam_}, "m", "Detected range of the bottom", nullptr, 0.0},
       [](const Ping& p, std::size_t beam) {
         const SonarDetection& d = p.detections[beam];
-        return d.found ? p.sound_speed_m_s * d.two_way_travel_time_s / 2 : not_found;
+        return d.found ? p.sound_speed_m_s * d.two_way_travel_time_s / 2 : SonarDetection::none;
       });
 }
 

@@ -373,7 +373,7 @@ class BistaticReference {
 std::vector<FlattenedPieces::Products> products_of(const BistaticReference& upper,
                                                    const BistaticReference& lower,
                                                    const CertifiedRequest& request, double wavenumber_rad_m) {
-  const auto facets = facets_of_pair(upper.shared(), lower.shared());
+  const auto facets = facets_of_receivers(upper.shared(), lower.shared());
   return enclose_tasks("facets", facets.size(), 1, FlattenedPieces::Products(),
                        [&](std::size_t number, FlattenedPieces::Products& found) {
                          const auto [up, down] = facets[number];

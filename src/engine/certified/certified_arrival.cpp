@@ -14,14 +14,10 @@
 namespace tubefoot {
 namespace {
 
-Ball along(const glm::dvec3& axis, const BallVector& direction) {
-  return Ball(axis.x) * direction[0] + Ball(axis.y) * direction[1] + Ball(axis.z) * direction[2];
-}
-
 Ball gain(const Directivity& pattern, const BallVector& direction) {
   const CertifiedGain certified(pattern);
   if (certified.is_uniform()) return Ball(1);
-  Ball w = along(pattern.axis, direction);
+  Ball w = dot(balls(pattern.axis), direction);
   if (!(w.lo() >= -1 && w.hi() <= 1)) w = Ball::between(std::max(w.lo(), -1.0), std::min(w.hi(), 1.0));
   const Ball most = certified.largest(), value = certified.at(w, false, most);
   return value.is_finite() ? value : most * Ball::between(0, 1);
@@ -87,7 +83,7 @@ void certify_arrival(const EnclosedRay& ray, const Arrival& arrival, bool sure, 
   Ball energy = Ball(loss.factor) * ray.energy;
   Ball exponent;
   for (const glm::dvec3& normal : loss.rough_normals) {
-    const Ball sine2 = squared(along(normal, direction));
+    const Ball sine2 = squared(dot(balls(normal), direction));
     exponent += loss.bend == 0 ? sine2 : Ball(1) - Ball(1 + loss.bend) * (Ball(1) - sine2);
   }
   energy = energy * exp(-(Ball(loss.roughness) * exponent));

@@ -93,17 +93,6 @@ TexturedPolygon CertifiedRequest::textured(const CertifiedPolygon& polygon, std:
   return textured;
 }
 
-std::vector<FacetOfPair> facets_of_pair(const SharedFootprints& by_upper, const SharedFootprints& by_lower) {
-  std::vector<FacetOfPair> facets;
-  const auto &up = by_upper.facets, &down = by_lower.facets;
-  for (auto u = up.begin(), d = down.begin(); u != up.end() || d != down.end();) {
-    const bool has_upper = u != up.end() && (d == down.end() || u->facet <= d->facet),
-               has_lower = d != down.end() && (u == up.end() || d->facet <= u->facet);
-    facets.push_back({has_upper ? &*u++ : nullptr, has_lower ? &*d++ : nullptr});
-  }
-  return facets;
-}
-
 void require_exact(const VisibilityOptions& options) {
   if (options.arithmetic == Arithmetic::plain_double)
     throw std::invalid_argument("certified bounds need exact arithmetic: fixed, filtered or rational");

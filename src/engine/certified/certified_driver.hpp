@@ -153,13 +153,6 @@ void each_received(const CertifiedRequest& request, const ReceiveBeams& beams, c
   }
 }
 
-/// A facet that both ends of a receiver pair see, or one of them; the other is null.
-struct FacetOfPair {
-  const SharedFacet *upper, *lower;
-};
-/// Returns these facets in their order.
-std::vector<FacetOfPair> facets_of_pair(const SharedFootprints& by_upper, const SharedFootprints& by_lower);
-
 /// Calls `add(upper piece, lower piece)` for the pieces of a facet in the same transmit tube.
 template <class Add>
 void each_common(const SharedFootprints& by_upper, const SharedFacet& upper, const SharedFootprints& by_lower,

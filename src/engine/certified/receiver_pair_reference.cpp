@@ -35,7 +35,7 @@ class ReceiverPairEncloser {
 
   /// Without `energies`, the energies are 0.
   std::vector<Ball> enclose(bool energies) const {
-    const auto facets = facets_of_pair(history_.by_upper, history_.by_lower);
+    const auto facets = facets_of_receivers(history_.by_upper, history_.by_lower);
     const auto by_facet = enclose_tasks(
         "facets", facets.size(), 1, Bins<Ball>(),
         [&](std::size_t k, Bins<Ball>& bins) { add(facets[k].upper, facets[k].lower, energies, bins); });

@@ -182,9 +182,10 @@ class ReceiverPairIntegral {
 
 }  // namespace
 
-std::vector<FacetOfReceivers> facets_of_receivers(const ReceiverPairHistory& history) {
+std::vector<FacetOfReceivers> facets_of_receivers(const SharedFootprints& by_upper,
+                                                  const SharedFootprints& by_lower) {
   std::vector<FacetOfReceivers> all;
-  const auto &up = history.by_upper.facets, &down = history.by_lower.facets;
+  const auto &up = by_upper.facets, &down = by_lower.facets;
   for (auto u = up.begin(), d = down.begin(); u != up.end() || d != down.end();) {
     const bool has_upper = u != up.end() && (d == down.end() || u->facet <= d->facet),
                has_lower = d != down.end() && (u == up.end() || d->facet <= u->facet);
@@ -260,7 +261,7 @@ ReceiverPairEcho integrated(const ReceiverPairHistory& history, const ReceiverBa
   if (!(receiver_pair.baseline_m >= 0 &&
         (receiver_pair.baseline_m <= samples.first_m || !in_the_middle(history))))
     throw std::invalid_argument("the baseline of a receiver pair must be at most the nearest range");
-  const std::vector<FacetOfReceivers> jobs = facets_of_receivers(history);
+  const std::vector<FacetOfReceivers> jobs = facets_of_receivers(history.by_upper, history.by_lower);
   std::vector<std::optional<ReceiverPairIntegral>> parts((jobs.size() + facets_per_task - 1) /
                                                          facets_per_task);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {

@@ -28,7 +28,8 @@ struct FacetOfReceivers {
   const SharedFacet *upper, *lower;
 };
 /// Facets that at least one receiver shares with the transmitter, in ascending order.
-std::vector<FacetOfReceivers> facets_of_receivers(const ReceiverPairHistory& history);
+std::vector<FacetOfReceivers> facets_of_receivers(const SharedFootprints& by_upper,
+                                                  const SharedFootprints& by_lower);
 
 /// Tubes of one fan of a set.
 TubeSet tubes_of_fan(const TubeSet& tubes, std::span<const std::uint32_t> fan_of_tube, std::uint32_t fan);

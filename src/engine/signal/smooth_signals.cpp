@@ -65,7 +65,7 @@ struct ReceivedPulse {
 
 /// Number of Chebyshev nodes that interpolate e^{i turn x}, |x| <= 1, within an error. The remainder is at
 /// most turn^n / (2^(n-1) n!).
-int bessel_nodes_for(double turn_rad, double error) {
+int chebyshev_nodes_for(double turn_rad, double error) {
   double left = 2;
   for (int n = 1; n < most_nodes; ++n) {
     left *= turn_rad / (2 * n);
@@ -247,7 +247,7 @@ class ChannelOfSmooth {
   void add(const EdgePanels::Panel& panel, std::complex<double>* out) {
     const double c = receiver_.sound_speed_m_s, least = panel.least_path_m(), most = panel.most_path_m(),
                  half = (most - least) / 2, turn = received_pulse_.turn_rad(half);
-    const int count = bessel_nodes_for(turn, error_);
+    const int count = chebyshev_nodes_for(turn, error_);
     const double node_error = error_ / 8;
     path_nodes_.clear();
     edges_.nodes(panel, panel.from, panel.to, turn + count, node_error, path_nodes_);

@@ -133,8 +133,8 @@ class EigenrayFinder {
 
 /// Properties of an apex that lies on the insonified seabed and scatters sound onwards.
 struct SurfaceApex {
-  /// Unit normal of the apex's facet, or 0. If several rays lead to a point, apparent() takes the first ray
-  /// that leaves the apex on this side. Without such a ray, or with 0, it takes the first of all rays.
+  /// Unit normal of the apex's facet, or 0. If several rays lead to a point, ApparentMap takes the first
+  /// ray that leaves the apex on this side. Without such a ray, or with 0, it takes the first of all rays.
   glm::dvec3 front{0};
   /// Rays are straight within this distance (without mirrors). For an apex on the seabed, slightly refracted
   /// facets nearby would otherwise lie in front of the apex or behind it.

@@ -96,7 +96,7 @@ TEST(UnobstructedRegion, IsTheRestOfEachTube) {
       for (const std::uint32_t number : scene.tubes.tubes[tube])
         rays.push_back(glm::normalize(direction_of_ray(scene.tubes.rays[number])));
       const double whole = solid_angle_of(rays.data(), static_cast<std::uint32_t>(rays.size()));
-      EXPECT_NEAR(covered[tube] + open[tube], whole, 1e-9 * whole) << "tube " << tube;
+      EXPECT_NEAR(covered[tube] + open[tube], whole, 1e-14 * whole) << "tube " << tube;
       if (covered[tube] > 0 && open[tube] > 0) ++partly_covered;
     }
   }
