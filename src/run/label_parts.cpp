@@ -8,7 +8,7 @@
 #include "engine/scattering/pattern_levels.hpp"
 #include "run/transmission_images.hpp"
 
-// This file adds the labels of each echo part of a transmission. It repeats the integrals of the energies
+// This file adds the labels of each contribution to a transmission. It repeats the integrals of the energies
 // with the echo models of LabelModels, one per channel (labels.hpp).
 
 namespace tubefoot {

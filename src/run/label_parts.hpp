@@ -9,7 +9,7 @@
 #include "engine/paths/receiver_pair_paths.hpp"
 #include "run/labels.hpp"
 
-// This header declares the labels for the echo parts of a transmission (echo_parts.hpp): object and material
+// This header declares the labels for the contributions to a transmission (contributions.hpp): object and material
 // of each energy. All functions return immediately if the run does not request labels.
 namespace tubefoot {
 

@@ -33,8 +33,8 @@ void check_coherence(const Transmission& transmission, std::size_t s, std::span<
 
 }  // namespace
 
-void add_own_engine(const Transmission& transmission, PingSums& sums) {
-  for (const std::size_t s : transmission.group().sensors) {
+void add_own_engine(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
+  for (const std::size_t s : plan.sensors) {
     if (sums.chosen(s).pings == 0) continue;
     const Sensor& sensor = transmission.sensor(s);
     std::vector<double> energy(static_cast<std::size_t>(sensor.channels() * transmission.beams(s)) *

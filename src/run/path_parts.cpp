@@ -160,17 +160,25 @@ void add_receiver_pair_paths_of(const Transmission& transmission, std::size_t s,
     if (is_order_wanted(transmission.scene(), order)) by_order[order].add_to(sums, transmission, s, order);
 }
 
+void add_for_sensors(const EchoContribution& plan, const Transmission& transmission, PingSums& sums,
+                     decltype(add_paths_of)& add) {
+  for (const std::size_t s : plan.sensors) try {
+      PathSettings settings = *path_settings(transmission.scene(), transmission.sensor(s).frequency_khz());
+      settings.reference_tolerance = plan.tolerance;
+      add(transmission, s, settings, sums);
+    } catch (const std::length_error& error) {
+      throw too_many_images(transmission.sensor(s).description(), error);
+    }
+}
+
 }  // namespace
 
-void add_paths(const Transmission& transmission, PingSums& sums) {
-  for (const std::size_t s : transmission.group().sensors)
-    if (auto settings = path_settings(transmission.scene(), transmission.sensor(s).frequency_khz())) try {
-        settings->reference_tolerance = transmission.request().reference_tolerance;
-        (transmission.sensor(s).has_receiver_pair() ? add_receiver_pair_paths_of : add_paths_of)(
-            transmission, s, *settings, sums);
-      } catch (const std::length_error& error) {
-        throw too_many_images(transmission.sensor(s).description(), error);
-      }
+void add_paths(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
+  add_for_sensors(plan, transmission, sums, add_paths_of);
+}
+
+void add_receiver_pair_paths(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
+  add_for_sensors(plan, transmission, sums, add_receiver_pair_paths_of);
 }
 
 }  // namespace tubefoot

@@ -12,7 +12,7 @@
 #include "run/labels.hpp"
 #include "run/signals.hpp"
 
-// This file adds the echo parts of a transmission to the energies, bounds, labels and signals of a ping. It
+// This file adds the contributions to a transmission to the energies, bounds, labels and signals of a ping. It
 // keeps only the selected beams.
 
 namespace tubefoot {

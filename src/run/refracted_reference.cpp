@@ -31,25 +31,27 @@ constexpr double least_worth = 1.2;
 // limit of successive halvings of the mapping tolerances until facets are cut
 constexpr int most_halvings = 30;
 
-RefractedTransmission certify(const Transmission& transmission, const TransmissionApparentMap& seen,
+/// The seabed as the given sensors see it.
+struct CertifiedView {
+  const TransmissionApparentMap& map;
+  const std::vector<std::size_t>& sensors;
+};
+
+RefractedTransmission certify(const Transmission& transmission, const CertifiedView& seen,
                               ApparentSurface apparent) {
   const Scene& scene = transmission.scene();
   const VisibilityOptions& options = transmission.request().visibility;
   const std::vector<FacetId> parent = apparent.refined.parent;
-  seen.seabed().name_by_scene(apparent);
+  seen.map.seabed().name_by_scene(apparent);
   RefractedTransmission found{
       TransmissionSurface(transmission.loaded_scene(), std::move(apparent)), {}, 0, {}, false};
   const FacetMesh& mesh = found.surface_mesh.mesh();
-  const MappedSeabed seabed{*found.surface_mesh.apparent(), found.surface_mesh.tree(), seen.seabed().mesh(),
-                            parent, scene.grid};
+  const MappedSeabed seabed{*found.surface_mesh.apparent(), found.surface_mesh.tree(),
+                            seen.map.seabed().mesh(), parent, scene.grid};
   const TubeEngine engine(mesh, found.surface_mesh.tree(), scene.grid.unit_m(), options);
   found.history = engine.trace(transmission.tubes(), &found.candidates, false);
   const glm::dvec3 apex = scene.grid.to_metres(found.history.tubes.apex);
-  for (const std::size_t s : transmission.group().sensors) {
-    if (transmission.sensor(s).has_receiver_pair()) {
-      found.sensors.emplace_back();
-      continue;
-    }
+  for (const std::size_t s : seen.sensors) {
     const ApparentMap apparent_map =
         apparent_map_of(transmission.loaded_scene(), transmission.survey().sensors[s], apex);
     const RayEnclosure rays(apparent_map, eigenray_options(transmission.loaded_scene()));
@@ -271,11 +273,13 @@ auto certify_until_tolerance(const Transmission& transmission, double reach_m, c
 
 }  // namespace
 
-RefractedTransmission certify_refracted_transmission(const Transmission& transmission) {
-  const TransmissionApparentMap seen(transmission);
+RefractedTransmission certify_refracted_transmission(const Transmission& transmission,
+                                                     const std::vector<std::size_t>& sensors) {
+  const TransmissionApparentMap map(transmission);
   return certify_until_tolerance(
-      transmission, transmission.tubes().reach * transmission.scene().grid.unit_m(), seen,
-      [&](const ApparentMapSettings& settings) { return seen.surface_mesh(settings); });
+      transmission, transmission.tubes().reach * transmission.scene().grid.unit_m(),
+      CertifiedView{map, sensors},
+      [&](const ApparentMapSettings& settings) { return map.surface_mesh(settings); });
 }
 
 namespace {

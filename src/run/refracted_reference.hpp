@@ -15,7 +15,7 @@ struct RefractedTransmission {
   TransmissionSurface surface_mesh;
   History history;
   std::size_t candidates = 0;
-  std::vector<RefractedReference> sensors;  ///< by sensor of the group; empty for receiver pairs
+  std::vector<RefractedReference> sensors;  ///< by sensor of the request
   /// true if bounds are wider than requested, because a finer surface would have too many facets
   bool at_limit = false;
 
@@ -36,8 +36,10 @@ struct RefractedEndsTransmission {
 
 /// Refines the apparent surface of a transmission until one of three conditions holds. First, all but one in
 /// two hundred of the finite bounds are within the run's tolerance. Second, a further refinement no longer
-/// helps. Third, the surface would have more facets than a reference permits.
-RefractedTransmission certify_refracted_transmission(const Transmission& transmission);
+/// helps. Third, the surface would have more facets than a reference permits. `sensors`: sensors of the
+/// transmission without a receiver pair.
+RefractedTransmission certify_refracted_transmission(const Transmission& transmission,
+                                                     const std::vector<std::size_t>& sensors);
 RefractedEndsTransmission certify_refracted_pair_transmission(const Transmission& transmission);
 RefractedEndsTransmission certify_refracted_receiver_pair_transmission(const Transmission& transmission,
                                                                        std::size_t sensor, std::uint32_t fan);

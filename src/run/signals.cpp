@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "run/echo_parts.hpp"
 #include "run/stored_pings.hpp"
 #include "run/transmission_images.hpp"
 #include "sensors/recordings/signal_recording.hpp"
@@ -81,12 +80,12 @@ void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
   }
 }
 
-void add_signals(const Transmission& transmission, PingSums& sums) {
-  for (const std::size_t s : transmission.group().sensors) {
-    const SignalModel* model = transmission.sensor(s).signals();
-    if (model == nullptr || sums.chosen(s).pings == 0) continue;
-    const bool sees_itself =
-        model->own_views || transmission.has_separate_receiver() || !is_order_wanted(transmission.scene(), 1);
+void add_signals(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
+  for (const std::size_t s : plan.sensors) {
+    if (sums.chosen(s).pings == 0) continue;
+    const bool sees_itself = transmission.sensor(s).signals()->own_views ||
+                             transmission.has_separate_receiver() ||
+                             !is_order_wanted(transmission.scene(), 1);
     const History nothing{};
     const History& history = sees_itself ? nothing : traced(transmission, sums);
     sums.as_echo([&] {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/signal/certified_signals.hpp"
+#include "run/contributions.hpp"
 #include "run/ping_sums.hpp"
 #include "run/transmission.hpp"
 
@@ -41,6 +42,6 @@ CertifiedSignals signals_received(const Transmission& transmission, std::size_t 
                                   const History& history);
 
 /// Adds the part of a transmission's echoes that its elements record.
-void add_signals(const Transmission& transmission, PingSums& sums);
+void add_signals(const EchoContribution& plan, const Transmission& transmission, PingSums& sums);
 
 }  // namespace tubefoot

@@ -13,7 +13,6 @@
 #include "engine/signal/certified_signals.hpp"
 #include "engine/signal/smooth_signals.hpp"
 #include "geometry/numbers/scalars.hpp"
-#include "run/echo_parts.hpp"
 #include "run/paths.hpp"
 #include "run/signal_paths.hpp"
 #include "run/signals.hpp"

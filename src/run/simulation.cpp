@@ -57,7 +57,7 @@ PingSimulation::PingSimulation(const Survey& survey, const RunRequest& request)
     return;
   }
   for (const SharedTransmissions& group : survey.transmissions)
-    parts_.push_back(echo_parts(transmissions_, group));
+    plan_.push_back(contributions_to(transmissions_, group));
   if (request.engine == Engine::ray && !survey.loaded_scene->has_surface_per_transmission())
     survey.loaded_scene->rays();
 }
@@ -74,7 +74,8 @@ PingCounts PingSimulation::run(const PingUnit& unit, PingValues& values) const {
   for (std::size_t number = 0; number < transmissions_.survey().sensor_set->transmissions_per_ping(sensors);
        ++number) {
     const Transmission transmission = transmissions_.of(sensors, ping, number);
-    for (const EchoPart& part : parts_[unit.group]) part.add(transmission, sums);
+    for (const EchoContribution& contribution : plan_[unit.group])
+      contribution.add(contribution, transmission, sums);
   }
   PingCounts counts = sums.counts;
   counts.finer_relief_largest = sums.finer_relief.largest;

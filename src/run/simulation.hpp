@@ -10,7 +10,7 @@
 
 #include "run/checkpoint/ping_store.hpp"
 #include "run/console/progress.hpp"
-#include "run/echo_parts.hpp"
+#include "run/contributions.hpp"
 #include "run/ping_order.hpp"
 #include "run/transmission.hpp"
 #include "sensors/recordings/recording.hpp"
@@ -76,9 +76,9 @@ class PingSimulation {
  private:
   Transmissions transmissions_;
   StoreLayout layout_;
-  std::vector<ChosenEchoes> chosen_;                ///< by sensor
-  std::vector<std::vector<EchoPart>> parts_;        ///< by group
-  std::unique_ptr<RegionalSimulation> by_regions_;  ///< for terrain that is read by tiles; otherwise null
+  std::vector<ChosenEchoes> chosen_;                 ///< by sensor
+  std::vector<std::vector<EchoContribution>> plan_;  ///< by group
+  std::unique_ptr<RegionalSimulation> by_regions_;   ///< for terrain that is read by tiles; otherwise null
 };
 
 /// Options of the report of a simulation's progress.

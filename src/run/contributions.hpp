@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "run/ping_sums.hpp"
+#include "run/transmission.hpp"
+
+namespace tubefoot {
+
+/// One contribution to the echoes of a group of sensors that share transmissions. The plan of a run decides
+/// all members before the first ping.
+struct EchoContribution {
+  std::vector<std::size_t> sensors;  ///< sensors of the group that receive it
+  /// Adds its energies, bounds and counts to those of the ping.
+  void (*add)(const EchoContribution& contribution, const Transmission& transmission, PingSums& sums);
+  std::optional<double> tolerance;   ///< relative tolerance of a reference; empty for energies without bounds
+  bool by_rays = false;              ///< true if rays sample the visibility
+  bool has_surface_per_end = false;  ///< true if transmitter and receiver see different apparent surfaces
+};
+
+/// Returns the plan of a group's contributions, in the order of summation. This function alone chooses them,
+/// by the features of the scene and the request.
+std::vector<EchoContribution> contributions_to(const Transmissions& transmissions,
+                                               const SharedTransmissions& group);
+
+/// Returns the history of a transmission's tubes on its surface mesh. A stationary camera sends the same
+/// tubes from the same position in each cycle. On a surface that its cycles share, the history is therefore
+/// computed once. It is also computed once for several contributions of one transmission.
+const History& traced(const Transmission& transmission, PingSums& sums);
+
+}  // namespace tubefoot
