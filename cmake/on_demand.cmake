@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Shared libraries that the program loads at the first call of one of their functions, not at its start: most commands
-# need neither pictures nor rasters, and these libraries and theirs are three quarters of all. tools/on_demand writes an
+# need neither pictures nor rasters nor echo files, and these libraries and theirs are nine tenths of all. tools/on_demand writes an
 # object with a stand-in for every symbol that our libraries take from them, so that the linker leaves them out.
 # src/run/console/on_demand.cpp loads them. Tests, the Python module and programs of others link them as usual, and so does the
 # program on other processors and with sanitizers.
@@ -9,11 +9,11 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL x86_64 AND NOT TUBEFOOT_SANITIZE)
   set(TUBEFOOT_ON_DEMAND ON)
 endif()
 
-# tubefoot_loads(MEGABYTES FILE...): the first file is loaded, the others come with it. With their initializers and
-# threads they take at most so many megabytes of addresses.
+# tubefoot_loads(MEGABYTES INITIALIZER FILE...): the first file is loaded, the others come with it. With their initializers
+# and threads they take at most so many megabytes of addresses. INITIALIZER is "" or the function that sets variables.
 set(TUBEFOOT_LOADED "")
 set(TUBEFOOT_LOADED_PACKAGES "")
-function(tubefoot_loads megabytes)
+function(tubefoot_loads megabytes initializer)
   set(package "")
   foreach(file ${ARGN})
     file(REAL_PATH ${file} real)
@@ -28,7 +28,7 @@ function(tubefoot_loads megabytes)
   endforeach()
   list(REMOVE_DUPLICATES TUBEFOOT_LOADED_PACKAGES)
   list(JOIN ARGN "," files)
-  list(APPEND TUBEFOOT_LOADED "${megabytes},${package},${files}")
+  list(APPEND TUBEFOOT_LOADED "${megabytes},${package},${initializer},${files}")
   set(TUBEFOOT_LOADED ${TUBEFOOT_LOADED} PARENT_SCOPE)
   set(TUBEFOOT_LOADED_PACKAGES ${TUBEFOOT_LOADED_PACKAGES} PARENT_SCOPE)
 endfunction()
@@ -55,9 +55,13 @@ endfunction()
 
 if(TUBEFOOT_ON_DEMAND)
   get_target_property(gdal_library GDAL::GDAL LOCATION)
-  tubefoot_loads(192 ${gdal_library})
-  tubefoot_loads(416 ${openimageio_LINK_LIBRARIES})
+  tubefoot_loads(192 "" ${gdal_library})
+  tubefoot_loads(416 "" ${openimageio_LINK_LIBRARIES})
   set(libraries ${rsvg_LINK_LIBRARIES})
   list(FILTER libraries EXCLUDE REGEX "/libm[.]so")
-  tubefoot_loads(160 ${libraries})
+  tubefoot_loads(160 "" ${libraries})
+  list(GET netcdf_LINK_LIBRARIES 0 netcdf_library)
+  tubefoot_loads(96 H5open ${netcdf_library} ${hdf5_LINK_LIBRARIES})
+  tubefoot_loads(64 "" ${proj_LINK_LIBRARIES})
+  tubefoot_loads(64 "" ${assimp_LINK_LIBRARIES})
 endif()

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""on_demand_test.py PROGRAM SOURCES: the program starts with few shared libraries, loads those of pictures and rasters when
-a command needs them, and reports one that cannot be loaded."""
+"""on_demand_test.py PROGRAM SOURCES: the program starts with few shared libraries. It loads those of pictures, rasters and
+echo files when a command needs them, and reports one that cannot be loaded."""
 import os
 import pathlib
 import re
@@ -11,8 +11,8 @@ import tempfile
 
 PROGRAM, SOURCES = sys.argv[1], pathlib.Path(sys.argv[2])
 SCENE, TERRAIN = (SOURCES / "scenes/chart" / name for name in ("sphere-on-plane.toml", "rough-terrain.toml"))  # the second reads a raster
-MOST_AT_START = 80
-PICTURES, DRAWINGS, RASTERS = "libOpenImageIO.so", "librsvg-2.so", "libgdal.so"
+MOST_AT_START = 40
+PICTURES, DRAWINGS, RASTERS, ECHOES = "libOpenImageIO.so", "librsvg-2.so", "libgdal.so", "libnetcdf.so"
 wrong = []
 
 
@@ -42,7 +42,7 @@ with tempfile.TemporaryDirectory() as scratch:
     hold(len(at_start) <= MOST_AT_START, f"--help loads {len(at_start)} shared libraries, expected at most {MOST_AT_START}")
     for words in (["--help"], ["presets"], ["check", SCENE], [*run, folder / "plain", "--pictures", "none"]):
         libraries = loaded(*words)
-        for name in (PICTURES, DRAWINGS, RASTERS):
+        for name in (PICTURES, DRAWINGS, RASTERS, *([] if "run" in words else [ECHOES])):
             hold(not any(library.startswith(name) for library in libraries), f"{words} loads {name}")
     on_demand = loaded(*run, folder / "drawn") | loaded("check", TERRAIN)
     hold((folder / "drawn/echoes.nc").read_bytes() == (folder / "plain/echoes.nc").read_bytes(),
@@ -50,7 +50,7 @@ with tempfile.TemporaryDirectory() as scratch:
 
     # A file of this name that is no library, which the dynamic linker finds first.
     for name, words in ((PICTURES, [*run, folder / "no-pictures"]), (DRAWINGS, [*run, folder / "no-drawings"]),
-                        (RASTERS, ["check", TERRAIN])):
+                        (RASTERS, ["check", TERRAIN]), (ECHOES, [*run, folder / "no-echoes"])):
         broken = folder / f"without-{name}"
         broken.mkdir()
         file = next(library for library in on_demand if library.startswith(name))

@@ -9,8 +9,6 @@
 #include <bit>
 #include <nlohmann/json.hpp>
 
-#include "scene/meshes/mesh_file_model.hpp"
-
 namespace tubefoot {
 
 // Defined in a generated file that is written again whenever they change (cmake/built_from.cmake).
@@ -20,16 +18,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Returns the version of the loaded GDAL. A program that has not loaded it has not used it either, so that
-/// the version at build time is as good.
-std::string gdal_version() {
-  const auto version = reinterpret_cast<decltype(&GDALVersionInfo)>(dlsym(RTLD_DEFAULT, "GDALVersionInfo"));
-  return version != nullptr ? version("RELEASE_NAME") : GDAL_RELEASE_NAME;
-}
-
-std::string proj_version() {
-  const PJ_INFO info = proj_info();
-  return fmt::format("{}.{}.{}", info.major, info.minor, info.patch);
+/// Returns a function of a library; null if the library is not loaded.
+template <class Function>
+Function* if_loaded(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
 }
 
 std::string in_words(const Json& value) {
@@ -42,10 +34,13 @@ Json build_identity() {
   Json identity;
   identity["sources"] = std::string(built_from_sources);
   identity.update(Json::parse(built_with));
-  // Versions of the libraries at run time, which may differ from those at build time.
-  identity["gdal"] = gdal_version();
-  identity["proj"] = proj_version();
-  identity["assimp"] = assimp_version();
+  // Loaded libraries may differ from those at build time. A program that has not loaded one has not used it.
+  if (const auto version = if_loaded<decltype(GDALVersionInfo)>("GDALVersionInfo"))
+    identity["gdal"] = version("RELEASE_NAME");
+  if (const auto version = if_loaded<decltype(proj_info)>("proj_info")) {
+    const PJ_INFO info = version();
+    identity["proj"] = fmt::format("{}.{}.{}", info.major, info.minor, info.patch);
+  }
   identity["byte_order"] = std::endian::native == std::endian::little ? "little" : "big";
   return identity;
 }

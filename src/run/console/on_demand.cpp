@@ -47,6 +47,10 @@ void tubefoot_load_on_demand(tubefoot::LibraryOnDemand* library) {
   // functions at exit remain.
   void* const handle = dlopen(library->file, RTLD_NOW | RTLD_GLOBAL);
   if (handle == nullptr) fail(*library, dlerror());
+  if (*library->initializer != '\0') {
+    const auto initialize = reinterpret_cast<int (*)()>(address_of(library->initializer, handle, *library));
+    if (initialize() < 0) fail(*library, fmt::format("{} of {} fails", library->initializer, library->file));
+  }
   const std::span symbols(library->symbols, library->count);
   for (const auto& [name, place, bytes] : symbols)
     if (bytes > 0) std::memcpy(place, address_of(name, handle, *library), bytes);

@@ -15,7 +15,8 @@ struct LibraryMissing : std::runtime_error {
 /// tools/on_demand writes such tables in assembly language, so that all members have 8 bytes.
 struct LibraryOnDemand {
   /// A symbol of the library. If `bytes` is 0, it is a function, and `place` is the address to which its
-  /// calls jump. Otherwise it is constant data of this size, and `place` is room for a copy.
+  /// calls jump. Otherwise it is data of this size, constant after the initializer, and `place` is room for a
+  /// copy.
   struct Symbol {
     const char* name;
     void* place;
@@ -24,6 +25,7 @@ struct LibraryOnDemand {
 
   const char* file;             ///< name that the dynamic linker searches, such as "libgdal.so.32"
   const char* package;          ///< package that contains the file; empty if unknown
+  const char* initializer;      ///< function that sets the variables of the library; empty if it needs none
   std::uint64_t address_bytes;  ///< address space that the library and its dependencies need at most
   const Symbol* symbols;
   std::uint64_t count;
@@ -33,7 +35,8 @@ struct LibraryOnDemand {
 }  // namespace tubefoot
 
 /// Loads the library unless it is loaded, and fills the places of all its symbols. Any thread may call it.
-/// Throws LibraryMissing if there is no such library or if it lacks a symbol. Throws std::bad_alloc if its
+/// Throws LibraryMissing if there is no such library, if it lacks a symbol, or if its
+/// initializer fails. Throws std::bad_alloc if its
 /// addresses are not available, and std::system_error if its threads could not start.
 /// Some functions of libraries are noexcept. The handler of std::terminate then reports the error
 /// (run/console/exhausted.hpp).

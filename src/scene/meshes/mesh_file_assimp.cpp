@@ -10,7 +10,6 @@
 #include <assimp/material.h>
 #include <assimp/mesh.h>
 #include <assimp/scene.h>
-#include <assimp/version.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -314,10 +313,6 @@ Model model_from(const std::string& bytes) {
   if (polygons.names_of.size() != polygons.end.size() || !std::ranges::all_of(polygons.names_of, has_names))
     throw std::runtime_error("the names are out of order");
   return model;
-}
-
-std::string assimp_version() {
-  return fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
 }
 
 std::string assimp_model(const ModelBytes& bytes, const std::string& name, FileFormat format) {

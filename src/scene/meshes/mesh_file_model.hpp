@@ -39,7 +39,4 @@ std::string assimp_model(const ModelBytes& bytes, const std::string& name, FileF
 /// Returns the model from its bytes. Throws std::runtime_error for invalid bytes.
 Model model_from(const std::string& bytes);
 
-/// Returns the version of Assimp: "5.2.5".
-std::string assimp_version();
-
 }  // namespace tubefoot
