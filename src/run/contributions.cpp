@@ -234,14 +234,14 @@ void add_history(const EchoContribution& plan, const Transmission& transmission,
       if (sums.chosen(s).pings == 0) continue;
       const Sensor& sensor = transmission.sensor(s);
       const SensorModel model = transmission.model(s);
-      sums.with_echo(transmission, history, s, model.model, [&](const LitEcho& made) {
+      sums.with_echo(transmission, history, s, model.model, [&](const Echo& echo) {
         if (plan.tolerance)
           sums.add(transmission, s,
                    certify_echo(surface_mesh.mesh(), surface_mesh.tree(), history,
                                 transmission.request().visibility, sensor.beam_of_tube(transmission.number()),
-                                sensor.samples(), model.model, made.echo, *plan.tolerance));
+                                sensor.samples(), model.model, echo, *plan.tolerance));
         else
-          sums.add(transmission, s, 1, made.echo.energy, made.lit);
+          sums.add(transmission, s, 1, echo.energy, echo.nonzero);
       });
       add_labels(transmission, s, model.model, surface_mesh.mesh(), history, sums);
     }

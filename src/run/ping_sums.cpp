@@ -12,8 +12,8 @@
 #include "run/labels.hpp"
 #include "run/signals.hpp"
 
-// This file adds the contributions to a transmission to the energies, bounds, labels and signals of a ping. It
-// keeps only the selected beams.
+// This file adds the contributions to a transmission to the energies, bounds, labels and signals of a ping.
+// It keeps only the selected beams.
 
 namespace tubefoot {
 namespace {
@@ -103,25 +103,25 @@ void PingSums::add_signals(const Transmission& transmission, std::size_t s, std:
 }
 
 void PingSums::with_echo(const Transmission& transmission, const CommonVisibility& visibility, std::size_t s,
-                         const EchoModel& model, const std::function<void(const LitEcho&)>& use) {
+                         const EchoModel& model, const std::function<void(const Echo&)>& use) {
   const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
-  LitEcho made =
-      integrate_lit_echo(visibility, transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(),
-                         model, transmission.request().binning, values_.take_echo_room());
-  use(made);
-  values_.give_back_echo_room(cleared_room(std::move(made)));
+  Echo echo =
+      integrate_echo(visibility, transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(), model,
+                     transmission.request().binning, values_.take_echo_room());
+  use(echo);
+  values_.give_back_echo_room(cleared_buffer(std::move(echo)));
 }
 
 void PingSums::add(const Transmission& transmission, std::size_t s, std::size_t order,
-                   std::span<const double> energy, std::span<const SampleSpan> lit) {
+                   std::span<const double> energy, std::span<const SampleSpan> nonzero) {
   if (chosen(s).pings == 0) return;
   const std::vector<std::uint32_t>& beams =
       transmission.sensor(s).beams_of_transmission(transmission.number());
   const auto samples = static_cast<std::size_t>(transmission.sensor(s).samples().count);
-  // Zeros do not change a sum, so that samples outside of `lit` are skipped.
+  // Zeros do not change a sum, so that samples outside of `nonzero` are skipped.
   double sum = 0;
   each_chosen_row(energy.size() / samples, beams, chosen(s), [&](std::size_t row, std::size_t place) {
-    const auto [first, end] = lit.empty() ? SampleSpan{0, samples} : lit[row];
+    const auto [first, end] = nonzero.empty() ? SampleSpan{0, samples} : nonzero[row];
     const std::span<const double> values = energy.subspan(row * samples + first, end - first);
     if (row < beams.size()) sum = std::accumulate(values.begin(), values.end(), sum);
     add_to(values_.energy(s, place * samples + first, values.size()), values);

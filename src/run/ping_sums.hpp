@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "engine/certified/reference.hpp"
+#include "engine/echo/echo.hpp"
 #include "engine/echo/finer_relief.hpp"
-#include "engine/echo/lit_echo.hpp"
 #include "run/checkpoint/ping_store.hpp"
 #include "run/transmission.hpp"
 
@@ -31,10 +31,9 @@ class PingSums {
 
   /// Adds the energies of paths with `order` interactions that a sensor receives from a transmission:
   /// [channel][beam of the transmission][sample].
-  /// `lit`: by row of samples, the range of samples outside of which all are 0. Empty if any sample may be
-  /// non-zero.
+  /// `nonzero`: see Echo.
   void add(const Transmission& transmission, std::size_t sensor, std::size_t order,
-           std::span<const double> energy, std::span<const SampleSpan> lit = {});
+           std::span<const double> energy, std::span<const SampleSpan> nonzero = {});
   /// Adds energies with their bounds.
   void add(const Transmission& transmission, std::size_t sensor, const CertifiedEcho& certified,
            std::size_t order = 1);
@@ -52,7 +51,7 @@ class PingSums {
   /// Calls `use` with the result of Transmission::echo(). The memory of the echo is shared by successive
   /// pings.
   void with_echo(const Transmission& transmission, const CommonVisibility& visibility, std::size_t sensor,
-                 const EchoModel& model, const std::function<void(const LitEcho&)>& use);
+                 const EchoModel& model, const std::function<void(const Echo&)>& use);
   /// Runs work whose duration counts as echo time, and not as visibility time.
   template <class Work>
   void as_echo(const Work& work) {

@@ -12,7 +12,7 @@
 #include "engine/visibility/bistatic_history.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "run/refraction.hpp"
-#include "run/sensor_model.hpp"
+#include "run/transmission.hpp"
 
 // This file computes certified echoes in refracting water. It refines the apparent surface of a transmission
 // until the certified bounds reach the requested tolerance, or until a limit of facets is reached

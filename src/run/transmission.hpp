@@ -12,7 +12,6 @@
 #include "engine/rays/ray_engine.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "run/run_request.hpp"
-#include "run/sensor_model.hpp"
 #include "run/survey.hpp"
 #include "run/transmission_surface.hpp"
 
@@ -22,6 +21,20 @@ namespace tubefoot {
 
 class Transmission;
 class LabelChannels;
+
+/// The echo model of a sensor at a transmission, and the beam patterns to which it refers. The loaded scene
+/// and the objects to which the surface mesh refers must outlive it.
+struct SensorModel {
+  /// On an apparent surface, the baselines of receiver pairs are longer by the factor that
+  /// integrate_receiver_pair_echo() requires.
+  SensorModel(const Transmission& transmission, const TransmissionSurface& surface_mesh, std::size_t sensor);
+  SensorModel(const SensorModel&) = delete;
+  SensorModel& operator=(const SensorModel&) = delete;
+
+  EchoModel model;
+  BeamPatterns patterns;
+  std::vector<FacetMap> facet_maps;
+};
 
 /// The transmissions of a survey for one run, and the objects that they share. Thread-safe.
 class Transmissions {

@@ -124,7 +124,7 @@ void integrate(const CommonVisibility& visibility, const ReceiveBeams& beams, co
   check(visibility, beams, samples, model, how);
   if (!visibility.one_apex()) return between_two_apexes(visibility, beams, samples, model, how, sink);
   const std::vector<double> energy =
-      integrate_one_apex(visibility, beams, samples, model, how, sink, {}).echo.energy;
+      integrate_one_apex(visibility, beams, samples, model, how, sink, {}).energy;
   if (how.by_owner && visibility.hits().empty()) return;  // the sink has all parts
   const auto count = std::size_t(samples.count);
   for (std::size_t bin = 0; bin < energy.size(); ++bin)
@@ -132,36 +132,30 @@ void integrate(const CommonVisibility& visibility, const ReceiveBeams& beams, co
 }
 
 Echo integrate_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                    const RangeSamples& samples, const EchoModel& model, Quadrature how) {
-  return integrate_lit_echo(visibility, beams, samples, model, how, {}).echo;
-}
-
-LitEcho integrate_lit_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                           const RangeSamples& samples, const EchoModel& model, Quadrature how,
-                           std::vector<double> room) {
+                    const RangeSamples& samples, const EchoModel& model, Quadrature how,
+                    std::vector<double> buffer) {
   how.by_owner = false;
   check(visibility, beams, samples, model, how);
   // Without a sink, because a sink takes most of the time of pings with many bins.
   if (visibility.one_apex())
-    return integrate_one_apex(visibility, beams, samples, model, how, {}, std::move(room));
-  LitEcho made{{beams.count, samples.count, std::move(room)}, {}};
-  Echo& echo = made.echo;
+    return integrate_one_apex(visibility, beams, samples, model, how, {}, std::move(buffer));
+  Echo echo{beams.count, samples.count, std::move(buffer)};
   echo.energy.resize(std::size_t(beams.count) * std::size_t(samples.count));
   between_two_apexes(visibility, beams, samples, model, how, [&](const Part<double>& part) {
     echo.energy[part.beam * std::size_t(samples.count) + part.sample] += part.value;
   });
-  return made;
+  return echo;
 }
 
-std::vector<double> cleared_room(LitEcho made) {
-  std::vector<double> room = std::move(made.echo.energy);
-  const auto samples = std::size_t(made.echo.samples);
-  if (made.lit.empty()) std::fill(room.begin(), room.end(), 0.0);
-  for (std::size_t row = 0; row < made.lit.size(); ++row) {
-    const auto begin = room.begin() + std::ptrdiff_t(row * samples);
-    std::fill(begin + std::ptrdiff_t(made.lit[row].first), begin + std::ptrdiff_t(made.lit[row].end), 0.0);
+std::vector<double> cleared_buffer(Echo echo) {
+  const std::span energy(echo.energy);
+  if (echo.nonzero.empty()) std::ranges::fill(energy, 0.0);
+  for (std::size_t row = 0; row < echo.nonzero.size(); ++row) {
+    const auto [first, end] = echo.nonzero[row];
+    if (first < end)
+      std::ranges::fill(energy.subspan(row * std::size_t(echo.samples) + first, end - first), 0.0);
   }
-  return room;
+  return std::move(echo.energy);
 }
 
 }  // namespace tubefoot

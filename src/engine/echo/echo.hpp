@@ -10,6 +10,7 @@
 #include "engine/scattering/echo_model.hpp"
 #include "engine/scattering/range_samples.hpp"
 #include "engine/visibility/common_visibility.hpp"
+#include "geometry/integrals/range_cut.hpp"
 
 // Integrates the echo of visible polygons per beam and range sample. Sample k contains the half paths from
 // first + k step on, half of transmit leg plus receive leg. density.hpp has the integrand. See
@@ -62,6 +63,9 @@ struct Echo {
   int beams = 0;
   int samples = 0;
   std::vector<double> energy;
+  /// Per row of energies: all samples outside of the span are 0. For a multibeam these are a few samples per
+  /// beam. Empty: any sample may be non-zero.
+  std::vector<SampleSpan> nonzero{};
   double at(int beam, int sample) const { return energy[std::size_t(beam) * samples + sample]; }
 };
 
@@ -92,9 +96,13 @@ struct Echo {
 void integrate(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
                const EchoModel& model, const Quadrature& how, const Sink<double>& sink);
 
-/// Sum of all contributions of integrate().
+/// Sum of all contributions of integrate(). `buffer`: any number of zeros, whose memory is reused for the
+/// energies. New memory costs more than the computation of most echoes.
 Echo integrate_echo(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                    const RangeSamples& samples, const EchoModel& model, Quadrature how = {});
+                    const RangeSamples& samples, const EchoModel& model, Quadrature how = {},
+                    std::vector<double> buffer = {});
+/// Returns the memory of an echo's energies, set to 0 again.
+std::vector<double> cleared_buffer(Echo echo);
 
 /// Contribution of one visible facet to one range sample of one beam.
 struct Contribution {

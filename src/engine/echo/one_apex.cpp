@@ -70,7 +70,7 @@ class LaneSums {
 class OneApex {
  public:
   OneApex(const CommonVisibility& visibility, const ReceiveBeams& beams, const RangeSamples& samples,
-          const EchoModel& model, const Quadrature& how, const Sink<double>& sink, std::vector<double> room)
+          const EchoModel& model, const Quadrature& how, const Sink<double>& sink, std::vector<double> buffer)
       : visibility_(visibility),
         beams_(beams),
         samples_(samples),
@@ -79,18 +79,18 @@ class OneApex {
         sink_(sink),
         finder_(samples),
         beta_(absorption_per_m(model.absorption_db_per_m)),
-        energy_(std::move(room)) {
+        energy_(std::move(buffer)) {
     const std::size_t rows =
         std::size_t(model.patterns != nullptr ? model.patterns->channels() : 1) * std::size_t(beams.count);
     energy_.resize(rows * std::size_t(samples.count));
-    lit_.resize(rows);
+    nonzero_.resize(rows);
     if (model.patterns == nullptr) return;
     for (const ReceiverBaseline& baseline : model.patterns->baselines)
       spread_m_ = std::max(spread_m_, baseline.baseline_m);
   }
 
-  LitEcho integrate() {
-    bool by_samples = visibility_.hits().empty();  // whether lit_ covers all energies
+  Echo integrate() {
+    bool by_samples = visibility_.hits().empty();  // whether nonzero_ covers all energies
     if (visibility_.first() == visibility_.end()) {
       // No footprints, so no preparation.
     } else if (how_.binning != Binning::exact) {
@@ -104,8 +104,8 @@ class OneApex {
       by_samples = false;
     }
     hits();
-    if (!by_samples) lit_.clear();
-    return {{beams_.count, samples_.count, std::move(energy_)}, std::move(lit_)};
+    if (!by_samples) nonzero_.clear();
+    return {beams_.count, samples_.count, std::move(energy_), std::move(nonzero_)};
   }
 
  private:
@@ -137,12 +137,12 @@ class OneApex {
             sink_({std::uint32_t(row / samples), std::uint32_t(k), energy, std::uint32_t(number), tube});
       }
   }
-  void light(std::size_t row, SampleSpan samples) {
+  void add_nonzero(std::size_t row, SampleSpan samples) {
     if (samples.first >= samples.end) return;
-    SampleSpan& lit = lit_[row];
-    lit = lit.first >= lit.end
-              ? samples
-              : SampleSpan{std::min(lit.first, samples.first), std::max(lit.end, samples.end)};
+    SampleSpan& span = nonzero_[row];
+    span = span.first >= span.end
+               ? samples
+               : SampleSpan{std::min(span.first, samples.first), std::max(span.end, samples.end)};
   }
   void begin_footprint() {
     near_m_ = finder_.borders().back();
@@ -182,9 +182,9 @@ class OneApex {
         assign(facet, number, p, frame);
         if (seabed.scattering != nullptr) {
           if (!scattering_cutter) scattering_cutter.emplace(samples_, model_.absorption_db_per_m);
-          light(beam, scattering_cutter->add(polygon_, *seabed.scattering, row, seabed.factor));
+          add_nonzero(beam, scattering_cutter->add(polygon_, *seabed.scattering, row, seabed.factor));
         } else {
-          light(beam, cutter.add(polygon_, factor, row));
+          add_nonzero(beam, cutter.add(polygon_, factor, row));
         }
       }
       told(number);
@@ -377,17 +377,17 @@ class OneApex {
   SampleFinder finder_;
   double beta_, spread_m_ = 0;
   std::vector<double> energy_;
-  std::vector<SampleSpan> lit_;  ///< per row: samples to which even() has added energy
+  std::vector<SampleSpan> nonzero_;  ///< per row: samples to which even() has added energy
   PlanarPolygon polygon_;
   double near_m_ = 0, far_m_ = 0;  // of the current footprint, for attribution
 };
 
 }  // namespace
 
-LitEcho integrate_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                           const RangeSamples& samples, const EchoModel& model, const Quadrature& how,
-                           const Sink<double>& sink, std::vector<double> room) {
-  return OneApex(visibility, beams, samples, model, how, sink, std::move(room)).integrate();
+Echo integrate_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                        const RangeSamples& samples, const EchoModel& model, const Quadrature& how,
+                        const Sink<double>& sink, std::vector<double> buffer) {
+  return OneApex(visibility, beams, samples, model, how, sink, std::move(buffer)).integrate();
 }
 
 }  // namespace tubefoot

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "engine/echo/lit_echo.hpp"
+#include "engine/echo/echo.hpp"
 
 // Quadratures of integrate() (echo.hpp), which validates their arguments.
 namespace tubefoot {
@@ -11,10 +11,10 @@ inline bool is_silent(const SurfaceProperties& seabed) {
   return seabed.scattering == nullptr && seabed.mu == 0;
 }
 
-/// With how.by_owner, parts go to the sink instead of the echo. `room`: see integrate_lit_echo().
-LitEcho integrate_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
-                           const RangeSamples& samples, const EchoModel& model, const Quadrature& how,
-                           const Sink<double>& sink, std::vector<double> room);
+/// With how.by_owner, parts go to the sink instead of the echo. `buffer`: see integrate_echo().
+Echo integrate_one_apex(const CommonVisibility& visibility, const ReceiveBeams& beams,
+                        const RangeSamples& samples, const EchoModel& model, const Quadrature& how,
+                        const Sink<double>& sink, std::vector<double> buffer);
 void integrate_two_apexes(const CommonVisibility& visibility, const ReceiveBeams& beams,
                           const RangeSamples& samples, const EchoModel& model, const Quadrature& how,
                           const Sink<double>& sink);
