@@ -4,7 +4,6 @@
 
 #include "sensors/formats/soundings_file.hpp"
 
-#include <cpl_conv.h>
 #include <fmt/format.h>
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
@@ -107,15 +106,6 @@ class CsvWriter : public SoundingsFile::Writer {
   std::string text_;
 };
 
-/// Fixes the date of change in a GeoPackage, so that equal runs give equal files.
-class FixedDate {
- public:
-  FixedDate() { CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", "1970-01-01T00:00:00.000Z"); }
-  ~FixedDate() { CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", nullptr); }
-  FixedDate(const FixedDate&) = delete;
-  FixedDate& operator=(const FixedDate&) = delete;
-};
-
 /// East and north in metres about the scene's own origin.
 constexpr const char* local_crs =
     R"wkt(ENGCRS["tubefoot local east-north",EDATUM["scene origin"],CS[Cartesian,2],)wkt"
@@ -126,7 +116,7 @@ class GeoPackageWriter : public SoundingsFile::Writer {
  public:
   GeoPackageWriter(const fs::path& file, const LocalFrame& frame) : Writer(file, frame), map_(frame.map()) {
     const GdalMessages messages;
-    const FixedDate date;
+    const FixedGdalDate date;
     register_gdal_drivers();
     discard_file(file_);  // GDAL does not overwrite files
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
@@ -150,7 +140,7 @@ class GeoPackageWriter : public SoundingsFile::Writer {
   }
   ~GeoPackageWriter() override {
     const GdalMessages quiet;
-    const FixedDate date;
+    const FixedGdalDate date;
     dataset_.reset();
   }
 
@@ -164,7 +154,7 @@ class GeoPackageWriter : public SoundingsFile::Writer {
   }
   void write(const std::vector<Sounding>& soundings, const std::vector<glm::dvec3>& on_earth) override {
     const GdalMessages messages;
-    const FixedDate date;
+    const FixedGdalDate date;
     bool good = dataset_->StartTransaction() == OGRERR_NONE;
     for (std::size_t k = 0; good && k < soundings.size(); ++k) {
       const Sounding& s = soundings[k];
@@ -188,7 +178,7 @@ class GeoPackageWriter : public SoundingsFile::Writer {
   }
   void close() override {
     const GdalMessages messages;
-    const FixedDate date;
+    const FixedGdalDate date;
     dataset_->FlushCache();
     dataset_.reset();
     require(messages.failures().empty(), messages, "complete the file");

@@ -201,4 +201,9 @@ void register_gdal_drivers() {
   });
 }
 
+FixedGdalDate::FixedGdalDate() {
+  CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", "1970-01-01T00:00:00.000Z");
+}
+FixedGdalDate::~FixedGdalDate() { CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", nullptr); }
+
 }  // namespace tubefoot

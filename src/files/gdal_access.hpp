@@ -34,4 +34,14 @@ class GdalAccess {
 /// GeoPackage and GeoJSON. GDALAllRegister() is not used, because a file cannot exploit an absent driver.
 void register_gdal_drivers();
 
+/// While an object exists, GDAL writes a fixed date of change into GeoPackages, so that equal runs give equal
+/// files.
+class FixedGdalDate {
+ public:
+  FixedGdalDate();
+  ~FixedGdalDate();
+  FixedGdalDate(const FixedGdalDate&) = delete;
+  FixedGdalDate& operator=(const FixedGdalDate&) = delete;
+};
+
 }  // namespace tubefoot

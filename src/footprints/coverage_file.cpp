@@ -5,7 +5,6 @@
 
 #include "footprints/coverage_file.hpp"
 
-#include <cpl_conv.h>
 #include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <ogr_spatialref.h>
@@ -23,15 +22,6 @@
 
 namespace tubefoot {
 namespace {
-
-/// Fixes the date of change that GDAL writes into a GeoPackage, so that equal runs give equal files.
-class FixedDate {
- public:
-  FixedDate() { CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", "1970-01-01T00:00:00.000Z"); }
-  ~FixedDate() { CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", nullptr); }
-  FixedDate(const FixedDate&) = delete;
-  FixedDate& operator=(const FixedDate&) = delete;
-};
 
 std::string short_enough(const std::string& fraction) {
   return fraction.size() <= longest_fraction ? fraction : std::string();
@@ -74,7 +64,7 @@ double CoveredFacet::cell_area_m2(std::size_t cell) const {
 struct CoverageFile::State {
   const Scene& scene;
   LocalFrame::Map map;
-  FixedDate date;
+  FixedGdalDate date;
   GdalMessages messages;
   std::string memory_file;  ///< GDAL writes into this memory file, because some GDAL drivers do not notice a
                             ///< full disk

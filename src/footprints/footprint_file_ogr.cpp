@@ -23,8 +23,6 @@ class GeoPackage : public FootprintFile {
   GeoPackage(const std::filesystem::path& file, const FootprintSource& source)
       : file_(file), source_(source), place_(source.scene) {
     register_gdal_drivers();
-    // The date is fixed, so that equal tables give equal bytes.
-    CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", "1970-01-01T00:00:00.000Z");
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
     require(driver != nullptr, "find the GDAL driver for");
     dataset_ = driver->Create(file.c_str(), 0, 0, 0, GDT_Unknown, nullptr);
@@ -61,7 +59,6 @@ class GeoPackage : public FootprintFile {
       dataset_->RollbackTransaction();
       GDALClose(dataset_);
     }
-    CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", nullptr);
   }
 
   void add(const FootprintTable& table) override {
@@ -140,6 +137,7 @@ class GeoPackage : public FootprintFile {
     ++upright_rows_;
   }
 
+  FixedGdalDate date_;
   std::filesystem::path file_;
   FootprintSource source_;
   FootprintPlace place_;

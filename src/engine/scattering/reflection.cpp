@@ -29,8 +29,4 @@ std::complex<double> reflection_coefficient(const FluidSediment& seabed, double 
   return (across - p) / (across + p);
 }
 
-double reflected_energy(const FluidSediment& seabed, double grazing_rad) {
-  return std::norm(reflection_coefficient(seabed, grazing_rad));
-}
-
 }  // namespace tubefoot

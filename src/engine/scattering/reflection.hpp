@@ -14,7 +14,4 @@ namespace tubefoot {
 /// Its modulus is at most 1.
 std::complex<double> reflection_coefficient(const FluidSediment& seabed, double grazing_rad);
 
-/// Returns the share of the energy that is reflected: the squared modulus of the coefficient.
-double reflected_energy(const FluidSediment& seabed, double grazing_rad);
-
 }  // namespace tubefoot

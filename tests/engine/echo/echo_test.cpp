@@ -11,7 +11,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "engine/scattering/lambert.hpp"
 #include "engine/scattering/radial_model.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
@@ -28,7 +27,7 @@ using test::total;
 
 constexpr double slice = 1.5 * pi / 180;  // azimuth
 constexpr double height = 10;
-const double sand_mu = lambert_mu(-27);
+const double sand_mu = std::pow(10, -2.7);
 
 double relative(double value, double expected) { return std::abs(value / expected - 1); }
 
@@ -56,12 +55,6 @@ Echo echo_of(const History& history, const RangeSamples& samples, double absorpt
   const std::vector<std::uint32_t> beam_of_tube{0};
   return integrate_echo(history, {1, beam_of_tube}, samples,
                         EchoModel{material_mu, one_facet, absorption_db_per_m});
-}
-
-TEST(Lambert, ParameterAndCrossSection) {
-  EXPECT_NEAR(pi * lambert_mu(-27), 0.0062683, 5e-8);
-  EXPECT_NEAR(10 * std::log10(largest_lambert_mu), -4.9715, 5e-5);
-  EXPECT_NEAR(lambert_cross_section(0.1, pi / 6), 0.025, 1e-16);
 }
 
 TEST(RadialModel, PrintedIntegralsFromTenToTwentyMetres) {

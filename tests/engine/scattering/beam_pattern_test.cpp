@@ -11,7 +11,6 @@
 #include <numeric>
 
 #include "engine/echo/echo.hpp"
-#include "engine/scattering/lambert.hpp"
 #include "engine/scattering/radial_model.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
@@ -99,7 +98,7 @@ TEST(BeamPattern, TableRefusesWhatIsNoTable) {
 
 // --- integrals over footprints
 
-const double mu = lambert_mu(-27);
+const double mu = std::pow(10, -2.7);
 
 Echo echo_of(const History& history, const RangeSamples& samples, double absorption_db_per_m,
              const BeamPatterns* patterns, double tolerance = 1e-11) {

@@ -13,6 +13,10 @@
 namespace tubefoot {
 namespace {
 
+double reflected_energy(const FluidSediment& seabed, double grazing_rad) {
+  return std::norm(reflection_coefficient(seabed, grazing_rad));
+}
+
 TEST(Sediment, InputsByGrainSizeAreThePublishedTable) {
   const struct {
     double phi, density, speed, loss;

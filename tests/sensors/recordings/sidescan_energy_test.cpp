@@ -9,7 +9,6 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
-#include "engine/scattering/lambert.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/world/recordings.hpp"
 #include "scene/scene.hpp"
