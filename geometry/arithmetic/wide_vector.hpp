@@ -4,6 +4,7 @@
 #include <array>
 
 #include "geometry/mesh/facet_cone.hpp"
+#include "geometry/numbers/vector_products.hpp"
 #include "geometry/numbers/wide_int.hpp"
 
 // Vectors of 512-bit integers, for computations that involve a depth plane.
@@ -12,15 +13,6 @@ namespace tubefoot {
 using WideVec = std::array<WideInt, 3>;
 
 inline WideVec widen(const Vec64& v) { return {WideInt(v.x), WideInt(v.y), WideInt(v.z)}; }
-
-inline WideVec cross(const WideVec& a, const WideVec& b) {
-  return {WideInt(a[1] * b[2] - a[2] * b[1]), WideInt(a[2] * b[0] - a[0] * b[2]),
-          WideInt(a[0] * b[1] - a[1] * b[0])};
-}
-
-inline WideInt dot(const WideVec& a, const WideVec& b) {
-  return WideInt(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
-}
 
 /// Returns the normal of the plane on which two facets are equally deep. Facet j is the nearer one on the
 /// positive side.

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/numbers/ball_vector.hpp"
 #include "geometry/numbers/complex_ranges.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -19,9 +20,6 @@ namespace {
 
 constexpr long double endless = std::numeric_limits<long double>::infinity();
 
-int sign(const Ball& x) { return x.surely_positive() ? 1 : x.surely_negative() ? -1 : 0; }
-Ball dot(const Ball& ax, const Ball& ay, const Ball& bx, const Ball& by) { return ax * bx + ay * by; }
-Ball cross(const Ball& ax, const Ball& ay, const Ball& bx, const Ball& by) { return ax * by - ay * bx; }
 Ball size2(const Ball& x, const Ball& y) { return squared(x) + squared(y); }
 
 /// The narrowest enclosure of x / y for each number type, and that of the root.
@@ -34,13 +32,6 @@ ComplexBall narrow_root(const ComplexBall& x) { return tight_root(x); }
 double middle_of(const Ball& x) { return x.middle(); }
 double middle_of(const Interval& x) { return x.middle(); }
 double middle_of(const ComplexBall& x) { return x.real().middle(); }
-
-/// Hull of two balls.
-Ball both(const Ball& a, const Ball& b) {
-  Ball all;
-  arb_union(all.get(), a.get(), b.get(), ball_bits);
-  return all;
-}
 
 /// Sorts the stretches and joins those that overlap, so that they are disjoint.
 template <class Stretch>
@@ -257,8 +248,8 @@ void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPla
     // both extents.
     Ball wide, high;
     for (const Edge& edge : edges) {
-      wide = both(wide, edge.from.x - edges[0].from.x);
-      high = both(high, edge.from.y - edges[0].from.y);
+      wide = hull(wide, edge.from.x - edges[0].from.x);
+      high = hull(high, edge.from.y - edges[0].from.y);
     }
     return give_gap(first_, end_, (Ball(wide.hi()) - Ball(wide.lo())) * (Ball(high.hi()) - Ball(high.lo())));
   }
@@ -287,7 +278,7 @@ void CertifiedPathCutter::cut(const CertifiedPolygon& polygon, const ApexOverPla
 void CertifiedPathCutter::find_rings(const CertifiedPolygon& polygon) {
   Ball size;  // hull of the squared distances from the first point
   for (const CertifiedPolygon::Point& p : polygon.points)
-    size = both(size, size2(p.x - polygon.points[0].x, p.y - polygon.points[0].y));
+    size = hull(size, size2(p.x - polygon.points[0].x, p.y - polygon.points[0].y));
   for (ReceiveEnd& rx : homes_) {
     const Ball share = tx_.height / (tx_.height + rx.apex.height);
     const Ball own_x = tx_.x + (rx.apex.x - tx_.x) * share, own_y = tx_.y + (rx.apex.y - tx_.y) * share;
@@ -320,7 +311,7 @@ void CertifiedPathCutter::cut_sectors(std::uint32_t number, const std::vector<Ed
     corners.push_back({edge.t_from.fine_lo(), edge.t_from.fine_hi()});
     if (from_centre) corners.push_back({edge.t_to.fine_lo(), edge.t_to.fine_hi()});
     if (edge.side != 0) continue;
-    const Ball all = both(edge.t_from, edge.t_to);  // This edge runs along a ray at this precision.
+    const Ball all = hull(edge.t_from, edge.t_to);  // This edge runs along a ray at this precision.
     corners.push_back({all.fine_lo(), all.fine_hi()});
   }
   merge(corners);

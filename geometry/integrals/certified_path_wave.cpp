@@ -18,19 +18,7 @@ using Point = CertifiedPolygon::Point;
 
 /// Limit of the halvings of an edge. A part that is still too wide adds a bound of its integral to the
 /// radius.
-constexpr int most_halvings = 24;
-
-ComplexBall sinc(const ComplexBall& x) {
-  ComplexBall result;
-  acb_sinc(result.get(), x.get(), ball_bits);
-  return result;
-}
-
-ComplexBall hull(const ComplexBall& a, const ComplexBall& b) {
-  ComplexBall result;
-  acb_union(result.get(), a.get(), b.get(), ball_bits);
-  return result;
-}
+constexpr int most_edge_halvings = 24;
 
 ComplexBall within(double radius) {
   Ball part(0.0);
@@ -257,7 +245,7 @@ ComplexBall CertifiedPathEdges::far(std::size_t number, const PathWave& wave,
   });
   if (rule.nodes > most_certified_nodes) {
     const double middle = (from + to) / 2;
-    if (halvings == most_halvings || !(from < middle && middle < to)) {
+    if (halvings == most_edge_halvings || !(from < middle && middle < to)) {
       const Place<Ball> p = place(edge, Ball::between(from, to));
       return -(ComplexBall((Ball(to) - Ball(from)) * weight(edge, p)) *
                wave.on(stretch, ComplexBall(p.path)));
@@ -325,7 +313,8 @@ ComplexBall CertifiedPathEdges::near(const Edge& edge, const PathWave& wave, con
     });
     if (rule.nodes > most_certified_nodes) {
       const double middle = (from + to) / 2;
-      if (halvings == most_halvings || !(from < middle && middle < to)) return rest(edge, wave, from, to);
+      if (halvings == most_edge_halvings || !(from < middle && middle < to))
+        return rest(edge, wave, from, to);
       return self(self, from, middle, halvings + 1) + self(self, middle, to, halvings + 1);
     }
     const CertifiedRule& nodes = certified_rule(rule.nodes);

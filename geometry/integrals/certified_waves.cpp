@@ -16,12 +16,6 @@ namespace {
 
 const ComplexBall imaginary_unit(Ball(0.0), Ball(1.0));
 
-ComplexBall sinc(const ComplexBall& x) {
-  ComplexBall result;
-  acb_sinc(result.get(), x.get(), ball_bits);
-  return result;
-}
-
 /// The mean over a segment is e^{i (a + b) / 2} sinc((b - a) / 2).
 ComplexBall mean_of_two(const Ball& a, const Ball& b) {
   return certified_phasor((a + b) / Ball(2.0)) * sinc(ComplexBall((b - a) / Ball(2.0)));

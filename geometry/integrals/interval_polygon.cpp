@@ -11,6 +11,7 @@
 
 #include "geometry/arithmetic/wide_direction.hpp"
 #include "geometry/integrals/polar_numbers.hpp"
+#include "geometry/numbers/vector_products.hpp"
 
 namespace tubefoot {
 namespace {
@@ -21,14 +22,8 @@ FineVector fine(const Vec64& v) {
   return {FineInterval::of(v.x), FineInterval::of(v.y), FineInterval::of(v.z)};
 }
 
-FineInterval dot(const FineVector& a, const FineVector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 FineVector scaled(const FineVector& a, const FineInterval& factor) {
   return {a[0] * factor, a[1] * factor, a[2] * factor};
-}
-
-FineVector cross(const FineVector& a, const FineVector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 /// Converts in two parts. The head is within two units in its last place (law W3), and the rest is exact
@@ -46,11 +41,11 @@ std::pair<FineVector, FineInterval> ray_of(const NameContext& context, const Cor
   if (corner.point != no_point) {
     const GridPoint d = context.point(corner.point);
     return {FineVector{FineInterval(double(d.x)), FineInterval(double(d.y)), FineInterval(double(d.z))},
-            FineInterval::of(tubefoot::dot(normal, d))};
+            FineInterval::of(dot(normal, d))};
   }
   if (!corner.p.depth && !corner.q.depth) {
-    const Vec64 a = tubefoot::cross(context.point(corner.p.a), context.point(corner.p.b)),
-                b = tubefoot::cross(context.point(corner.q.a), context.point(corner.q.b));
+    const Vec64 a = cross(context.point(corner.p.a), context.point(corner.p.b)),
+                b = cross(context.point(corner.q.a), context.point(corner.q.b));
     const Int128 x = Int128(a.y) * b.z - Int128(a.z) * b.y, y = Int128(a.z) * b.x - Int128(a.x) * b.z,
                  z = Int128(a.x) * b.y - Int128(a.y) * b.x;
     Int192 along = multiply(x, normal.x);
@@ -60,7 +55,7 @@ std::pair<FineVector, FineInterval> ray_of(const NameContext& context, const Cor
             FineInterval::of(along)};
   }
   const WideVec d = wide_direction(context, corner);
-  return {FineVector{fine(d[0]), fine(d[1]), fine(d[2])}, fine(tubefoot::dot(d, widen(normal)))};
+  return {FineVector{fine(d[0]), fine(d[1]), fine(d[2])}, fine(dot(d, widen(normal)))};
 }
 
 }  // namespace

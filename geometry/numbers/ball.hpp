@@ -126,6 +126,13 @@ class Ball {
   arb_t x_;
 };
 
+/// Returns the sign, or 0 if the ball contains 0.
+inline int sign(const Ball& x) { return x.surely_positive() ? 1 : x.surely_negative() ? -1 : 0; }
+inline Ball hull(const Ball& a, const Ball& b) {
+  Ball result;
+  arb_union(result.get(), a.get(), b.get(), ball_bits);
+  return result;
+}
 inline Ball squared(const Ball& x) { return x * x; }
 /// Returns the square root of a number that is known not to be negative; its ball may extend below zero.
 inline Ball root(const Ball& x) {
@@ -206,6 +213,11 @@ class ComplexBall {
   acb_t x_;
 };
 
+inline ComplexBall hull(const ComplexBall& a, const ComplexBall& b) {
+  ComplexBall result;
+  acb_union(result.get(), a.get(), b.get(), ball_bits);
+  return result;
+}
 inline ComplexBall squared(const ComplexBall& x) { return x * x; }
 inline ComplexBall root(const ComplexBall& x) {
   ComplexBall result;
@@ -225,6 +237,12 @@ inline ComplexBall atan(const ComplexBall& x) {
     acb_indeterminate(result.get());
   else
     acb_atan(result.get(), x.get(), ball_bits);
+  return result;
+}
+/// Returns sin(x) / x, and 1 for 0.
+inline ComplexBall sinc(const ComplexBall& x) {
+  ComplexBall result;
+  acb_sinc(result.get(), x.get(), ball_bits);
   return result;
 }
 inline void sin_cos(const ComplexBall& x, ComplexBall& sine, ComplexBall& cosine) {

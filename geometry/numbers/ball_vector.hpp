@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 
 #include "geometry/numbers/ball.hpp"
+#include "geometry/numbers/vector_products.hpp"
 
 // Vectors whose components are enclosed. Heavy: include only in .cpp files.
 namespace tubefoot {
@@ -17,9 +18,10 @@ inline BallVector balls(const glm::dvec3& p) { return {Ball(p.x), Ball(p.y), Bal
 inline BallVector vector_between(const glm::dvec3& from, const glm::dvec3& to) {
   return {Ball(to.x) - Ball(from.x), Ball(to.y) - Ball(from.y), Ball(to.z) - Ball(from.z)};
 }
-inline Ball dot(const BallVector& a, const BallVector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline BallVector cross(const BallVector& a, const BallVector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+/// Products of the vectors (ax, ay) and (bx, by) in a plane.
+inline Ball dot(const Ball& ax, const Ball& ay, const Ball& bx, const Ball& by) { return ax * bx + ay * by; }
+inline Ball cross(const Ball& ax, const Ball& ay, const Ball& bx, const Ball& by) {
+  return ax * by - ay * bx;
 }
 
 /// Upper bound of the distance from `middle` to the points of a ball.

@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "geometry/numbers/vector_products.hpp"
 #include "geometry/numbers/world_grid.hpp"
 
 // Vectors of rationals, for the reference arithmetic, the closure audit and the topology hash. This header is
@@ -14,15 +15,6 @@ namespace tubefoot {
 using ExactVector = std::array<CGAL::Exact_rational, 3>;
 
 inline ExactVector exact(GridPoint p) { return {p.x, p.y, p.z}; }
-
-inline ExactVector cross(const ExactVector& a, const ExactVector& b) {
-  return {CGAL::Exact_rational(a[1] * b[2] - a[2] * b[1]), CGAL::Exact_rational(a[2] * b[0] - a[0] * b[2]),
-          CGAL::Exact_rational(a[0] * b[1] - a[1] * b[0])};
-}
-
-inline CGAL::Exact_rational dot(const ExactVector& a, const ExactVector& b) {
-  return CGAL::Exact_rational(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
-}
 
 inline ExactVector difference(const ExactVector& a, const ExactVector& b) {
   return {CGAL::Exact_rational(a[0] - b[0]), CGAL::Exact_rational(a[1] - b[1]),

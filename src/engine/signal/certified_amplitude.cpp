@@ -12,7 +12,7 @@ namespace {
 
 using Point = CertifiedPolygon::Point;
 
-Ball hull(const Ball& a, const Ball& b) {
+Ball hull_in_doubles(const Ball& a, const Ball& b) {
   return Ball::between(std::min(a.lo(), b.lo()), std::max(a.hi(), b.hi()));
 }
 
@@ -71,7 +71,7 @@ Ball certified_mean_sine(std::span<const Point> points, const Ball& height, cons
   for (const Candidate& candidate : candidates) {
     if (candidate.distance2.lo() > nearest) continue;
     const Ball there = sine_at(candidate.at);
-    sine = sine ? hull(*sine, there) : there;
+    sine = sine ? hull_in_doubles(*sine, there) : there;
   }
   return *sine;
 }
