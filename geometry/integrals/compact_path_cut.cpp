@@ -20,9 +20,7 @@ namespace {
 /// A part is compact if its size is below this fraction of the distance over which its integrand is
 /// analytic.
 constexpr double compact = 0.25;
-constexpr int most_halvings = 8;
-/// Limits the work if the rounding estimate was too small.
-constexpr int most_refined_cells = 4000;
+constexpr int most_polygon_halvings = 8;
 
 /// Error factors: a rule of n nodes on an interval of length x has an error of at most this times x^(2n).
 /// The bound holds if the integrand is at most e^3 times its largest value within half of 1 into the complex
@@ -73,7 +71,7 @@ void CompactPathCutter::cut(const std::vector<glm::dvec2>& corners, int halvings
                             std::vector<PlanarPolygon>& left) {
   if (corners.size() < 3) return;
   if (is_compact(corners)) return cut_compact(corners);
-  if (halvings == most_halvings) {
+  if (halvings == most_polygon_halvings) {
     left.push_back({polygon_->distance, polygon_->first, corners});
     return;
   }
@@ -218,7 +216,7 @@ void CompactPathCutter::integrate(const Strip& strip) {
       const double place = (cuts_[i] + cuts_[i + 1]) / 2;
       const double near = path_on(*strip.near, place), far = path_on(*strip.far, place);
       if (!(near < to && far > from)) continue;
-      refinements_left_ = most_refined_cells;
+      refinements_left_ = PathCutter::most_refined_cells;
       integrate(
           Cell{strip.near, strip.far, near < from ? from : 0, far > to ? to : 0, cuts_[i], cuts_[i + 1]});
     }

@@ -35,7 +35,7 @@ bool reaches(const PlanarPolygon& polygon, glm::dvec2 point, double margin) {
 }
 
 /// Logarithm of the error bound for rules along an edge, 64/15 1e16.
-constexpr double log_error = 38.3;
+constexpr double log_edge_error = 38.3;
 
 /// Interpolation points of F about the shortest path, which comes first. These Chebyshev points alternate
 /// between outside and inside, an order in which Newton's form is stable.
@@ -173,7 +173,7 @@ void EdgeForm::add(const Plane& plane, const Edge& edge, double from, double to,
     return std::abs(of(plane.tx_foot, plane.tx_height) + of(plane.rx_foot, plane.rx_height));
   };
   const int nodes =
-      nodes_within(rho, growth_per_m_ * half * std::max(steepness(from), steepness(to)), log_error);
+      nodes_within(rho, growth_per_m_ * half * std::max(steepness(from), steepness(to)), log_edge_error);
   constexpr int most_halvings = 60;
   if (nodes > most_gauss_nodes && halvings < most_halvings) {
     add(plane, edge, from, middle, halvings + 1, out);

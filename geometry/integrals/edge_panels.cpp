@@ -14,7 +14,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr int most_halvings = 60;
+constexpr int most_panel_halvings = 60;
 /// Edges whose distance from the point of shortest path, times the growth, is below this limit add nothing.
 /// To that accuracy the edge's integral cancels its share of the image.
 constexpr double through_rad = 1e-12;
@@ -73,7 +73,7 @@ double EdgePanels::path_at(const Edge& edge, double at) const {
 
 void EdgePanels::add_panels(std::size_t edge, double from, double to, double most_spread_m, int halvings) {
   const double from_path = path_at(edges_[edge], from), to_path = path_at(edges_[edge], to);
-  if (std::abs(to_path - from_path) > most_spread_m && halvings < most_halvings) {
+  if (std::abs(to_path - from_path) > most_spread_m && halvings < most_panel_halvings) {
     const double middle = (from + to) / 2;
     add_panels(edge, from, middle, most_spread_m, halvings + 1);
     add_panels(edge, middle, to, most_spread_m, halvings + 1);
@@ -89,7 +89,7 @@ double EdgePanels::place_of(const Panel& panel, double path_m) const {
   const double share = (path_m - panel.from_path_m) / (panel.to_path_m - panel.from_path_m);
   double at = low + std::clamp(share, 0.0, 1.0) * (high - low);
   if (!std::isfinite(at)) return (low + high) / 2;
-  for (int step = 0; step < most_halvings; ++step) {
+  for (int step = 0; step < most_panel_halvings; ++step) {
     const double tx = at - edge.tx_at, rx = at - edge.rx_at, r = std::hypot(tx, edge.tx_m),
                  s = std::hypot(rx, edge.rx_m), off = r + s - path_m, slope = tx / r + rx / s;
     if (std::abs(off) <= 4e-16 * path_m) return at;
@@ -126,7 +126,7 @@ void EdgePanels::add_nodes(const Edge& edge, double from, double to, double grow
   };
   const int count =
       nodes_within(rho, growth_per_m * half * std::max(steepness(from), steepness(to)), log_error);
-  if (count > most_gauss_nodes && halvings < most_halvings) {
+  if (count > most_gauss_nodes && halvings < most_panel_halvings) {
     add_nodes(edge, from, middle, growth_per_m, log_error, halvings + 1, out);
     add_nodes(edge, middle, to, growth_per_m, log_error, halvings + 1, out);
     return;

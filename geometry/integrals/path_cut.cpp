@@ -22,12 +22,10 @@ namespace {
 
 constexpr std::array<int, 7> rule_orders{2, 3, 4, 6, 9, 13, 18};
 constexpr std::size_t most_first_rule = 3;
-constexpr int most_halvings = 120;
+constexpr int most_cell_halvings = 120;
 constexpr double least_steep_half = 1e-14;  // below this, directions are too inaccurate
 /// Accuracy is relaxed for a part of a cell that is smaller than another part by this factor.
 constexpr double negligible = 1e-3;
-/// Limits the work if the rounding estimate was too small.
-constexpr int most_refined_cells = 4000;
 
 /// Angle from one direction to another.
 double angle_between(glm::dvec2 a, glm::dvec2 b) { return std::atan2(cross(a, b), glm::dot(a, b)); }
@@ -426,7 +424,7 @@ void PathCutter::integrate(const Curve& near, const Curve& far, const Cell& cell
   };
   const double smooth = std::min(work_.resolution_rad, 1.0);
   const Extent extent = extent_of(near, far, cell);
-  if (cell.halvings < most_halvings && (extent.steep || extent.arc + extent.ray > smooth))
+  if (cell.halvings < most_cell_halvings && (extent.steep || extent.arc + extent.ray > smooth))
     return halves(extent.steep || extent.arc > extent.ray, 1, 0);
 
   // The error of n nodes on an interval of length x is about (x / 4)^2n if the next singularity is at

@@ -77,6 +77,9 @@ class PathCutter {
     bool analytic = false;
   };
 
+  /// Limit of the refinements of a polygon. It is reached only if the rounding estimate was too small.
+  static constexpr int most_refined_cells = 4000;
+
   /// Sample k contains half paths, (transmit range + receive range) / 2, from borders_m[k] to
   /// borders_m[k+1].
   explicit PathCutter(std::span<const double> half_path_borders_m);

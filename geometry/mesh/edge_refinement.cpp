@@ -113,7 +113,7 @@ std::array<double, 3> edges2(const std::array<glm::dvec3, 3>& at) {
 }
 
 /// A part of a base facet that may need further cuts.
-struct Part {
+struct FacetPart {
   FacetId facet = 0;
   std::array<Node, 3> node;
 };
@@ -213,10 +213,10 @@ class Refiner {
       : base_(base), grid_(grid), cutter_(grid, rule), place_(place), limits_(limits) {}
 
   RefinedMesh run(std::span<const FacetId> facets) {
-    std::vector<Part> parts;
+    std::vector<FacetPart> parts;
     parts.reserve(facets.size());
     for (const FacetId f : facets) {
-      Part part{f, {}};
+      FacetPart part{f, {}};
       for (std::size_t k = 0; k < 3; ++k) {
         const GridPoint p = base_.vertices[base_.facets[f][k]];
         part.node[k].at = {double(p.x), double(p.y), double(p.z)};
@@ -240,11 +240,11 @@ class Refiner {
  private:
   /// Cuts few large facets until there is work for all threads. The order remains that of the recursion.
   static constexpr std::size_t enough = 64;
-  void spread(std::vector<Part>& parts) const {
+  void spread(std::vector<FacetPart>& parts) const {
     for (bool more = true; more && parts.size() < enough;) {
       more = false;
-      std::vector<Part> next;
-      for (const Part& part : parts) {
+      std::vector<FacetPart> next;
+      for (const FacetPart& part : parts) {
         stop_if_wanted();
         Parts cut;
         const auto& n = part.node;
@@ -264,7 +264,7 @@ class Refiner {
     }
   }
 
-  void cut(const Part& part, Nodes& nodes, Yield& out) {
+  void cut(const FacetPart& part, Nodes& nodes, Yield& out) {
     nodes.restart(part.node);
     const std::size_t first_facet = out.facets.size();
     const auto recur = [&](const auto& self, const std::array<std::uint32_t, 3>& corner) -> void {

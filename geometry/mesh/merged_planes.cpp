@@ -178,27 +178,27 @@ bool is_between(GridPoint a, GridPoint b, GridPoint c) {
   return Int128(u.x) * v.x + Int128(u.y) * v.y + Int128(u.z) * v.z > 0;
 }
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Cdt = CGAL::Constrained_Delaunay_triangulation_2<
-    Kernel,
-    CGAL::Triangulation_data_structure_2<CGAL::Triangulation_vertex_base_with_info_2<VertexId, Kernel>,
-                                         CGAL::Constrained_triangulation_face_base_2<Kernel>>,
+using Signs = CGAL::Exact_predicates_inexact_constructions_kernel;
+using PlaneCdt = CGAL::Constrained_Delaunay_triangulation_2<
+    Signs,
+    CGAL::Triangulation_data_structure_2<CGAL::Triangulation_vertex_base_with_info_2<VertexId, Signs>,
+                                         CGAL::Constrained_triangulation_face_base_2<Signs>>,
     CGAL::No_constraint_intersection_requiring_constructions_tag>;
 
 /// Returns the triangles that an odd number of border edges separates from the outside. Returns nothing if
 /// edges cross, because the facets then overlap.
 std::optional<std::vector<Triangle>> triangulated(const FacetMesh& mesh, const std::vector<Edge>& border,
                                                   const PlanePicture& picture) {
-  Cdt cdt;
-  std::unordered_map<VertexId, Cdt::Vertex_handle> placed;
+  PlaneCdt cdt;
+  std::unordered_map<VertexId, PlaneCdt::Vertex_handle> placed;
   const GridPoint middle = mesh.vertices[border.front()[0]];
-  Cdt::Vertex_handle last;  // the next vertex is near it
+  PlaneCdt::Vertex_handle last;  // the next vertex is near it
   const auto place = [&](VertexId v) {
     const auto [found, is_new] = placed.try_emplace(v);
     if (is_new) {
       const auto at = picture.of(mesh.vertices[v] - middle);
-      found->second = cdt.insert(Cdt::Point(static_cast<double>(at[0]), static_cast<double>(at[1])),
-                                 last == Cdt::Vertex_handle() ? Cdt::Face_handle() : last->face());
+      found->second = cdt.insert(PlaneCdt::Point(static_cast<double>(at[0]), static_cast<double>(at[1])),
+                                 last == PlaneCdt::Vertex_handle() ? PlaneCdt::Face_handle() : last->face());
       found->second->info() = v;
       last = found->second;
     }
@@ -207,15 +207,15 @@ std::optional<std::vector<Triangle>> triangulated(const FacetMesh& mesh, const s
   try {
     for (const Edge& edge : border) {
       stop_if_wanted();
-      const Cdt::Vertex_handle from = place(edge[0]), to = place(edge[1]);
+      const PlaneCdt::Vertex_handle from = place(edge[0]), to = place(edge[1]);
       cdt.insert_constraint(from, to);
     }
-  } catch (const Cdt::Intersection_of_constraints_exception&) {
+  } catch (const PlaneCdt::Intersection_of_constraints_exception&) {
     return std::nullopt;
   }
   if (cdt.dimension() < 2) return std::nullopt;
-  std::unordered_map<Cdt::Face_handle, bool> inside;
-  std::vector<std::pair<Cdt::Face_handle, bool>> reached{{cdt.infinite_face(), false}};
+  std::unordered_map<PlaneCdt::Face_handle, bool> inside;
+  std::vector<std::pair<PlaneCdt::Face_handle, bool>> reached{{cdt.infinite_face(), false}};
   std::vector<Triangle> triangles;
   while (!reached.empty()) {
     const auto [face, is_inside] = reached.back();

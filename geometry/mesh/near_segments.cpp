@@ -18,7 +18,7 @@ namespace tubefoot {
 namespace {
 
 /// The part of a segment in the cell of a node.
-struct Part {
+struct SegmentPart {
   std::uint32_t segment = 0;
   glm::dvec2 from{}, to{};
 };
@@ -34,14 +34,14 @@ class Halving {
   Halving(double slack, const std::function<void(std::uint32_t, std::uint32_t)>& visit)
       : slack_(slack), visit_(visit) {}
 
-  void halve(std::vector<Part> parts) {
+  void halve(std::vector<SegmentPart> parts) {
     stop_if_wanted();
     constexpr std::size_t few = 16;
     if (parts.size() <= few) return compare(parts);
     const std::optional<Split> split = best_split(parts);
     if (!split) return compare(parts);
-    std::vector<Part> below, above;
-    for (const Part& part : parts) {
+    std::vector<SegmentPart> below, above;
+    for (const SegmentPart& part : parts) {
       const double from = glm::dot(split->direction, part.from), to = glm::dot(split->direction, part.to);
       if (std::min(from, to) <= split->middle + slack_)
         below.push_back(cut(part, from, to, split->middle + slack_, true));
@@ -56,7 +56,7 @@ class Halving {
  private:
   /// Returns the part on one side of a line at `at`. A part that does not cross the line is returned
   /// unchanged.
-  static Part cut(Part part, double from, double to, double at, bool below) {
+  static SegmentPart cut(SegmentPart part, double from, double to, double at, bool below) {
     const auto is_out = [&](double x) { return below ? x > at : x < at; };
     if (is_out(from) == is_out(to)) return part;
     const glm::dvec2 met = glm::mix(part.from, part.to, std::clamp((at - from) / (to - from), 0.0, 1.0));
@@ -65,17 +65,17 @@ class Halving {
   }
 
   /// Returns nothing if no direction separates the parts, so that comparing all pairs costs no more.
-  std::optional<Split> best_split(const std::vector<Part>& parts) {
+  std::optional<Split> best_split(const std::vector<SegmentPart>& parts) {
     constexpr double enough = 0.75;
     const auto all = static_cast<double>(parts.size());
     std::optional<Split> best;
     const auto attempt = [&](glm::dvec2 direction) {
       middles_.clear();
-      for (const Part& part : parts) middles_.push_back(glm::dot(direction, part.from + part.to) / 2);
+      for (const SegmentPart& part : parts) middles_.push_back(glm::dot(direction, part.from + part.to) / 2);
       const auto half = middles_.begin() + static_cast<std::ptrdiff_t>(middles_.size() / 2);
       std::nth_element(middles_.begin(), half, middles_.end());
       double below = 0, above = 0;
-      for (const Part& part : parts) {
+      for (const SegmentPart& part : parts) {
         const double from = glm::dot(direction, part.from), to = glm::dot(direction, part.to);
         below += std::min(from, to) <= *half + slack_;
         above += std::max(from, to) >= *half - slack_;
@@ -89,7 +89,7 @@ class Halving {
     constexpr int tries = 3;
     for (int k = 0; k < tries; ++k) {
       state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-      const Part& part = parts[(state_ >> 33) % parts.size()];
+      const SegmentPart& part = parts[(state_ >> 33) % parts.size()];
       const glm::dvec2 along = part.to - part.from;
       if (const double length = glm::length(along); length > 0)
         attempt(glm::dvec2(-along.y, along.x) / length);
@@ -97,13 +97,13 @@ class Halving {
     return best;
   }
 
-  void compare(const std::vector<Part>& parts) const {
+  void compare(const std::vector<SegmentPart>& parts) const {
     for (std::size_t i = 0; i < parts.size(); ++i) {
       stop_if_wanted();
       const glm::dvec2 lo = glm::min(parts[i].from, parts[i].to) - slack_,
                        hi = glm::max(parts[i].from, parts[i].to) + slack_;
       for (std::size_t j = i + 1; j < parts.size(); ++j) {
-        const Part &a = parts[i], &b = parts[j];
+        const SegmentPart &a = parts[i], &b = parts[j];
         if (std::min(b.from.x, b.to.x) > hi.x || std::max(b.from.x, b.to.x) < lo.x ||
             std::min(b.from.y, b.to.y) > hi.y || std::max(b.from.y, b.to.y) < lo.y)
           continue;
@@ -122,7 +122,7 @@ class Halving {
 
 void for_each_near_pair(std::span<const PlanSegment> segments,
                         const std::function<void(std::uint32_t, std::uint32_t)>& visit) {
-  std::vector<Part> parts;
+  std::vector<SegmentPart> parts;
   parts.reserve(segments.size());
   double largest = 0;
   for (const PlanSegment& segment : segments) {

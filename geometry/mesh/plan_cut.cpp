@@ -37,14 +37,13 @@ namespace tubefoot {
 namespace {
 
 using Signs = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
+using Constructions = CGAL::Exact_predicates_exact_constructions_kernel;
 using Exact = CGAL::Epeck_ft;
 constexpr int unnumbered = -1;
-using Vertex = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
-using Face = CGAL::Constrained_triangulation_face_base_2<Kernel>;
-using Cdt =
-    CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<Vertex, Face>,
-                                               CGAL::Exact_predicates_tag>;
+using PlanVertex = CGAL::Triangulation_vertex_base_with_info_2<int, Constructions>;
+using PlanFace = CGAL::Constrained_triangulation_face_base_2<Constructions>;
+using PlanCdt = CGAL::Constrained_Delaunay_triangulation_2<
+    Constructions, CGAL::Triangulation_data_structure_2<PlanVertex, PlanFace>, CGAL::Exact_predicates_tag>;
 
 struct Facet {
   std::uint32_t id = 0;
@@ -116,7 +115,7 @@ class Crossings {
     for_each_near_pair(lines_, [&](std::uint32_t i, std::uint32_t j) { meet(i, j); });
   }
 
-  const std::vector<Kernel::Point_2>& points() const { return points_; }
+  const std::vector<Constructions::Point_2>& points() const { return points_; }
   std::uint32_t corner(unsigned k) const {
     const glm::dvec3& p = facet_.corners[k];
     return number_.at({p.x + 0.0, p.y + 0.0});
@@ -143,10 +142,11 @@ class Crossings {
       if (turn(facet_.corners[k], facet_.corners[(k + 1) % 3], p) == CGAL::RIGHT_TURN) return false;
     return true;
   }
-  bool is_in_facet(const Kernel::Point_2& p) const {
+  bool is_in_facet(const Constructions::Point_2& p) const {
     for (unsigned k = 0; k < 3; ++k) {
       const glm::dvec2 a = facet_.corners[k], b = facet_.corners[(k + 1) % 3];
-      if (CGAL::orientation(Kernel::Point_2(a.x, a.y), Kernel::Point_2(b.x, b.y), p) == CGAL::RIGHT_TURN)
+      if (CGAL::orientation(Constructions::Point_2(a.x, a.y), Constructions::Point_2(b.x, b.y), p) ==
+          CGAL::RIGHT_TURN)
         return false;
     }
     return true;
@@ -181,11 +181,12 @@ class Crossings {
 
   void cross(std::uint32_t i, std::uint32_t j) {
     const auto line = [](const PlanSegment& s) {
-      return Kernel::Line_2(Kernel::Point_2(s.a.x, s.a.y), Kernel::Point_2(s.b.x, s.b.y));
+      return Constructions::Line_2(Constructions::Point_2(s.a.x, s.a.y),
+                                   Constructions::Point_2(s.b.x, s.b.y));
     };
     // CGAL 5 returns Boost's variant and CGAL 6 that of the standard library. CGAL::Object accepts both.
     const CGAL::Object met = CGAL::intersection(line(lines_[i]), line(lines_[j]));
-    const auto* point = CGAL::object_cast<Kernel::Point_2>(&met);
+    const auto* point = CGAL::object_cast<Constructions::Point_2>(&met);
     if (point == nullptr) return;  // impossible for lines that cross
     // Points on edges of the facet (the first three lines) belong to the facet.
     if (i >= 3 && !is_in_facet(*point)) return;
@@ -203,17 +204,18 @@ class Crossings {
   std::atomic<std::size_t>& crossed_;
   std::size_t most_crossed_;
   std::vector<PlanSegment> lines_;
-  std::vector<Kernel::Point_2> points_;
+  std::vector<Constructions::Point_2> points_;
   std::vector<std::vector<std::uint32_t>> on_;  ///< per line: its points
   std::map<std::pair<double, double>, std::uint32_t> number_;
   std::unordered_set<std::uint64_t> pairs_;
 };
 
 /// Returns the points of the plan in an order in which neighbours follow each other.
-std::vector<std::size_t> spatial_order(const std::vector<Kernel::Point_2>& points) {
+std::vector<std::size_t> spatial_order(const std::vector<Constructions::Point_2>& points) {
   std::vector<Signs::Point_2> near;
   near.reserve(points.size());
-  for (const Kernel::Point_2& p : points) near.emplace_back(CGAL::to_double(p.x()), CGAL::to_double(p.y()));
+  for (const Constructions::Point_2& p : points)
+    near.emplace_back(CGAL::to_double(p.x()), CGAL::to_double(p.y()));
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   using Map = CGAL::Pointer_property_map<Signs::Point_2>::type;
@@ -225,11 +227,11 @@ std::vector<std::size_t> spatial_order(const std::vector<Kernel::Point_2>& point
 Parts cut(const Facet& facet, std::span<const PlanSegment> segments, const std::vector<std::uint32_t>& met,
           std::atomic<std::size_t>& crossed) {
   Crossings crossings(facet, segments, met, crossed);
-  const std::vector<Kernel::Point_2>& points = crossings.points();
+  const std::vector<Constructions::Point_2>& points = crossings.points();
   // All points are inserted first, so that each constraint joins neighbours afterwards.
-  Cdt cdt;
-  std::vector<Cdt::Vertex_handle> vertex(points.size());
-  Cdt::Face_handle beside;
+  PlanCdt cdt;
+  std::vector<PlanCdt::Vertex_handle> vertex(points.size());
+  PlanCdt::Face_handle beside;
   for (const std::size_t k : spatial_order(points)) {
     stop_if_wanted();
     vertex[k] = cdt.insert(points[k], beside);
@@ -255,7 +257,7 @@ Parts cut(const Facet& facet, std::span<const PlanSegment> segments, const std::
     v->info() = static_cast<int>(parts.points.size());
     // The double of an exact number does not depend on how the number was computed. The double of a lazy
     // number does.
-    const Kernel::FT lazy_x = v->point().x(), lazy_y = v->point().y();
+    const Constructions::FT lazy_x = v->point().x(), lazy_y = v->point().y();
     const Exact &x = lazy_x.exact(), &y = lazy_y.exact();
     parts.points.emplace_back(CGAL::to_double(x), CGAL::to_double(y), CGAL::to_double(height.at(x, y)));
   }

@@ -12,9 +12,9 @@
 namespace tubefoot {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Vertex = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
-using Delaunay = CGAL::Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<Vertex>>;
+using Signs = CGAL::Exact_predicates_inexact_constructions_kernel;
+using SiteVertex = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Signs>;
+using Delaunay = CGAL::Delaunay_triangulation_2<Signs, CGAL::Triangulation_data_structure_2<SiteVertex>>;
 
 glm::dvec2 circumcentre(std::span<const glm::dvec2> sites, const Delaunay::Face_handle& face) {
   std::array<std::uint32_t, 3> corner{face->vertex(0)->info(), face->vertex(1)->info(),
@@ -28,9 +28,9 @@ glm::dvec2 circumcentre(std::span<const glm::dvec2> sites, const Delaunay::Face_
 }  // namespace
 
 std::vector<VoronoiEdge> voronoi_edges(std::span<const glm::dvec2> sites) {
-  std::vector<std::pair<Kernel::Point_2, std::uint32_t>> points;
+  std::vector<std::pair<Signs::Point_2, std::uint32_t>> points;
   for (std::uint32_t k = 0; k < sites.size(); ++k)
-    points.emplace_back(Kernel::Point_2(sites[k].x, sites[k].y), k);
+    points.emplace_back(Signs::Point_2(sites[k].x, sites[k].y), k);
   const Delaunay delaunay(points.begin(), points.end());
   std::vector<VoronoiEdge> edges;
   for (auto e = delaunay.finite_edges_begin(); e != delaunay.finite_edges_end(); ++e) {
