@@ -59,10 +59,14 @@ function(tubefoot_precompiled target name)
 endfunction()
 tubefoot_headers(tubefoot_library_headers)
 
-# Files of one folder are compiled together, eight in a unit, so that their common headers are parsed once. A name that is
-# local to a file (of an anonymous namespace) is then unique among them. Builds with sanitizers compile each file alone: they
-# see includes that a file forgot.
+# tubefoot_unity(TARGET [SIZE]): files of one folder are compiled together, SIZE (or eight) in a unit, so that their common
+# headers are parsed once. A name that is local to a file (of an anonymous namespace) is then unique among them. Files with
+# COMPILE_OPTIONS stay alone. Builds with sanitizers compile each file alone: they see includes that a file forgot.
 function(tubefoot_unity target)
+  set(size 8)
+  if(ARGC GREATER 1)
+    set(size ${ARGV1})
+  endif()
   if(NOT TUBEFOOT_UNITY)
     return()
   endif()
@@ -73,27 +77,27 @@ function(tubefoot_unity target)
     string(MAKE_C_IDENTIFIER "${folder}" folder)
     string(APPEND in_${folder} "|")
     string(LENGTH "${in_${folder}}" count)
-    math(EXPR unit "(${count} - 1) / 8")
+    math(EXPR unit "(${count} - 1) / ${size}")
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${unit})
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   target_compile_options(${target} PRIVATE -Wno-subobject-linkage)  # of a class of a .cpp file whose member has a local type
 endfunction()
 
-# tubefoot_library(NAME [libraries...]): a static library of all sources in the current folder and the rooms below it,
-# installed with its headers (cmake/install.cmake).
+# tubefoot_library(NAME [libraries...] [UNITS size] [EXCEPT sources...]): a static library of all sources in the current
+# folder and the folders below it, installed with its headers (cmake/install.cmake).
 function(tubefoot_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 library "" UNITS EXCEPT)
+  set(libraries ${library_UNPARSED_ARGUMENTS})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
-  list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/main.cpp)
+  list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/main.cpp ${library_EXCEPT})
   add_library(${name} STATIC ${sources})
-  target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:tubefoot_project> ${ARGN} tubefoot_mathematics)
+  target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:tubefoot_project> ${libraries} tubefoot_mathematics)
   target_include_directories(${name} PUBLIC
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR};${PROJECT_SOURCE_DIR}/src>" $<INSTALL_INTERFACE:include/tubefoot>)
-  if(ARGN)  # else it is without fmt, which is among the common headers
+  if(libraries)  # else it is without fmt, which is among the common headers
     tubefoot_precompiled(${name} tubefoot_library_headers)
   endif()
-  if(NOT name STREQUAL tubefoot_geometry)
-    tubefoot_unity(${name})
-  endif()
+  tubefoot_unity(${name} ${library_UNITS})
   set_property(GLOBAL APPEND PROPERTY TUBEFOOT_LIBRARIES ${name})
 endfunction()
