@@ -96,21 +96,17 @@ ElementSignals element_signals_of(const Recording& recording) {
       array_on_vehicle(sensor), model.waveform, model.sampling,
       VehicleMotion(recorded.track, recording.ping_time_s, model.stop_and_hop), recording.sound_speed_m_s);
   const std::size_t values = 2 * signals.receivers() * signals.samples();
-  const auto take = [&](std::span<const double> kept, const PackedPings* packed,
-                        std::vector<std::complex<double>>& all) {
+  const auto take = [&](const RecordedChannel& channel, std::vector<std::complex<double>>& all) {
+    all.resize(signals.pressure.size());
     for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
       stop_if_wanted();
-      const PingEnergies from =
-          packed ? packed->values(ping, 0) : PingEnergies(kept.subspan(ping * values, values));
+      const PingEnergies from = channel.of(ping, values);
       for (std::size_t k = 0; k < values / 2; ++k)
         all[ping * values / 2 + k] = {from[2 * k], from[2 * k + 1]};
     }
   };
-  take(recorded.values, recorded.packed.get(), signals.pressure);
-  if (recorded.packed_bounds || !recorded.bounds.empty()) {
-    signals.bound.resize(signals.pressure.size());
-    take(recorded.bounds, recorded.packed_bounds.get(), signals.bound);
-  }
+  take(recorded.pressure, signals.pressure);
+  if (!recorded.bound.is_empty()) take(recorded.bound, signals.bound);
   return signals;
 }
 

@@ -27,9 +27,7 @@ std::vector<std::int16_t> labels_of(std::span<const double> energies, std::size_
 
 LabelPing LabelRecording::of(std::size_t ping) const {
   stop_if_wanted();
-  const PingEnergies kept = packed
-                                ? packed->values(ping, 0)
-                                : PingEnergies(values.subspan(ping * channels() * cells, channels() * cells));
+  const PingEnergies kept = recorded.of(ping, channels() * cells);
   const std::span<const double> all = kept;
   const auto channel = [&](std::size_t k) { return all.subspan(k * cells, cells); };
   constexpr double none = std::numeric_limits<double>::quiet_NaN();

@@ -3,13 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "sensors/recordings/ping_energies.hpp"
+#include "sensors/recordings/recorded_channel.hpp"
 
 namespace tubefoot {
 
@@ -50,10 +49,7 @@ struct LabelRecording {
   /// [ping][channel][beam][sample]. The channels are the energy of each owner [J], energy times height and
   /// energy times range [J m], then the energy without scattering. With `label_level_db` the part of each
   /// owner's energy that is received near the peak follows.
-  std::span<const double> values{};
-  std::shared_ptr<const PackedPings> packed{};  ///< in place of `values`, as one channel
-  std::shared_ptr<const void> keeper{};         ///< owner of the memory of `values`; null if another object
-                                                ///< owns it
+  RecordedChannel recorded{};
 
   std::size_t first_near_peak() const { return owners.size() + 2 + (has_unscattered ? 1 : 0); }
   std::size_t channels() const { return first_near_peak() + (label_level_db ? owners.size() : 0); }

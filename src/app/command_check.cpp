@@ -224,11 +224,8 @@ void print_cost(const Survey& survey, RunRequest request, int threads, bool quie
       "pings per sensor), then about {} for writing files\n",
       duration_text(seconds), name_of(request.visibility.arithmetic), threads,
       duration_text(writing.seconds_on(threads)));
-  double bytes = 0;
-  for (const StoreLayout::Sensor& sensor : layout_of(survey, request).sensors)
-    bytes += 8.0 * static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells);
   tell("expected disk  {} for energies during the run, and at most about {} for the result\n",
-       size_text(bytes), size_text(writing.bytes));
+       size_text(layout_of(survey, request).bytes()), size_text(writing.bytes));
 }
 
 }  // namespace

@@ -122,10 +122,7 @@ void foresee_writing(RunInProgress& run, const Survey& survey) {
     throw UsageError(
         "--animate needs pictures, but no pictures are drawn with --pictures none: leave out one of them");
   const WritingCost cost = expected_writing(survey, run.request, pictures);
-  double kept = 0;
-  for (const StoreLayout::Sensor& sensor : layout_of(survey, run.request).sensors)
-    kept += 8.0 * static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells);
-  if (run.request.reference_tolerance) kept *= 2;
+  const double kept = layout_of(survey, run.request).bytes();
   constexpr double long_s = 10, large_bytes = 1e9;
   const double seconds = run.expected_write_seconds = cost.seconds_on(run.threads);
   if (!run.options.quiet && (seconds > long_s || kept + cost.bytes > large_bytes))

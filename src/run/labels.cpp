@@ -12,7 +12,6 @@
 #include "engine/scattering/layered_reflectivity.hpp"
 #include "engine/scattering/pattern_levels.hpp"
 #include "run/paths.hpp"
-#include "run/signals.hpp"
 #include "run/stored_pings.hpp"
 
 // This file computes the labels of energies. Each owner (object and material) has an echo model in which all
@@ -257,25 +256,6 @@ LabelledSurface::LabelledSurface(const Transmission& transmission, const FacetMe
     reflection.push_back(owner.material < by_material.size() ? by_material[owner.material] : 0);
 }
 
-std::size_t place_of_labels(const Survey& survey, std::size_t sensor) {
-  return survey.sensors.size() + places_of_signals(survey) + sensor;
-}
-
-void add_labels(StoreLayout& layout, const Survey& survey, const RunRequest& request,
-                const std::vector<ChosenEchoes>& chosen) {
-  const std::size_t channels = LabelChannels(survey, request).channels();
-  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
-    const Sensor& sensor = *survey.sensors[s].sensor;
-    layout.sensors.push_back({chosen[s].pings, channels * chosen[s].beams.size() *
-                                                   static_cast<std::size_t>(sensor.samples().count)});
-  }
-  for (StoreLayout::Group& group : layout.groups) {
-    const std::vector<std::size_t> sensors = group.sensors;
-    for (const std::size_t s : sensors)
-      if (s < survey.sensors.size()) group.sensors.push_back(place_of_labels(survey, s));
-  }
-}
-
 std::vector<LabelRecording> label_recordings_of(const Survey& survey, const RunRequest& request,
                                                 const std::shared_ptr<PingStore>& store) {
   std::vector<LabelRecording> label_recordings;
@@ -294,10 +274,7 @@ std::vector<LabelRecording> label_recordings_of(const Survey& survey, const RunR
     one.has_unscattered = labels.has_unscattered();
     one.label_level_db = labels.label_level_db();
     one.cells = chosen[s].beams.size() * static_cast<std::size_t>(sensor.samples().count);
-    const std::size_t place = place_of_labels(survey, s);
-    one.values = in_memory(store, place);
-    one.packed = packed_pings(store, place);
-    one.keeper = store;
+    one.recorded = recorded_channel(store, s, "labels");
   }
   return label_recordings;
 }

@@ -28,7 +28,7 @@ class LabelChannels {
   using Owner = LabelRecording::Owner;
   /// Returns the pairs of object and material that facets may have.
   const std::vector<Owner>& owners() const { return owners_; }
-  /// Channel numbers as in LabelRecording::values. Channel k belongs to owner k; the channels below follow.
+  /// Channel numbers as in LabelRecording::recorded. Channel k belongs to owner k; the channels below follow.
   std::size_t height() const { return owners_.size(); }
   std::size_t range() const { return owners_.size() + 1; }
   std::size_t unscattered() const { return owners_.size() + 2; }
@@ -116,12 +116,6 @@ struct LabelledSurface {
   const FacetMesh* loaded_scene = nullptr;
   std::optional<FacetMesh> own;
 };
-
-/// Returns the index of a sensor's labels in a ping store. The store keeps them as a further sensor, which
-/// shares the sensor's transmissions.
-std::size_t place_of_labels(const Survey& survey, std::size_t sensor);
-void add_labels(StoreLayout& layout, const Survey& survey, const RunRequest& request,
-                const std::vector<ChosenEchoes>& chosen);
 
 /// Returns one recording of labels per stored sensor if the run requests labels. The recordings keep the
 /// store alive.

@@ -143,9 +143,7 @@ std::vector<PingUnit> PartDeal::units_of(int part) const {
 std::string PartDeal::in_words(const PingUnit& unit) const {
   std::string names;
   for (const std::size_t s : layout_.groups[unit.group].sensors)
-    if (s < survey_.sensors.size())  // further sensors hold labels
-      names +=
-          fmt::format("{}'{}'", names.empty() ? "" : ", ", survey_.sensors[s].sensor->description().name);
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", survey_.sensors[s].sensor->description().name);
   return fmt::format("ping {} of {}", unit.ping, names);
 }
 

@@ -9,8 +9,6 @@
 #include <optional>
 
 #include "engine/certified/receiver_pair_reference.hpp"
-#include "run/labels.hpp"
-#include "run/signals.hpp"
 
 // This file adds the contributions to a transmission to the energies, bounds, labels and signals of a ping.
 // It keeps only the selected beams.
@@ -92,14 +90,12 @@ void PingSums::add_labels(const Transmission& transmission, std::size_t s, std::
   const auto samples = static_cast<std::size_t>(transmission.sensor(s).samples().count);
   const std::size_t all = chosen(s).beams.size() * samples;
   add_rows(values.first(beams.size() * samples), beams, 1, chosen(s),
-           values_.energy(place_of_labels(transmission.survey(), s)).subspan(channel * all, all));
+           values_.of(s, "labels").subspan(channel * all, all));
 }
 
-void PingSums::add_signals(const Transmission& transmission, std::size_t s, std::span<const double> values,
-                           std::span<const double> bounds) {
-  const std::size_t place = place_of_signals(transmission.survey(), s);
-  add_to(values_.energy(place), values);
-  if (!bounds.empty()) add_to(values_.bound(place), bounds);
+void PingSums::add_signals(std::size_t s, std::span<const double> values, std::span<const double> bounds) {
+  add_to(values_.of(s, "signals"), values);
+  if (!bounds.empty()) add_to(values_.of(s, "signals_bound"), bounds);
 }
 
 void PingSums::with_echo(const Transmission& transmission, const CommonVisibility& visibility, std::size_t s,
@@ -124,7 +120,7 @@ void PingSums::add(const Transmission& transmission, std::size_t s, std::size_t 
     const auto [first, end] = nonzero.empty() ? SampleSpan{0, samples} : nonzero[row];
     const std::span<const double> values = energy.subspan(row * samples + first, end - first);
     if (row < beams.size()) sum = std::accumulate(values.begin(), values.end(), sum);
-    add_to(values_.energy(s, place * samples + first, values.size()), values);
+    add_to(values_.of(s, "energy", place * samples + first, values.size()), values);
   });
   counts.energy_of_order[order] += sum;
 }
@@ -136,7 +132,7 @@ void PingSums::add(const Transmission& transmission, std::size_t s, const Certif
   const std::vector<std::uint32_t>& beams = sensor.beams_of_transmission(transmission.number());
   const auto samples = static_cast<std::size_t>(sensor.samples().count);
   add_rows(certified.bound, beams, certified.bound.size() / (beams.size() * samples), chosen(s),
-           values_.bound(s));
+           values_.of(s, "energy_bound"));
   each_chosen_row(certified.bound.size() / samples, beams, chosen(s), [&](std::size_t row, std::size_t) {
     counts.refraction.unbounded += static_cast<std::uint64_t>(
         std::ranges::count_if(std::span(certified.bound).subspan(row * samples, samples),

@@ -43,8 +43,7 @@ class PingSums {
                   std::span<const double> values);
   /// Adds values to the signals that a sensor's elements record: [receiver][sample][real, imaginary].
   /// `bounds`: bounds of the values, or empty.
-  void add_signals(const Transmission& transmission, std::size_t sensor, std::span<const double> values,
-                   std::span<const double> bounds);
+  void add_signals(std::size_t sensor, std::span<const double> values, std::span<const double> bounds);
   /// Adds the change that relief finer than the visible facets would cause.
   void add_finer_relief(const Transmission& transmission, const CommonVisibility& visibility,
                         const FacetMesh& mesh, double sample_m);

@@ -17,11 +17,7 @@ const SignalModel* model_of(const Survey& survey, std::size_t s) {
   return survey.sensors[s].sensor->signals();
 }
 
-std::size_t values_of(const SignalModel& model) {
-  return 2 * model.array.receivers_m.size() * model.sampling.samples;
-}
-
-/// Converts values to the form of a ping store: [receiver][sample][real, imaginary].
+/// Converts values to the form of the output channel: [receiver][sample][real, imaginary].
 std::vector<double> parts_of(std::span<const std::complex<double>> values) {
   std::vector<double> parts;
   parts.reserve(2 * values.size());
@@ -31,30 +27,6 @@ std::vector<double> parts_of(std::span<const std::complex<double>> values) {
 
 }  // namespace
 
-std::size_t place_of_signals(const Survey& survey, std::size_t sensor) {
-  return survey.sensors.size() + sensor;
-}
-
-std::size_t places_of_signals(const Survey& survey) {
-  for (std::size_t s = 0; s < survey.sensors.size(); ++s)
-    if (model_of(survey, s) != nullptr) return survey.sensors.size();
-  return 0;
-}
-
-void add_signals(StoreLayout& layout, const Survey& survey, const std::vector<ChosenEchoes>& chosen) {
-  if (places_of_signals(survey) == 0) return;
-  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
-    const SignalModel* model = model_of(survey, s);
-    layout.sensors.push_back(
-        {model != nullptr ? chosen[s].pings : 0, model != nullptr ? values_of(*model) : 0});
-  }
-  for (StoreLayout::Group& group : layout.groups) {
-    const std::vector<std::size_t> sensors = group.sensors;
-    for (const std::size_t s : sensors)
-      if (model_of(survey, s) != nullptr) group.sensors.push_back(place_of_signals(survey, s));
-  }
-}
-
 void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
                     const std::vector<ChosenEchoes>& chosen, const std::shared_ptr<PingStore>& store) {
   std::size_t number = 0;
@@ -63,14 +35,8 @@ void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
     Recording& recording = recordings.at(number++);
     if (model_of(survey, s) == nullptr) continue;
     const auto signals = std::make_shared<SignalRecording>();
-    const std::size_t place = place_of_signals(survey, s);
-    signals->values = in_memory(store, place);
-    signals->packed = packed_pings(store, place);
-    if (!store->is_packed())
-      signals->bounds = store->bound(place);
-    else if (store->has_bounds())
-      signals->packed_bounds = packed_pings(store, place, true);
-    signals->keeper = store;
+    signals->pressure = recorded_channel(store, s, "signals");
+    signals->bound = recorded_channel(store, s, "signals_bound");
     if (recording.sensor->description().look_at_m)
       for (std::size_t ping = 0; ping < recording.pings(); ++ping)
         signals->track.push_back({recording.ping_time_s[ping], recording.ping_pose[ping]});
@@ -90,7 +56,7 @@ void add_signals(const EchoContribution& plan, const Transmission& transmission,
     const History& history = sees_itself ? nothing : traced(transmission, sums);
     sums.as_echo([&] {
       const CertifiedSignals received = signals_received(transmission, s, history);
-      sums.add_signals(transmission, s, parts_of(received.signals.value), parts_of(received.bound));
+      sums.add_signals(s, parts_of(received.signals.value), parts_of(received.bound));
     });
   }
 }

@@ -9,17 +9,9 @@
 #include "run/ping_sums.hpp"
 #include "run/transmission.hpp"
 
-// This header declares the signals that the elements of arrays receive, with phase (docs/signals.md). A ping
-// store keeps them in addition to the energies of their sensors.
+// This header declares the signals that the elements of arrays receive, with phase (docs/signals.md). They
+// are output channels of their sensors, in addition to the energies.
 namespace tubefoot {
-
-/// Returns the index of a sensor's signals in a ping store. The store keeps them as a further sensor, which
-/// shares the sensor's transmissions.
-std::size_t place_of_signals(const Survey& survey, std::size_t sensor);
-/// Returns the number of these indices, which is 0 if no sensor has signals.
-std::size_t places_of_signals(const Survey& survey);
-/// Adds the signals to a layout that already contains the sensors.
-void add_signals(StoreLayout& layout, const Survey& survey, const std::vector<ChosenEchoes>& chosen);
 
 /// Returns the scatterers of a survey's surfaces. Their properties follow from the scene and from the
 /// resolution of its arrays. The scene must have an array.

@@ -22,18 +22,35 @@
 // store.
 
 namespace tubefoot {
+namespace {
+
+/// Returns the output channels of a sensor. Checkpoints, shards and ranks enumerate them. `beams`: number of
+/// stored beams. `labels`: number of label channels (LabelChannels), or 0.
+std::vector<OutputChannel> output_channels(const Sensor& sensor, std::size_t beams, const RunRequest& request,
+                                           std::size_t labels) {
+  const std::size_t cells = beams * static_cast<std::size_t>(sensor.samples().count);
+  const auto rows = static_cast<std::size_t>(sensor.channels());
+  std::vector<OutputChannel> channels;
+  const auto add = [&](const std::string& name, std::size_t values, std::size_t chunks) {
+    channels.push_back({name, values, chunks});
+    if (request.reference_tolerance) channels.push_back({name + "_bound", values, chunks});
+  };
+  add("energy", rows * cells, rows);
+  if (const SignalModel* model = sensor.signals())
+    add("signals", 2 * model->array.receivers_m.size() * model->sampling.samples, 1);
+  if (labels > 0) channels.push_back({"labels", labels * cells});
+  return channels;
+}
+
+}  // namespace
 
 StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
   StoreLayout layout;
-  layout.with_bounds = request.reference_tolerance.has_value();
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
-  for (std::size_t s = 0; s < chosen.size(); ++s) {
-    const Sensor& sensor = *survey.sensors[s].sensor;
-    layout.sensors.push_back({chosen[s].pings,
-                              static_cast<std::size_t>(sensor.channels()) * chosen[s].beams.size() *
-                                  static_cast<std::size_t>(sensor.samples().count),
-                              static_cast<std::size_t>(sensor.channels())});
-  }
+  const std::size_t labels = request.labels ? LabelChannels(survey, request).channels() : 0;
+  for (std::size_t s = 0; s < chosen.size(); ++s)
+    layout.sensors.push_back({chosen[s].pings, output_channels(*survey.sensors[s].sensor,
+                                                               chosen[s].beams.size(), request, labels)});
   for (const SharedTransmissions& group : survey.transmissions) {
     StoreLayout::Group& kept = layout.groups.emplace_back();
     for (const std::size_t s : group.sensors) {
@@ -42,8 +59,6 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
       kept.pings = chosen[s].pings;  // all sensors of a group have the same number of pings
     }
   }
-  add_signals(layout, survey, chosen);
-  if (request.labels) add_labels(layout, survey, request, chosen);
   return layout;
 }
 
@@ -97,14 +112,15 @@ void for_each_ping(const Survey& survey, const StoreLayout& layout, const IsPend
   for (std::size_t g = 0; g < layout.groups.size(); ++g)
     for (std::size_t ping = 0; ping < layout.groups[g].pings; ++ping) all += is_pending(g, ping);
   if (progress_options.watch != nullptr) progress_options.watch->total = all;
+  const bool has_signals = std::ranges::any_of(
+      survey.sensors, [](const SensorPings& p) { return p.sensor->signals() != nullptr; });
   Progress progress("pings", all, progress_options.quiet, progress_options.afterwards_s);
   const auto take = [&](std::size_t g, std::size_t ping) {
     if (!is_pending(g, ping) || stop_wanted()) return;
     // A waiting thread must not start a second ping, because each ping holds the surface of its transmission
     // or the signals of all its elements.
     try {
-      if (survey.loaded_scene->surface_mesh || survey.loaded_scene->is_tiled() ||
-          places_of_signals(survey) > 0)
+      if (survey.loaded_scene->surface_mesh || survey.loaded_scene->is_tiled() || has_signals)
         tbb::this_task_arena::isolate([&] { process(g, ping); });
       else
         process(g, ping);
@@ -199,19 +215,19 @@ std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr
   for (std::size_t s = 0; s < chosen.size(); ++s) {
     if (chosen[s].pings == 0) continue;
     Recording& recording = recordings.emplace_back(recording_of(survey, s, selection, chosen[s]));
-    recording.energy = in_memory(store, s);
-    recording.packed_energy = packed_pings(store, s);
+    const RecordedChannel energy = recorded_channel(store, s, "energy"),
+                          bound = recorded_channel(store, s, "energy_bound");
+    recording.energy = energy.values;
+    recording.packed_energy = energy.packed;
+    recording.energy_bound = bound.values;
+    recording.packed_bound = bound.packed;
     recording.keeper = store;
-    if (!store->is_packed())
-      recording.energy_bound = store->bound(s);
-    else if (store->has_bounds())
-      recording.packed_bound = packed_pings(store, s, true);
     if (chosen[s].all_beams && surfaces_are_known(survey, s))
       recording.surfaces = [survey, store, s, first = chosen[s].first_ping](std::size_t ping) {
         const Sensor& sensor = *survey.sensors[s].sensor;
         const std::size_t cells = sensor.beams().size() * static_cast<std::size_t>(sensor.samples().count);
-        const std::shared_ptr<const double> energy = store->values(ping, {s});
-        return samples_with_surfaces(survey, s, first + ping, {energy.get(), cells});
+        const std::shared_ptr<const double> received = store->values(ping, {s, "energy"});
+        return samples_with_surfaces(survey, s, first + ping, {received.get(), cells});
       };
   }
   attach_signals(recordings, survey, chosen, store);

@@ -3,19 +3,17 @@
 
 #include <cstddef>
 #include <memory>
-#include <span>
+#include <string>
 
 #include "run/checkpoint/ping_store.hpp"
-#include "sensors/recordings/ping_energies.hpp"
+#include "sensors/recordings/recorded_channel.hpp"
 
 // This header gives recordings access to the pings of a store.
 namespace tubefoot {
 
-/// Returns the packed energies of a sensor, or their bounds. The result keeps the store alive. Null for a
-/// store in memory.
-std::shared_ptr<const PackedPings> packed_pings(const std::shared_ptr<const PingStore>& store,
-                                                std::size_t sensor, bool bound = false);
-/// Returns the energies of a sensor for all pings in sequence. Empty if the store keeps them packed.
-std::span<const double> in_memory(const std::shared_ptr<const PingStore>& store, std::size_t sensor);
+/// Returns an output channel of a sensor. The result keeps the store alive. It is empty if the store has no
+/// such channel.
+RecordedChannel recorded_channel(const std::shared_ptr<const PingStore>& store, std::size_t sensor,
+                                 const std::string& channel);
 
 }  // namespace tubefoot

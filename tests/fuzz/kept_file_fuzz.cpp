@@ -19,9 +19,10 @@ namespace {
 
 StoreLayout layout() {
   StoreLayout made;
-  made.sensors = {{5, 70}, {5, 3}, {2, 100}};
+  made.sensors = {{5, {{"energy", 70}, {"energy_bound", 70}}},
+                  {5, {{"energy", 3}, {"energy_bound", 3}}},
+                  {2, {{"energy", 100}, {"energy_bound", 100}}}};
   made.groups = {{{0, 1}, 5}, {{2}, 2}};
-  made.with_bounds = true;
   return made;
 }
 
@@ -35,7 +36,8 @@ nlohmann::ordered_json identity() {
 std::string good_store(std::uint32_t kind) {
   const auto file = scratch_folder() / "made.pings";
   StoreLayout made = layout();
-  if (kind == 1) made.with_bounds = false;
+  if (kind == 1)
+    for (StoreLayout::Sensor& sensor : made.sensors) sensor.channels.pop_back();
   {
     std::filesystem::remove(file);
     PingStore store(made, std::make_unique<PingFile>(file), kind == 2 ? "{" : identity().dump());
@@ -43,7 +45,7 @@ std::string good_store(std::uint32_t kind) {
       PingValues values;
       values.clear(made, 0);
       for (const std::size_t sensor : {0, 1})
-        std::ranges::fill(values.energy(sensor), 1e-9 * double(ping + 1));
+        std::ranges::fill(values.of(sensor, "energy"), 1e-9 * double(ping + 1));
       store.finish(0, ping, {}, values);
     }
   }
@@ -108,7 +110,7 @@ PingValues some_ping(std::size_t group, std::size_t ping) {
   PingValues values;
   values.clear(all, group);
   for (const std::size_t sensor : all.groups[group].sensors)
-    for (const std::span<double> some : {values.energy(sensor), values.bound(sensor)})
+    for (const std::span<double> some : {values.of(sensor, "energy"), values.of(sensor, "energy_bound")})
       for (std::size_t k = ping; k < some.size(); k += 3) some[k] = 1e-9 * double(k + 1);
   return values;
 }

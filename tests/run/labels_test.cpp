@@ -44,7 +44,7 @@ struct LabelledRun {
   std::size_t material(const std::string& name) const { return number(labels.materials, name); }
   /// Returns a value of a label channel before its conversion to a share.
   double raw(std::size_t ping, std::size_t channel, std::size_t cell) const {
-    return labels.values[(ping * labels.channels() + channel) * labels.cells + cell];
+    return labels.recorded.values[(ping * labels.channels() + channel) * labels.cells + cell];
   }
   double received(std::size_t ping, std::size_t cell) const {
     return energy[ping * sensor_channels * labels.cells + cell];
@@ -69,7 +69,7 @@ struct LabelsOf : testing::Test {
     LabelledRun told;
     told.store = std::make_shared<PingStore>(layout_of(*survey, request));
     simulate(*survey, request, *told.store, {});
-    const auto values = told.store->energy(0);
+    const auto values = told.store->in_memory(0, "energy");
     told.energy.assign(values.begin(), values.end());
     const Sensor& sensor = *survey->sensors[0].sensor;
     told.window = sensor.samples();
@@ -158,7 +158,7 @@ TEST_F(LabelsOf, NoResultDependsOnTheThreads) {
   const auto with = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const LabelledRun t = told(still_life);
-    return std::vector<double>(t.labels.values.begin(), t.labels.values.end());
+    return std::vector<double>(t.labels.recorded.values.begin(), t.labels.recorded.values.end());
   };
   EXPECT_EQ(with(1), with(3));
 }

@@ -49,8 +49,8 @@ Result simulated(const SceneDescription& description, int threads = 2,
     const auto take = [&](std::span<const double> values) {
       result.energy.emplace_back(values.begin(), values.end());
     };
-    take(store->energy(s));
-    take(store->bound(s));
+    take(store->in_memory(s, "energy"));
+    if (store->find(s, "energy_bound")) take(store->in_memory(s, "energy_bound"));
     std::vector<double> altitude = survey->sensors[s].altitudes_m;
     std::replace_if(
         altitude.begin(), altitude.end(), [](double a) { return std::isnan(a); }, -1.0);
@@ -300,7 +300,7 @@ TEST(TiledTerrainFiles, ABrokenTileStopsTheRunAndKeepsWhatWasFinished) {
   EXPECT_LT(store->done_units(), 9u);
   std::ofstream(last, std::ios::binary) << intact;
   simulate(*survey, request, *store, {});
-  const auto energy = store->energy(0);
+  const auto energy = store->in_memory(0, "energy");
   EXPECT_EQ(std::vector<double>(energy.begin(), energy.end()),
             simulated(with_load(folder, "mosaic.vrt", "whole")).energy[0]);
 }
@@ -313,7 +313,7 @@ TEST(TiledTerrainFiles, RecordingsKeepTheirEnergies) {
   const RunRequest request = request_of(description.run);
   auto store = std::make_shared<PingStore>(layout_of(*survey, request));
   simulate(*survey, request, *store, {});
-  const std::span<const double> kept = store->energy(0);
+  const std::span<const double> kept = store->in_memory(0, "energy");
   const std::vector<double> before(kept.begin(), kept.end());
   const std::weak_ptr<PingStore> alive = store;
   std::vector<Recording> recordings = recordings_of(*survey, store);

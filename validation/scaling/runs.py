@@ -31,7 +31,7 @@ def with_pings(scene, pings, folder):
 def ping_seconds(store, stats):
     """Visibility and echo seconds, [ping][2], of all pings of an open store: they are kept with each ping's energies."""
     data = store.read()
-    if data[:16] != b"tubefoot pings 5":
+    if data[:16] != b"tubefoot pings 6":
         raise RuntimeError(f"{store.name}: this script does not support this checkpoint format (src/run/checkpoint/ping_file.cpp)")
     at, pings = 32 + int.from_bytes(data[16:24], "little"), {}
     while at < len(data):

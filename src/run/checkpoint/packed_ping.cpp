@@ -7,13 +7,13 @@
 #include <cstring>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <type_traits>
 
 #include "files/hdf5_chunks.hpp"
 
-// This file packs the energies, bounds and counts of a finished ping into bytes, and unpacks and checks
-// them. The bytes consist of a PackedHead with checksums, the counts, the lengths of the chunks, and the
-// chunks.
+// This file packs the output channels and counts of a finished ping into bytes, and unpacks and checks them.
+// The bytes consist of a PackedHead with checksums, the counts, the lengths of the chunks, and the chunks.
 
 namespace tubefoot {
 namespace {
@@ -26,29 +26,24 @@ std::uint32_t checksum_of(const PackedHead& head) {
 
 [[noreturn]] void damaged(const char* why) { throw DamagedPing(why); }
 
-std::size_t values_a_chunk(const StoreLayout::Sensor& sensor) { return sensor.cells / sensor.channels; }
-
-/// Calls `each` for the chunks of a group's pings in their order: by sensor, first the energies by channel,
-/// then the bounds by channel.
+/// Calls each(name of the chunk, number of its values) for the chunks of a group's pings. Their order is by
+/// sensor, then by output channel.
 template <class Each>
 void each_chunk(const StoreLayout& layout, std::size_t group, const Each& each) {
   for (const std::size_t sensor : layout.groups.at(group).sensors)
-    for (const bool bound : {false, true})
-      for (std::size_t channel = 0;
-           channel < layout.sensors[sensor].channels && (layout.with_bounds || !bound); ++channel)
-        each(ChunkName{sensor, channel, bound});
+    for (const OutputChannel& channel : layout.sensors.at(sensor).channels)
+      for (std::size_t chunk = 0; chunk < channel.chunks; ++chunk)
+        each(ChunkName{sensor, channel.name, chunk}, channel.values / channel.chunks);
 }
 
 std::size_t chunks_of(const StoreLayout& layout, std::size_t group) {
   std::size_t chunks = 0;
-  each_chunk(layout, group, [&](const ChunkName&) { ++chunks; });
+  each_chunk(layout, group, [&](const ChunkName&, std::size_t) { ++chunks; });
   return chunks;
 }
 
-auto values_of(auto& values, const StoreLayout& layout, const ChunkName& name) {
-  const std::size_t count = values_a_chunk(layout.sensors[name.sensor]);
-  return (name.bound ? values.bound(name.sensor) : values.energy(name.sensor))
-      .subspan(name.channel * count, count);
+auto values_of(auto& values, const ChunkName& name, std::size_t count) {
+  return values.of(name.sensor, name.channel).subspan(name.chunk * count, count);
 }
 
 }  // namespace
@@ -59,20 +54,20 @@ std::size_t before_chunks(const StoreLayout& layout, std::size_t group) {
 
 std::size_t most_packed(const StoreLayout& layout, std::size_t group) {
   std::size_t bytes = before_chunks(layout, group);
-  each_chunk(layout, group, [&](const ChunkName& name) {
-    bytes += most_packed_bytes(values_a_chunk(layout.sensors[name.sensor]));
-  });
+  each_chunk(layout, group, [&](const ChunkName&, std::size_t count) { bytes += most_packed_bytes(count); });
   return bytes;
 }
 
 std::size_t chunk_number(const StoreLayout& layout, std::size_t group, const ChunkName& name) {
-  std::size_t number = 0, found = 0;
-  each_chunk(layout, group, [&](const ChunkName& other) {
-    if (other.sensor == name.sensor && other.channel == name.channel && other.bound == name.bound)
+  std::size_t number = 0;
+  std::optional<std::size_t> found;
+  each_chunk(layout, group, [&](const ChunkName& other, std::size_t) {
+    if (other.sensor == name.sensor && other.channel == name.channel && other.chunk == name.chunk)
       found = number;
     ++number;
   });
-  return found;
+  if (!found) throw std::out_of_range("no output channel " + std::string(name.channel));
+  return *found;
 }
 
 std::string packed_ping(const StoreLayout& layout, const PingUnit& unit, const PingCounts& counts,
@@ -80,8 +75,8 @@ std::string packed_ping(const StoreLayout& layout, const PingUnit& unit, const P
   std::string packed(before_chunks(layout, unit.group), '\0');
   std::size_t length_at = sizeof(PackedHead) + sizeof counts;
   std::memcpy(packed.data() + sizeof(PackedHead), &counts, sizeof counts);
-  each_chunk(layout, unit.group, [&](const ChunkName& name) {
-    const std::vector<unsigned char> chunk = packed_chunk(values_of(values, layout, name));
+  each_chunk(layout, unit.group, [&](const ChunkName& name, std::size_t count) {
+    const std::vector<unsigned char> chunk = packed_chunk(values_of(values, name, count));
     const std::uint64_t length = chunk.size();
     std::memcpy(packed.data() + length_at, &length, sizeof length);
     length_at += sizeof length;
@@ -128,7 +123,7 @@ PackedContents contents_of_packed(std::string_view beginning, const StoreLayout&
   if (beginning.size() < next || end < next) damaged("it is too short");
   std::memcpy(&contents.counts, beginning.data() + sizeof head, sizeof contents.counts);
   const char* length_at = beginning.data() + sizeof head + sizeof contents.counts;
-  each_chunk(layout, group, [&](const ChunkName&) {
+  each_chunk(layout, group, [&](const ChunkName&, std::size_t) {
     std::uint64_t length = 0;
     std::memcpy(&length, length_at, sizeof length);
     length_at += sizeof length;
@@ -150,11 +145,11 @@ PingCounts unpack_ping(std::string_view packed, const StoreLayout& layout, PingV
   const PackedContents contents = checked_contents(packed, layout);
   values.clear(layout, contents.unit.group);
   auto place = contents.chunks.begin();
-  each_chunk(layout, contents.unit.group, [&](const ChunkName& name) {
+  each_chunk(layout, contents.unit.group, [&](const ChunkName& name, std::size_t count) {
     const std::string_view chunk = packed.substr(place->first, place->bytes);
     ++place;
     if (!unpack_chunk({reinterpret_cast<const unsigned char*>(chunk.data()), chunk.size()},
-                      values_of(values, layout, name)))
+                      values_of(values, name, count)))
       damaged("it cannot be decompressed");
   });
   return contents.counts;

@@ -13,9 +13,9 @@
 #include "run/checkpoint/ping_values.hpp"
 
 // This header declares the compact form of a finished ping. A run keeps this form until its files are
-// written. Ranks send it to each other, and shards store it in their files. Each channel of each sensor is a
-// chunk of echoes.nc (files/hdf5_chunks.hpp); the process that computed the ping packs it. Every thread of
-// the same build produces the same bytes.
+// written. Ranks send it to each other, and shards store it in their files. Each output channel of each
+// sensor consists of chunks of echoes.nc (files/hdf5_chunks.hpp); the process that computed the ping packs
+// them. Every thread of the same build produces the same bytes.
 namespace tubefoot {
 
 /// Error for bytes that are not a packed ping of this run.
@@ -30,10 +30,11 @@ struct PackedHead {
   std::uint32_t values_checksum = 0, head_checksum = 0;
 };
 
-/// Name of one array of a ping's values: energies, or the bounds of a reference.
+/// Name of one chunk of a ping's values.
 struct ChunkName {
-  std::size_t sensor = 0, channel = 0;
-  bool bound = false;
+  std::size_t sensor = 0;
+  std::string_view channel;
+  std::size_t chunk = 0;  ///< number of the chunk within the channel
 };
 
 /// Returns a PackedHead, the counts of the ping, the lengths of its chunks, and the chunks. Throws
@@ -55,7 +56,8 @@ bool belongs_to(const PackedHead& head, std::string_view values);
 std::size_t most_packed(const StoreLayout& layout, std::size_t group);
 /// Returns the number of bytes before the first chunk, which is the same for all pings of the group.
 std::size_t before_chunks(const StoreLayout& layout, std::size_t group);
-/// Returns the number of chunks of the group's pings that precede this chunk.
+/// Returns the number of chunks of the group's pings that precede this chunk. Throws std::out_of_range if
+/// there is no such chunk.
 std::size_t chunk_number(const StoreLayout& layout, std::size_t group, const ChunkName& name);
 
 /// Contents of a packed ping, apart from its chunks.
@@ -74,7 +76,7 @@ PackedContents contents_of_packed(std::string_view beginning, const StoreLayout&
 /// Returns the contents of a complete packed ping, and checks its checksums.
 PackedContents checked_contents(std::string_view packed, const StoreLayout& layout);
 
-/// Unpacks the energies and bounds of a ping into `values`, for finish() of a store, and returns its counts.
+/// Unpacks the values of a ping into `values`, for finish() of a store, and returns its counts.
 /// Needs no memory beyond the unpacked values of such a ping. Throws DamagedPing.
 PingCounts unpack_ping(std::string_view packed, const StoreLayout& layout, PingValues& values);
 

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 /// Start of a file. The text of the identity follows, and then the pings.
 struct PingFileHeader {
-  char magic[16] = {'t', 'u', 'b', 'e', 'f', 'o', 'o', 't', ' ', 'p', 'i', 'n', 'g', 's', ' ', '5'};
+  char magic[16] = {'t', 'u', 'b', 'e', 'f', 'o', 'o', 't', ' ', 'p', 'i', 'n', 'g', 's', ' ', '6'};
   std::uint64_t identity_bytes = 0;
   std::uint32_t identity_checksum = 0, head_checksum = 0;
 };

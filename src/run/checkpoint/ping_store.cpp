@@ -37,9 +37,7 @@ constexpr std::size_t aligned(std::size_t bytes) {
 
 /// A scene with many large sensors may request more bytes than an integer can count.
 void require_countable(const StoreLayout& layout, const std::string& where) {
-  double requested = 0;
-  for (const StoreLayout::Sensor& sensor : layout.sensors)
-    requested += static_cast<double>(sensor.pings) * static_cast<double>(sensor.cells) * sizeof(double);
+  const double requested = layout.bytes();
   if (constexpr double most = 0x1p60; requested > most)
     throw std::runtime_error(fmt::format(
         "{}: the energies of the pings would need {:.3g} GB: reduce the number of pings per scene", where,
@@ -70,7 +68,7 @@ std::uint64_t missing_bytes(const StoreLayout& layout, const PingFile& file) {
 /// its memory, because new memory costs as much time as unpacking.
 class PingStore::Unpacked {
  public:
-  using Key = std::tuple<std::size_t, std::size_t, std::size_t, bool>;
+  using Key = std::tuple<std::size_t, std::size_t, std::string, std::size_t>;
   using Values = std::shared_ptr<std::vector<double>>;
 
   /// Returns null if the values have to be unpacked.
@@ -139,9 +137,11 @@ PingStore::PingStore(const StoreLayout& layout)
     : layout_(layout), group_of_(groups_of_sensors(layout)), units_(layout.units()) {
   require_countable(layout_, "memory");
   for (const StoreLayout::Sensor& sensor : layout_.sensors) {
-    first_byte_.push_back(bytes_);
-    for (int blocks = layout_.with_bounds ? 2 : 1; blocks > 0; --blocks)
-      bytes_ = aligned(bytes_ + sensor.pings * sensor.cells * sizeof(double));
+    std::vector<std::size_t>& first_byte = first_byte_.emplace_back();
+    for (const OutputChannel& channel : sensor.channels) {
+      first_byte.push_back(bytes_);
+      bytes_ = aligned(bytes_ + sensor.pings * channel.values * sizeof(double));
+    }
   }
   bytes_ = std::max(bytes_, page_bytes);
   void* data =
@@ -177,18 +177,22 @@ std::size_t PingStore::done_units() const {
   return all;
 }
 
-std::span<double> PingStore::block(std::size_t sensor, int which) const {
-  const StoreLayout::Sensor& s = layout_.sensors.at(sensor);
-  if (file_) throw std::logic_error("packed pings are not in memory");
-  if (which == 1 && !layout_.with_bounds) return {};
-  const std::size_t bytes = aligned(s.pings * s.cells * sizeof(double));
-  return {reinterpret_cast<double*>(data_ + first_byte_[sensor] + which * bytes), s.pings * s.cells};
+const OutputChannel& PingStore::channel_of(std::size_t sensor, std::string_view channel) const {
+  if (const OutputChannel* found = find(sensor, channel)) return *found;
+  throw std::out_of_range("no output channel " + std::string(channel));
 }
 
-std::span<double> PingStore::part(std::size_t sensor, std::size_t ping, int which) const {
-  const std::span<double> all = block(sensor, which);
-  const std::size_t cells = layout_.sensors[sensor].cells;
-  return all.empty() ? all : all.subspan(ping * cells, cells);
+std::span<double> PingStore::block(std::size_t sensor, std::string_view channel) const {
+  if (file_) throw std::logic_error("packed pings are not in memory");
+  const OutputChannel& found = channel_of(sensor, channel);
+  const StoreLayout::Sensor& s = layout_.sensors[sensor];
+  return {reinterpret_cast<double*>(data_ + first_byte_[sensor][&found - s.channels.data()]),
+          s.pings * found.values};
+}
+
+std::span<double> PingStore::part(std::size_t sensor, std::size_t ping, std::string_view channel) const {
+  const std::size_t values = channel_of(sensor, channel).values;
+  return block(sensor, channel).subspan(ping * values, values);
 }
 
 void PingStore::finish(std::size_t group, std::size_t ping, const PingCounts& counts,
@@ -198,8 +202,8 @@ void PingStore::finish(std::size_t group, std::size_t ping, const PingCounts& co
     return;
   }
   for (const std::size_t sensor : layout_.groups[group].sensors)
-    for (const int which : {0, 1})
-      put_in_memory(which == 0 ? values.energy(sensor) : values.bound(sensor), part(sensor, ping, which));
+    for (const OutputChannel& channel : layout_.sensors[sensor].channels)
+      put_in_memory(values.of(sensor, channel.name), part(sensor, ping, channel.name));
   Unit& unit = units_[layout_.number_of({group, ping})];
   unit.counts = counts;
   unit.done.store(true, std::memory_order_release);
@@ -218,12 +222,13 @@ void PingStore::keep(std::string_view packed) {
 }
 
 std::shared_ptr<const double> PingStore::values(std::size_t ping, const ChunkName& name) const {
-  const std::size_t count = values_a_chunk(name.sensor);
+  const OutputChannel& channel = channel_of(name.sensor, name.channel);
+  const std::size_t count = channel.values / channel.chunks;
   if (!file_) {
     const std::shared_ptr<const void> in_memory_anyway;
-    return {in_memory_anyway, part(name.sensor, ping, name.bound ? 1 : 0).data() + name.channel * count};
+    return {in_memory_anyway, part(name.sensor, ping, name.channel).data() + name.chunk * count};
   }
-  const Unpacked::Key key{name.sensor, ping, name.channel, name.bound};
+  const Unpacked::Key key{name.sensor, ping, channel.name, name.chunk};
   Unpacked::Values made = unpacked_->find(key);
   if (!made) {
     made = unpacked_->room(count);

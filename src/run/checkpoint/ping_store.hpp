@@ -14,12 +14,12 @@
 #include "run/checkpoint/ping_file.hpp"
 #include "run/checkpoint/ping_values.hpp"
 
-// This header declares the store of a run's pings: energies, bounds and counts, in memory or in a checkpoint
+// This header declares the store of a run's pings: output channels and counts, in memory or in a checkpoint
 // file that survives the program.
 
 namespace tubefoot {
 
-/// The energies of a run, by ping, in any order of completion. They lie in memory unpacked, or packed in a
+/// The values of a run, by ping, in any order of completion. They lie in memory unpacked, or packed in a
 /// file that survives the program. The disk space of all pings is reserved from the start, so that a full
 /// disk is detected before any computation. With a file, no ping stays in memory.
 class PingStore {
@@ -45,19 +45,19 @@ class PingStore {
   PingCounts counts(std::size_t group, std::size_t ping) const;
 
   bool is_packed() const { return file_ != nullptr; }
-  bool has_bounds() const { return layout_.with_bounds; }
-  /// Returns the number of values of one channel.
-  std::size_t values_a_chunk(std::size_t sensor) const {
-    return layout_.sensors.at(sensor).cells / layout_.sensors[sensor].channels;
+  /// Returns an output channel of a sensor. Null if the store has no such channel.
+  const OutputChannel* find(std::size_t sensor, std::string_view channel) const {
+    return layout_.sensors.at(sensor).find(channel);
   }
-  /// Returns the energies of a store in memory: [ping][channel][beam][sample].
-  std::span<const double> energy(std::size_t sensor) const { return block(sensor, 0); }
-  /// Returns the bounds of a store in memory. Empty if the store has no bounds.
-  std::span<const double> bound(std::size_t sensor) const { return block(sensor, 1); }
-  /// Returns the values of one channel of a ping, [beam][sample]. They stay valid while the returned pointer
+  /// Returns the values of an output channel for all pings in sequence. Only for a store in memory that has
+  /// the channel.
+  std::span<const double> in_memory(std::size_t sensor, std::string_view channel) const {
+    return block(sensor, channel);
+  }
+  /// Returns one chunk of an output channel of a ping. The values stay valid while the returned pointer
   /// exists. Thread-safe. Throws std::runtime_error if the file has changed.
   std::shared_ptr<const double> values(std::size_t ping, const ChunkName& name) const;
-  /// Returns the packed values of one channel of a ping. Only for a store with a file.
+  /// Returns one chunk as it is packed. Only for a store with a file.
   std::vector<unsigned char> chunk(std::size_t ping, const ChunkName& name) const;
   /// Flushes the whole file to the disk. Throws std::runtime_error naming the file.
   void sync() const {
@@ -71,8 +71,9 @@ class PingStore {
     std::atomic<bool> done = false;
     PingCounts counts;
   };
-  std::span<double> block(std::size_t sensor, int which) const;
-  std::span<double> part(std::size_t sensor, std::size_t ping, int which) const;
+  const OutputChannel& channel_of(std::size_t sensor, std::string_view channel) const;
+  std::span<double> block(std::size_t sensor, std::string_view channel) const;
+  std::span<double> part(std::size_t sensor, std::size_t ping, std::string_view channel) const;
   PackedContents contents(const PingUnit& unit) const;
 
   StoreLayout layout_;
@@ -81,8 +82,8 @@ class PingStore {
   std::unique_ptr<Unpacked> unpacked_;
   /// for a store in memory, by number of the ping
   std::vector<Unit> units_;
-  /// for a store in memory, by sensor: offset of its energies, which its bounds follow
-  std::vector<std::size_t> first_byte_;
+  /// for a store in memory, by sensor and output channel: offset of the values
+  std::vector<std::vector<std::size_t>> first_byte_;
   std::size_t bytes_ = 0;
   unsigned char* data_ = nullptr;
 };

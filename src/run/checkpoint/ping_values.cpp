@@ -4,8 +4,22 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
+#include <stdexcept>
 
 namespace tubefoot {
+
+const OutputChannel* StoreLayout::Sensor::find(std::string_view channel) const {
+  const auto found = std::ranges::find(channels, channel, &OutputChannel::name);
+  return found == channels.end() ? nullptr : &*found;
+}
+
+double StoreLayout::bytes() const {
+  double all = 0;
+  for (const Sensor& sensor : sensors)
+    for (const OutputChannel& channel : sensor.channels)
+      all += static_cast<double>(sensor.pings) * static_cast<double>(channel.values) * sizeof(double);
+  return all;
+}
 
 std::size_t StoreLayout::units() const {
   std::size_t all = 0;
@@ -20,37 +34,49 @@ std::size_t StoreLayout::number_of(const PingUnit& unit) const {
 }
 
 void PingValues::clear(const StoreLayout& layout, std::size_t group) {
-  places_.assign(layout.sensors.size(), {});
-  with_bounds_ = layout.with_bounds;
+  places_.clear();
   std::size_t all = 0;
-  for (const std::size_t sensor : layout.groups.at(group).sensors) {
-    places_.at(sensor) = {all, layout.sensors[sensor].cells};
-    all += (with_bounds_ ? 2 : 1) * layout.sensors[sensor].cells;
-  }
+  for (const std::size_t sensor : layout.groups.at(group).sensors)
+    for (const OutputChannel& channel : layout.sensors.at(sensor).channels) {
+      places_.push_back({sensor, channel.name, {all, channel.values}});
+      all += channel.values;
+    }
   if (any_written_ || values_.size() != all) {
     values_.assign(all, 0.0);
   } else {
-    for (const Place& place : written_)
-      std::fill_n(values_.begin() + std::ptrdiff_t(place.first), place.cells, 0.0);
+    for (const Range& range : written_)
+      std::fill_n(values_.begin() + std::ptrdiff_t(range.first), range.count, 0.0);
   }
   written_.clear();
   any_written_ = false;
 }
 
-std::span<double> PingValues::block(std::size_t sensor, std::size_t which) {
-  const Place place = place_of(sensor, which);
-  any_written_ = any_written_ || place.cells > 0;
-  return std::span(values_).subspan(place.first, place.cells);
+const PingValues::Range& PingValues::range_of(std::size_t sensor, std::string_view channel) const {
+  for (const Place& place : places_)
+    if (place.sensor == sensor && place.channel == channel) return place.range;
+  throw std::out_of_range("no output channel " + std::string(channel));
 }
 
-std::span<double> PingValues::energy(std::size_t sensor, std::size_t first, std::size_t count) {
-  const Place place = place_of(sensor, 0);
-  const std::span<double> part = std::span(values_).subspan(place.first, place.cells).subspan(first, count);
+std::span<double> PingValues::of(std::size_t sensor, std::string_view channel) {
+  const Range& range = range_of(sensor, channel);
+  any_written_ = true;
+  return std::span(values_).subspan(range.first, range.count);
+}
+
+std::span<const double> PingValues::of(std::size_t sensor, std::string_view channel) const {
+  const Range& range = range_of(sensor, channel);
+  return std::span(values_).subspan(range.first, range.count);
+}
+
+std::span<double> PingValues::of(std::size_t sensor, std::string_view channel, std::size_t first,
+                                 std::size_t count) {
+  const Range& range = range_of(sensor, channel);
+  const std::span<double> part = std::span(values_).subspan(range.first, range.count).subspan(first, count);
   constexpr std::size_t most_parts = 1 << 16;
   if (written_.size() == most_parts)
     any_written_ = true;
   else
-    written_.push_back({place.first + first, count});
+    written_.push_back({range.first + first, count});
   return part;
 }
 

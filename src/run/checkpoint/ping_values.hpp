@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <mutex>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-// This header defines the layout of a run's results by sensor and ping. It also defines the buffers for the
-// energies and bounds of a ping under computation.
+// This header defines the layout of a run's results by sensor, output channel and ping. It also defines the
+// buffers for the values of a ping under computation.
 
 namespace tubefoot {
 
@@ -18,11 +20,20 @@ struct PingUnit {
   std::uint64_t group = 0, ping = 0;
 };
 
+/// Output channel of a sensor: an array of numbers that a run stores for each ping under this name.
+struct OutputChannel {
+  std::string name;
+  std::size_t values = 0;  ///< number of values per ping
+  std::size_t chunks = 1;  ///< number of equal parts of the values, each of which is packed separately
+};
+
 /// Sizes of everything that a run stores.
 struct StoreLayout {
   struct Sensor {
-    std::size_t pings = 0, cells = 0;  ///< number of values per ping: channels times beams times samples
-    std::size_t channels = 1;          ///< number of channels, each of which is packed separately
+    std::size_t pings = 0;
+    std::vector<OutputChannel> channels;
+    /// Returns null if the sensor has no such channel.
+    const OutputChannel* find(std::string_view channel) const;
   };
   /// Sensors that share their transmissions. A ping of the whole group is finished as one unit.
   struct Group {
@@ -31,33 +42,26 @@ struct StoreLayout {
   };
   std::vector<Sensor> sensors;
   std::vector<Group> groups;
-  bool with_bounds = false;
+  /// Returns the number of bytes of all values. It may be larger than any integer.
+  double bytes() const;
   std::size_t units() const;  ///< Returns the number of pings of all groups.
   /// Returns the number of pings that precede this ping: those of earlier groups, and of its own group.
   std::size_t number_of(const PingUnit& unit) const;
 };
 
-/// Energies and bounds of one ping while it is computed. The memory is reused for the next ping, because new
-/// memory costs more time than most pings need to fill it.
+/// Values of one ping while it is computed. The memory is reused for the next ping, because new memory costs
+/// more time than most pings need to fill it.
 class PingValues {
  public:
   /// Sets all values to zero, in the layout of a ping of that group.
   void clear(const StoreLayout& layout, std::size_t group);
-  /// Returns the energies [channel][beam][sample]. Empty for a sensor outside of the group.
-  std::span<double> energy(std::size_t sensor) { return block(sensor, 0); }
-  std::span<const double> energy(std::size_t sensor) const {
-    const Place place = place_of(sensor, 0);
-    return std::span(values_).subspan(place.first, place.cells);
-  }
-  /// Returns some of the sensor's values. If a caller writes only to such ranges, only these are cleared for
+  /// Returns the values of an output channel. Throws std::out_of_range if pings of this group have no such
+  /// channel, as the functions below do.
+  std::span<double> of(std::size_t sensor, std::string_view channel);
+  std::span<const double> of(std::size_t sensor, std::string_view channel) const;
+  /// Returns some of the channel's values. If a caller writes only to such ranges, only these are cleared for
   /// the next ping.
-  std::span<double> energy(std::size_t sensor, std::size_t first, std::size_t count);
-  /// Returns the bounds. Empty if the layout has no bounds.
-  std::span<double> bound(std::size_t sensor) { return block(sensor, 1); }
-  std::span<const double> bound(std::size_t sensor) const {
-    const Place place = place_of(sensor, 1);
-    return std::span(values_).subspan(place.first, place.cells);
-  }
+  std::span<double> of(std::size_t sensor, std::string_view channel, std::size_t first, std::size_t count);
 
   /// Hands out a buffer for an echo under computation. All its values are zero, whatever their number, when
   /// the caller takes it and when the caller returns it.
@@ -65,21 +69,20 @@ class PingValues {
   void give_back_echo_room(std::vector<double> zeros) { echo_room_ = std::move(zeros); }
 
  private:
-  struct Place {
-    std::size_t first = 0, cells = 0;
+  struct Range {
+    std::size_t first = 0, count = 0;
   };
-  std::span<double> block(std::size_t sensor, std::size_t which);
-  /// The bounds of a sensor follow its energies.
-  Place place_of(std::size_t sensor, std::size_t which) const {
-    const Place& place = places_.at(sensor);
-    return which == 0 || with_bounds_ ? Place{place.first + which * place.cells, place.cells} : Place{};
-  }
+  struct Place {
+    std::size_t sensor = 0;
+    std::string channel;
+    Range range;
+  };
+  const Range& range_of(std::size_t sensor, std::string_view channel) const;
 
-  std::vector<Place> places_;  ///< by sensor
+  std::vector<Place> places_;  ///< in the order of the group's sensors and of their channels
   std::vector<double> values_;
-  bool with_bounds_ = false;
   /// Ranges that a caller may have written to since the last clear().
-  std::vector<Place> written_;
+  std::vector<Range> written_;
   bool any_written_ = false;  ///< true if a caller may have written to any value
   std::vector<double> echo_room_;
 };

@@ -21,7 +21,7 @@ using testing::ThrowsMessage;
 TEST(FuzzedKeptRuns, KeptRunThatSaysNothingOfItselfIsInTheWay) {
   const TestFolder folder;
   StoreLayout layout;
-  layout.sensors = {{2, 3}};
+  layout.sensors = {{2, {{"energy", 3}}}};
   layout.groups = {{{0}, 2}};
   {
     PingStore store(layout, std::make_unique<PingFile>(folder / "results.partial"), "{");

@@ -16,11 +16,18 @@
 namespace tubefoot {
 namespace {
 
-StoreLayout packed_layout(bool with_bounds) {
+/// `with_further`: the layout has further channels, of which the store knows nothing but their sizes.
+StoreLayout packed_layout(bool with_further) {
   StoreLayout made;
-  made.sensors = {{5, 700, 2}, {5, 3}, {2, 1000, 4}, {5, 1}};
+  made.sensors = {
+      {5, {{"energy", 700, 2}}}, {5, {{"energy", 3}}}, {2, {{"energy", 1000, 4}}}, {5, {{"energy", 1}}}};
   made.groups = {{{0, 1, 3}, 5}, {{2}, 2}};
-  made.with_bounds = with_bounds;
+  if (with_further)
+    for (StoreLayout::Sensor& sensor : made.sensors) {
+      sensor.channels.push_back(sensor.channels.front());
+      sensor.channels.back().name = "energy_bound";
+      sensor.channels.push_back({"gradient.speed", 21, 3});
+    }
   return made;
 }
 
@@ -38,8 +45,8 @@ PingValues filled(const StoreLayout& packed_layout, std::size_t group, double li
   PingValues made;
   made.clear(packed_layout, group);
   for (const std::size_t sensor : packed_layout.groups[group].sensors)
-    for (const std::span<double> values : {made.energy(sensor), made.bound(sensor)})
-      for (double& value : values)
+    for (const OutputChannel& channel : packed_layout.sensors[sensor].channels)
+      for (double& value : made.of(sensor, channel.name))
         if (some(random) < lit)
           value = some(random) < 0.02   ? -0.0
                   : some(random) < 0.02 ? std::numeric_limits<double>::infinity()
@@ -53,10 +60,10 @@ bool same(std::span<const double> a, std::span<const double> b) {
 
 TEST(PackedPings, ComeBackToTheBit) {
   std::mt19937 random(5);
-  for (const bool with_bounds : {false, true})
+  for (const bool with_further : {false, true})
     for (const double lit : {0.0, 0.01, 0.2, 0.5, 0.9, 1.0})
       for (const PingUnit& unit : {PingUnit{0, 3}, PingUnit{1, 1}}) {
-        const StoreLayout all = packed_layout(with_bounds);
+        const StoreLayout all = packed_layout(with_further);
         const PingValues made = filled(all, unit.group, lit, random);
         PingValues back = filled(all, 1 - unit.group, 1, random);  // of an earlier ping
         const std::string packed = packed_ping(all, unit, counts(), made);
@@ -67,10 +74,11 @@ TEST(PackedPings, ComeBackToTheBit) {
         const PingCounts taken = unpack_ping(packed, all, back);
         const PingCounts given = counts();
         EXPECT_EQ(std::memcmp(&taken, &given, sizeof given), 0);
-        for (const std::size_t sensor : all.groups[unit.group].sensors) {
-          EXPECT_TRUE(same(made.energy(sensor), std::as_const(back).energy(sensor))) << lit;
-          EXPECT_TRUE(same(made.bound(sensor), std::as_const(back).bound(sensor))) << lit;
-        }
+        for (const std::size_t sensor : all.groups[unit.group].sensors)
+          for (const auto& [channel, values, chunks] : all.sensors[sensor].channels) {
+            EXPECT_EQ(made.of(sensor, channel).size(), values);
+            EXPECT_TRUE(same(made.of(sensor, channel), std::as_const(back).of(sensor, channel))) << lit;
+          }
       }
 }
 
@@ -78,7 +86,7 @@ TEST(PackedPings, AreSmallWhereLittleIsLit) {
   const StoreLayout all = packed_layout(false);
   PingValues made;
   made.clear(all, 1);
-  for (std::size_t k = 0; k < 20; ++k) made.energy(2)[k] = 1 + double(k);
+  for (std::size_t k = 0; k < 20; ++k) made.of(2, "energy")[k] = 1 + double(k);
   EXPECT_LT(packed_ping(all, {1, 0}, {}, made).size(), 600u);
 }
 
@@ -95,7 +103,7 @@ TEST(PackedPings, WithAnyByteChangedOrCutAreRefused) {
   }
   EXPECT_THROW(unpack_ping(packed + "x", all, back), DamagedPing);
   StoreLayout other = all;
-  other.sensors[0].cells = 698;
+  other.sensors[0].channels[0].values = 698;
   EXPECT_THROW(unpack_ping(packed, other, back), DamagedPing);
   StoreLayout shorter = all;
   shorter.groups[0].pings = 1;

@@ -17,16 +17,16 @@ namespace fs = std::filesystem;
 
 StoreLayout layout() {
   StoreLayout made;
-  made.sensors = {{4, 30}, {4, 3}};
+  made.sensors = {{4, {{"energy", 30}, {"energy_bound", 30}}}, {4, {{"energy", 3}, {"energy_bound", 3}}}};
   made.groups = {{{0, 1}, 4}};
-  made.with_bounds = true;
   return made;
 }
 
 std::string packed(std::size_t ping) {
   PingValues made;
   made.clear(layout(), 0);
-  for (const std::span<double> values : {made.energy(0), made.bound(0), made.energy(1)})
+  for (const std::span<double> values :
+       {made.of(0, "energy"), made.of(0, "energy_bound"), made.of(1, "energy")})
     for (std::size_t k = ping; k < values.size(); k += 2) values[k] = 1e-9 * double(ping + k + 1);
   return packed_ping(layout(), {0, ping}, {}, made);
 }
@@ -151,6 +151,16 @@ TEST(PingFiles, OfAnotherScenesLengthsAreRefused) {
   EXPECT_THROW(file.look_through(other), UnusableStore);
   EXPECT_FALSE(file.has({0, 0}));
   EXPECT_FALSE(file.has({0, 1}));
+}
+
+TEST(PingFiles, OfOtherOutputChannelsAreRefused) {
+  TestFolder folder;
+  PingFile file(made_in(folder), "shard");
+  StoreLayout other = layout();
+  other.sensors[1].channels.push_back({"gradient.speed", 3});
+  EXPECT_THROW(file.look_through(other), UnusableStore);
+  other.sensors[1].channels.resize(1);
+  EXPECT_THROW(file.look_through(other), UnusableStore);
 }
 
 }  // namespace

@@ -18,11 +18,17 @@
 namespace tubefoot {
 namespace {
 
-StoreLayout stored_layout(bool with_bounds) {
+/// `with_further`: the layout has further channels, of which the store knows nothing but their sizes.
+StoreLayout stored_layout(bool with_further) {
   StoreLayout made;
-  made.sensors = {{5, 700, 2}, {5, 3}, {2, 1000}};
+  made.sensors = {{5, {{"energy", 700, 2}}}, {5, {{"energy", 3}}}, {2, {{"energy", 1000}}}};
   made.groups = {{{0, 1}, 5}, {{2}, 2}};
-  made.with_bounds = with_bounds;
+  if (with_further)
+    for (StoreLayout::Sensor& sensor : made.sensors) {
+      sensor.channels.push_back(sensor.channels.front());
+      sensor.channels.back().name = "energy_bound";
+      sensor.channels.push_back({"gradient.speed", 12, 3});
+    }
   return made;
 }
 
@@ -30,18 +36,21 @@ PingValues made(const StoreLayout& layout, std::size_t group, std::size_t ping) 
   PingValues values;
   values.clear(layout, group);
   for (const std::size_t sensor : layout.groups[group].sensors)
-    for (const std::span<double> some : {values.energy(sensor), values.bound(sensor)})
+    for (const OutputChannel& channel : layout.sensors[sensor].channels) {
+      const std::span<double> some = values.of(sensor, channel.name);
       std::iota(some.begin(), some.end(), 1000.0 * double(sensor) + double(ping));
+    }
   return values;
 }
 
-/// Returns all channels of a ping.
-std::vector<double> kept(const PingStore& store, const StoreLayout& layout, std::size_t sensor,
-                         std::size_t ping, bool bound = false) {
+/// Returns all values of an output channel of a ping.
+std::vector<double> kept(const PingStore& store, std::size_t sensor, std::size_t ping,
+                         std::string_view channel = "energy") {
   std::vector<double> all;
-  for (std::size_t channel = 0; channel < layout.sensors[sensor].channels; ++channel) {
-    const std::shared_ptr<const double> values = store.values(ping, {sensor, channel, bound});
-    all.insert(all.end(), values.get(), values.get() + store.values_a_chunk(sensor));
+  const OutputChannel& stored = *store.find(sensor, channel);
+  for (std::size_t chunk = 0; chunk < stored.chunks; ++chunk) {
+    const std::shared_ptr<const double> values = store.values(ping, {sensor, channel, chunk});
+    all.insert(all.end(), values.get(), values.get() + stored.values / stored.chunks);
   }
   return all;
 }
@@ -52,28 +61,25 @@ std::unique_ptr<PingFile> opened(const std::filesystem::path& file) {
 
 TEST(PingStore, KeepsPingsApartInMemoryAndInAFile) {
   TestFolder folder;
-  for (const bool with_bounds : {false, true}) {
-    PingStore memory(stored_layout(with_bounds)),
-        file(stored_layout(with_bounds), opened(folder / (with_bounds ? "bounds" : "pings")), "me");
+  for (const bool with_further : {false, true}) {
+    const StoreLayout all = stored_layout(with_further);
+    PingStore memory(all), file(all, opened(folder / (with_further ? "further" : "pings")), "me");
     for (PingStore* store : {&memory, &file}) {
       for (std::size_t g = 0; g < 2; ++g)
-        for (std::size_t p = 0; p < stored_layout(false).groups[g].pings; ++p)
-          store->finish(g, p, {}, made(stored_layout(with_bounds), g, p));
+        for (std::size_t p = 0; p < all.groups[g].pings; ++p) store->finish(g, p, {}, made(all, g, p));
       EXPECT_EQ(store->done_units(), 7u);
-      for (std::size_t s = 0; s < 3; ++s)
-        for (std::size_t p = 0; p < stored_layout(false).sensors[s].pings; ++p) {
-          const StoreLayout all = stored_layout(with_bounds);
-          std::vector<double> expected(all.sensors[s].cells);
-          std::iota(expected.begin(), expected.end(), 1000.0 * double(s) + double(p));
-          EXPECT_THAT(kept(*store, all, s, p), testing::ElementsAreArray(expected));
-          if (with_bounds) {
-            EXPECT_THAT(kept(*store, all, s, p, true), testing::ElementsAreArray(expected));
+      for (std::size_t s = 0; s < 3; ++s) {
+        EXPECT_EQ(store->find(s, "energy_bound") != nullptr, with_further);
+        for (const OutputChannel& channel : all.sensors[s].channels)
+          for (std::size_t p = 0; p < all.sensors[s].pings; ++p) {
+            std::vector<double> expected(channel.values);
+            std::iota(expected.begin(), expected.end(), 1000.0 * double(s) + double(p));
+            EXPECT_THAT(kept(*store, s, p, channel.name), testing::ElementsAreArray(expected));
+            if (store == &memory) {
+              EXPECT_EQ(memory.in_memory(s, channel.name)[p * expected.size()], expected[0]);
+            }
           }
-          if (store == &memory) {
-            EXPECT_EQ(memory.energy(s)[p * expected.size()], expected[0]);
-            EXPECT_EQ(memory.bound(s).empty(), !with_bounds);
-          }
-        }
+      }
     }
   }
 }
@@ -98,31 +104,31 @@ TEST(PingStore, IsTakenUpAgainPingByPing) {
   EXPECT_TRUE(again->done(0, 3));
   EXPECT_FALSE(again->done(1, 1));
   EXPECT_EQ(again->counts(0, 3).footprints, 17u);
-  EXPECT_EQ(kept(*again, stored_layout(true), 0, 3)[2], 5);
-  EXPECT_EQ(kept(*again, stored_layout(true), 1, 3, true)[0], 1003);
+  EXPECT_EQ(kept(*again, 0, 3)[2], 5);
+  EXPECT_EQ(kept(*again, 1, 3, "energy_bound")[0], 1003);
+  EXPECT_EQ(kept(*again, 0, 3, "gradient.speed")[11], 14);
 }
 
 // Tests pings without echoes, and zeros whose bits are not all zero.
 TEST(PingStore, KeepsSilenceToTheBit) {
   TestFolder folder;
   StoreLayout line;
-  line.sensors = {{3, 5000}};
+  line.sensors = {{3, {{"energy", 5000}, {"energy_bound", 5000}}}};
   line.groups = {{{0}, 3}};
-  line.with_bounds = true;
   const auto few = [&](std::size_t ping) {
     PingValues values;
     values.clear(line, 0);
     for (const std::size_t cell : {std::size_t{0}, 700 + ping, std::size_t{4999}})
-      values.energy(0)[cell] = 1 + double(ping);
-    values.energy(0)[3000] = -0.0;
-    values.bound(0)[2500] = 0.5;
+      values.of(0, "energy")[cell] = 1 + double(ping);
+    values.of(0, "energy")[3000] = -0.0;
+    values.of(0, "energy_bound")[2500] = 0.5;
     return values;
   };
   const auto expect_few = [&](const PingStore& store, std::size_t ping) {
     const PingValues expected = few(ping);
-    for (const bool bound : {false, true}) {
-      const std::span<const double> values = bound ? expected.bound(0) : expected.energy(0);
-      EXPECT_EQ(std::memcmp(store.values(ping, {0, 0, bound}).get(), values.data(), values.size_bytes()), 0)
+    for (const char* channel : {"energy", "energy_bound"}) {
+      const std::span<const double> values = expected.of(0, channel);
+      EXPECT_EQ(std::memcmp(store.values(ping, {0, channel}).get(), values.data(), values.size_bytes()), 0)
           << ping;
     }
   };
@@ -157,7 +163,7 @@ TEST(PingStore, MakesDamagedPingsAgainAndKeepsTheOthers) {
     EXPECT_FALSE(again->done(0, 0));
     again->finish(0, 0, {}, made(all, 0, 0));
     for (std::size_t ping = 0; ping < 3; ++ping)
-      EXPECT_EQ(kept(*again, all, 0, ping)[5], 5 + double(ping)) << ping;
+      EXPECT_EQ(kept(*again, 0, ping)[5], 5 + double(ping)) << ping;
   }
 }
 
@@ -166,7 +172,8 @@ TEST(PingStore, TakesPackedPingsOfThisRunOnly) {
   TestFolder folder;
   const StoreLayout all = stored_layout(true);
   PingStore memory(all), file(all, opened(folder / "pings"), "me");
-  const PingValues values = made(all, 0, 3);
+  PingValues values = made(all, 0, 3);
+  std::ranges::reverse(values.of(0, "gradient.speed"));
   PingCounts counts;
   counts.hits = 9;
   const std::string packed = packed_ping(all, {0, 3}, counts, values);
@@ -174,8 +181,9 @@ TEST(PingStore, TakesPackedPingsOfThisRunOnly) {
     store->keep(packed);
     EXPECT_EQ(store->done_units(), 1u);
     EXPECT_EQ(store->counts(0, 3).hits, 9u);
-    EXPECT_THAT(kept(*store, all, 0, 3), testing::ElementsAreArray(values.energy(0)));
-    EXPECT_THAT(kept(*store, all, 1, 3, true), testing::ElementsAreArray(values.bound(1)));
+    for (const char* channel : {"energy", "energy_bound", "gradient.speed"})
+      EXPECT_THAT(kept(*store, 0, 3, channel), testing::ElementsAreArray(values.of(0, channel)));
+    EXPECT_THAT(kept(*store, 1, 3, "energy_bound"), testing::ElementsAreArray(values.of(1, "energy_bound")));
     for (const std::size_t at : {std::size_t{0}, packed.size() / 2, packed.size() - 1}) {
       std::string damaged = packed;
       damaged[at] = static_cast<char>(damaged[at] ^ 1);
@@ -184,6 +192,41 @@ TEST(PingStore, TakesPackedPingsOfThisRunOnly) {
     EXPECT_THROW(store->keep(packed.substr(0, packed.size() - 1)), DamagedPing);
     EXPECT_EQ(store->done_units(), 1u);
   }
+}
+
+// A further output channel is one more entry of the layout: no other code of checkpoints and shards knows it.
+TEST(PingStore, PassesAFurtherChannelThroughCheckpointAndShard) {
+  TestFolder folder;
+  StoreLayout all = stored_layout(false);
+  all.sensors[1].channels.push_back({"gradient.sound_speed", 18, 3});
+  const auto expect_all = [&](const PingStore& store) {
+    EXPECT_EQ(store.done_units(), all.units());
+    for (std::size_t ping = 0; ping < 5; ++ping) {
+      const PingValues expected = made(all, 0, ping);
+      for (const char* channel : {"energy", "gradient.sound_speed"})
+        EXPECT_THAT(kept(store, 1, ping, channel), testing::ElementsAreArray(expected.of(1, channel)));
+    }
+  };
+  const auto finish = [&](PingStore& store, std::size_t first, std::size_t end) {
+    for (std::size_t group = 0; group < 2; ++group)
+      for (std::size_t ping = first; ping < std::min(end, all.groups[group].pings); ++ping)
+        store.finish(group, ping, {}, made(all, group, ping));
+  };
+  {
+    PingStore interrupted(all, opened(folder / "checkpoint"), "me");
+    finish(interrupted, 0, 2);
+  }
+  {
+    PingStore resumed(all, opened(folder / "checkpoint"), "me");
+    finish(resumed, 2, 5);
+    expect_all(resumed);
+  }
+  PingFile shard(folder / "checkpoint", "shard");
+  shard.look_through(all);
+  PingStore joined(all);
+  for (std::size_t group = 0; group < 2; ++group)
+    for (std::size_t ping = 0; ping < all.groups[group].pings; ++ping) joined.keep(shard.read({group, ping}));
+  expect_all(joined);
 }
 
 /// Returns the memory of a file mapping in KB, as the system reports it.
@@ -205,13 +248,13 @@ std::size_t mapped_kb(const std::filesystem::path& file) {
 TEST(PingStore, MapsNothingOfItsFile) {
   TestFolder folder;
   StoreLayout line;
-  line.sensors = {{1000, 2000}};  // 16 MB of energies
+  line.sensors = {{1000, {{"energy", 2000}}}};  // 16 MB of energies
   line.groups = {{{0}, 1000}};
   PingStore store(line, opened(folder / "pings"), "me");
   for (std::size_t p = 0; p < 1000; ++p) store.finish(0, p, {}, made(line, 0, p));
   double sum = 0;
   for (std::size_t p = 0; p < 1000; ++p)
-    for (const double value : kept(store, line, 0, p)) sum += value;
+    for (const double value : kept(store, 0, p)) sum += value;
   EXPECT_EQ(sum, 1000 * (1999.0 * 2000 / 2) + 2000 * (999.0 * 1000 / 2));
   EXPECT_EQ(mapped_kb(folder / "pings"), 0u);
 }
