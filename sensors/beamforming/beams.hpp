@@ -42,7 +42,7 @@ std::vector<std::complex<double>> delay_and_sum(const ElementSignals& signals, s
 std::vector<std::complex<double>> phase_and_sum(const ElementSignals& signals, std::size_t ping,
                                                 const BeamSteering& steering);
 
-/// Energies [J], [beam][sample]. Each range sample has the sum of |y|^2 over the times 2 r / c within it,
+/// Energies [J/m^2], [beam][sample]. Each range sample has the sum of |y|^2 over the times 2 r / c within it,
 /// times 1 / sampling rate. Images, detection and files of energies use these values. For matched-filtered
 /// signals they are proportional to energies, without a unit, because a matched filter preserves peaks, not
 /// sums.

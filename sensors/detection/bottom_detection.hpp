@@ -76,8 +76,8 @@ struct Detection {
   double quality = 0;
 };
 
-/// Detects the bottom in one beam's energies [J]. Returns nothing if no sample counts. The nearest of equal
-/// largest samples is the maximum.
+/// Detects the bottom in one beam's energies [J/m^2]. Returns nothing if no sample counts. The nearest of
+/// equal largest samples is the maximum.
 ///
 /// The samples that count form one echo or several. Their widest gap separates two echoes if it is longer
 /// than the number of counting samples on its smaller side. The same rule applies again to the selected

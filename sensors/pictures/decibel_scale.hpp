@@ -28,7 +28,7 @@ class DecibelScale {
   /// the rest. A display gain makes all echoes brighter by that amount.
   explicit DecibelScale(std::span<const double> energies_j, double display_gain_db = 0);
 
-  /// Energy [J] that is shown as 0 dB; 0 without echoes.
+  /// Energy [J/m^2] that is shown as 0 dB; 0 without echoes.
   double reference_j() const { return reference_j_; }
   /// 0 (no echo, or range_db below the reference) to 1 (the reference and above).
   double level(double energy_j) const;

@@ -11,9 +11,9 @@ namespace tubefoot {
 /// The time-varied gain in a sensor's description.
 std::optional<TimeVariedGain> gain_of(const Recording& recording);
 
-/// By sample, the least energy [J] of an echo that is distinguishable from the receiver's noise, after the
-/// receiver's gain. It is 16 times the noise's mean, which noise alone reaches in one sample of 9 million.
-/// It is 0 without noise.
+/// By sample, the least energy [J/m^2] of an echo that is distinguishable from the receiver's noise, after
+/// the receiver's gain. It is 16 times the noise's mean, which noise alone reaches in one sample of 9
+/// million. It is 0 without noise.
 std::vector<double> noise_floor_j(const Recording& recording, const RunContext& run);
 
 }  // namespace tubefoot

@@ -27,7 +27,7 @@ class ReceivedPings {
     return ReceivedPings(recording, ReceiverChain({}), {});
   }
 
-  /// Energies [J], [beam][sample].
+  /// Energies [J/m^2], [beam][sample].
   std::vector<double> of(std::size_t ping) const;
   /// Energies at the lower receiver of a pair, [beam][sample]; of() returns those at the upper receiver.
   std::vector<double> lower_of(std::size_t ping) const;

@@ -52,10 +52,10 @@ class ReceiverChain {
   /// Throws std::invalid_argument for an invalid value.
   explicit ReceiverChain(const ReceiverDescription& description);
 
-  /// The energies [J] of one ping, [beam][sample], as received: with speckle and noise, then the time-varied
-  /// gain at the middle of the sample, then quantised. Effects that are off do not change a bit. Random
-  /// numbers depend on seed, ping, beam and sample only. Throws std::invalid_argument for a negative or
-  /// non-finite energy, and for incomplete beams of `samples.count` samples.
+  /// The energies [J/m^2] of one ping, [beam][sample], as received: with speckle and noise, then the
+  /// time-varied gain at the middle of the sample, then quantised. Effects that are off do not change a bit.
+  /// Random numbers depend on seed, ping, beam and sample only. Throws std::invalid_argument for a negative
+  /// or non-finite energy, and for incomplete beams of `samples.count` samples.
   std::vector<double> receive(std::uint32_t ping, std::span<const double> energies_j,
                               const RangeSamples& samples) const {
     return receive(ping, energies_j, gains(samples));
@@ -79,7 +79,7 @@ class ReceiverChain {
   double level_db(double energy_j) const;
   /// Root-mean-square pressure [uPa] of an energy, without display gain and offset.
   double amplitude_upa(double energy_j) const { return std::sqrt(energy_j) * source_upa_; }
-  /// Mean energy of the noise [J]; 0 without noise.
+  /// Mean energy of the noise [J/m^2]; 0 without noise.
   double noise_j() const { return noise_j_; }
   const std::optional<Quantiser>& quantiser() const { return description_.quantiser; }
 

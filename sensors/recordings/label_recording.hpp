@@ -46,8 +46,8 @@ struct LabelRecording {
   /// all energy.
   std::optional<double> label_level_db{};
   std::size_t cells = 0;  ///< per ping: beams times samples
-  /// [ping][channel][beam][sample]. The channels are the energy of each owner [J], energy times height and
-  /// energy times range [J m], then the energy without scattering. With `label_level_db` the part of each
+  /// [ping][channel][beam][sample]. The channels are the energy of each owner [J/m^2], energy times height
+  /// and energy times range [J m], then the energy without scattering. With `label_level_db` the part of each
   /// owner's energy that is received near the peak follows.
   RecordedChannel recorded{};
 

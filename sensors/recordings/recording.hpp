@@ -35,13 +35,13 @@ struct Recording {
   std::vector<Pose> ping_pose;             ///< of the sensor
   std::vector<std::size_t> line_starts{};  ///< first ping of each line of a survey; empty: not divided
   std::vector<double> altitude_m;          ///< above the terrain straight below; NaN: unknown. May be empty
-  /// [ping][beam][sample], J for a source of 1 J/sr at 1 m. For a sensor with several channels
+  /// [ping][beam][sample], J/m^2 for a source of 1 J/sr at 1 m. For a sensor with several channels
   /// (Sensor::channels) the order is [ping][channel][beam][sample]. Empty if the energies are packed.
   std::span<const double> energy;
   double sound_speed_m_s = 0;
   double absorption_db_per_km = 0;
-  /// Reference runs: certified half-width of each energy [J], in the order of the energies; empty in other
-  /// runs.
+  /// Reference runs: certified half-width of each energy [J/m^2], in the order of the energies; empty in
+  /// other runs.
   std::span<const double> energy_bound{};
   // For a part of a run (docs/command-reference.md):
   std::vector<std::uint32_t> ping_numbers{};   ///< numbers in the scene; empty: all, from 0

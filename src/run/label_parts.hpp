@@ -9,8 +9,8 @@
 #include "engine/paths/receiver_pair_paths.hpp"
 #include "run/labels.hpp"
 
-// This header declares the labels for the contributions to a transmission (contributions.hpp): object and material
-// of each energy. All functions return immediately if the run does not request labels.
+// This header declares the labels for the contributions to a transmission (contributions.hpp): object and
+// material of each energy. All functions return immediately if the run does not request labels.
 namespace tubefoot {
 
 /// Adds the labels of the echoes that a sensor receives. The facets of `visibility` are those of `mesh`.

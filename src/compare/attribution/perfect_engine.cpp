@@ -22,6 +22,7 @@
 #include "run/paths.hpp"
 #include "run/simulation.hpp"
 #include "run/tiles_in_view.hpp"
+#include "run/transmission_rays.hpp"
 
 namespace tubefoot {
 namespace {
@@ -76,20 +77,6 @@ void run_rays(const Survey& survey, const SensorPlace& place, const BeamSampling
   }
 }
 
-/// Facets of a transmission in the form that rays need.
-class TransmissionRays {
- public:
-  explicit TransmissionRays(const Transmission& transmission) : transmission_(transmission) {
-    if (transmission.surface_mesh().is_own())
-      own_.emplace(transmission.surface_mesh().mesh(), transmission.scene().grid);
-  }
-  const RayScene& operator*() const { return own_ ? *own_ : transmission_.loaded_scene().rays(); }
-
- private:
-  const Transmission& transmission_;
-  std::optional<RayScene> own_;
-};
-
 void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampling& sampling,
                  SensorEchoes& to, bool quiet) {
   const Sensor& sensor = *survey.sensors[place.sensor].sensor;
@@ -103,7 +90,7 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
     std::vector<double> energy(sensor.beams().size() * to.samples);
     for (std::size_t number = 0; number < sensor.transmissions(); ++number) {
       const Transmission transmission = near.received_by(place.sensor, place.pings[p], number);
-      const TransmissionRays rays(transmission);
+      const RaySurface rays(transmission);
       const SensorModel model = transmission.model(place.sensor);
       const TubeSet whole = transmission.tubes();
       const CutTubes cut = [&] {
@@ -163,7 +150,7 @@ SecondMoments second_moments(const Transmissions& near, std::size_t s, std::size
                         std::vector<double>(sensor.beams().size())};
   for (std::size_t number = 0; number < sensor.transmissions(); ++number) {
     const Transmission transmission = near.received_by(s, ping, number);
-    const TransmissionRays rays(transmission);
+    const RaySurface rays(transmission);
     const SensorModel model = transmission.model(s);
     History history{transmission.tubes(), transmission.scene().grid.unit_m(), {}, {}};
     const auto& beam_of_tube = sensor.beam_of_tube(number);

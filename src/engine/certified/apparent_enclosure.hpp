@@ -42,7 +42,7 @@ struct FacetEnclosure {
   /// Largest distance between the point that a ray meets and the point that the facet's map (FacetMap)
   /// gives.
   double place_off_m = 0;
-  double most_per_sr = 0;  ///< upper bound of the return [J] per steradian of launch directions
+  double most_per_sr = 0;  ///< upper bound of the return [J/m^2] per steradian of launch directions
   double most = 0;         ///< upper bound of the whole return
 };
 

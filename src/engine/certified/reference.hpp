@@ -21,7 +21,7 @@ constexpr double reference_floor = 1e-6;
 /// An echo in which each energy is proven to lie within its bound.
 struct CertifiedEcho {
   Echo echo;
-  std::vector<double> bound;  ///< half-width [J] of each energy's enclosure, in the order of the energies
+  std::vector<double> bound;  ///< half-width [J/m^2] of each energy's enclosure, in the order of the energies
   /// Number of bins whose bound exceeds the requested bound, and the worst of them by the ratio of bound to
   /// requested bound.
   std::size_t bins_over = 0;
