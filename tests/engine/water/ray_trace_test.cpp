@@ -63,6 +63,32 @@ TEST(RayTrace, VertexAndSkipInOneGradient) {
   EXPECT_NEAR(degrees(nodes[1].state), -5, 1e-12);
 }
 
+TEST(RayTrace, EndBetweenVertexAndSkipStatesTheDepthOfTheVertex) {
+  const auto nodes = trace_ray(gradient(1500, 0.016, 5000), 1000, 5 * degree, {.longest_range_m = 10000});
+  ASSERT_EQ(nodes.size(), 2u);
+  ASSERT_TRUE(nodes.back().turned_at_m);
+  EXPECT_NEAR(*nodes.back().turned_at_m, 1361.929607, 6e-7);
+}
+
+TEST(RayTrace, TubeAreaIsTheDerivativeOfRangeBeforeAndAfterATurningPoint) {
+  const WaterColumn channel{SoundSpeedProfile({{0, 1510}, {50, 1500}, {100, 1510}}), {}};
+  const auto nodes_at = [&](double launch) {
+    return trace_ray(channel, 40, launch, {.longest_range_m = 1e4});
+  };
+  const double launch = 4 * degree, step = 1e-5;
+  const auto nodes = nodes_at(launch), less = nodes_at(launch - step), more = nodes_at(launch + step);
+  ASSERT_GE(nodes.size(), 6u);
+  EXPECT_TRUE(nodes[2].turned_at_m && nodes[4].turned_at_m);
+  for (std::size_t k = 1; k < 6; ++k) {
+    const RayState& state = nodes[k].state;
+    ASSERT_EQ(less[k].state.depth_m, state.depth_m);
+    ASSERT_EQ(more[k].state.depth_m, state.depth_m);
+    const double range_per_rad = (more[k].state.range_m - less[k].state.range_m) / (2 * step);
+    const double area = state.range_m * std::abs(range_per_rad * state.sine) / std::cos(launch);
+    EXPECT_NEAR(state.tube_area_m2_per_sr / area, 1, 1e-5) << "node " << k;
+  }
+}
+
 TEST(RayTrace, SkipsOfALinearSquareOfIndex) {
   const auto speed = [](double z) { return n2_linear_sound_speed_m_s(z, 1550, 1.2); };
   const WaterColumn water{SoundSpeedProfile(sample_profile(speed, 0, 1200, 0.5)), {}};
@@ -156,6 +182,15 @@ TEST(RayTrace, HorizontalRays) {
   const double y = 0.2 * std::hypot(100, sag) / 2 / std::sqrt(1505 * (1505 - 0.2 * sag));
   EXPECT_NEAR(end(channel, 75).tube_area_m2_per_sr,
               (1505 - 0.2 * sag) / 1505 * (1e4 + sag * sag) * (1 + y * y), 1e-6);
+}
+
+TEST(RayTrace, HorizontalRaysOnTheBorderOfUniformWaterBendIntoTheSlowerLayer) {
+  const double radius = 1500 / 0.2, sag = radius - std::sqrt(radius * radius - 1e4);
+  const auto end_depth_m = [](const std::vector<ProfilePoint>& points) {
+    return trace_ray({SoundSpeedProfile(points), {}}, 50, 0, {.longest_range_m = 100}).back().state.depth_m;
+  };
+  EXPECT_NEAR(end_depth_m({{0, 1490}, {50, 1500}, {100, 1500}}), 50 - sag, 1e-9);
+  EXPECT_NEAR(end_depth_m({{0, 1500}, {50, 1500}, {100, 1490}}), 50 + sag, 1e-9);
 }
 
 TEST(RayTrace, RefusesBadLaunches) {
