@@ -159,6 +159,35 @@ TEST(ScatteringModel, AlbedoIsWhatAQuadratureFinds) {
   EXPECT_NEAR(flat.largest_albedo().grazing_rad, 0.1 * degree, 1e-9);
 }
 
+TEST(ScatteringModel, LargestAlbedoIsFoundAtAKinkBetweenTheSteps) {
+  const double grazing_deg[] = {10, 30.05, 60}, strength_db[] = {-60, -10, -60};
+  const ScatteringModel model = ScatteringModel::table(grazing_deg, strength_db);
+  EXPECT_NEAR(model.largest_albedo().grazing_rad, 30.05 * degree, 1e-12);
+}
+
+TEST(ScatteringModel, FunctionOfAnotherAngleHasTheValuesAtItsOwnAngle) {
+  const ScatteringModel::Gsab p{.specular = 0.3,
+                                .specular_width_rad = 0.2,
+                                .oblique = 0.1,
+                                .oblique_exponent = 1.5,
+                                .transition = 0.05,
+                                .transition_width_rad = 0.7};
+  const auto lobe = [](double angle, double width) { return std::exp(-angle * angle / (2 * width * width)); };
+  constexpr double sines = 1.1;
+  for (const double from : {-0.1, 0.0, 0.05})
+    for (const double stretch : {0.9, 1.2}) {
+      const ScatteringModel model = ScatteringModel::gsab(p).of_angle(from, stretch, sines);
+      for (const double angle : {0.0, 0.05, 0.15, 0.6, 1.2}) {
+        const double own = from + stretch * angle;
+        const double expected = p.specular * lobe(own, p.specular_width_rad) +
+                                p.oblique * std::pow(sines * std::cos(angle), p.oblique_exponent) +
+                                p.transition * lobe(own, p.transition_width_rad);
+        EXPECT_NEAR(model.cross_section(pi / 2 - angle) / expected, 1, 1e-13)
+            << from << " " << stretch << " " << angle;
+      }
+    }
+}
+
 TEST(ScatteringModel, RefusesWhatIsNoLaw) {
   const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
   EXPECT_THROW(ScatteringModel::gsab({}), std::invalid_argument);
