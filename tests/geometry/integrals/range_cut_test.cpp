@@ -348,6 +348,19 @@ TEST(RangeCut, PolygonsOutsideAndPartlyOutsideOfTheSamples) {
     EXPECT_NEAR(none({1, border}) + none({border, 20}), 12, 1e-13) << border;
 }
 
+TEST(RangeCut, PolygonThatBeginsAtTheLastBorderTouchesNoSample) {
+  const RadialIntegral radial(std::vector{1.0, 3.0, 5.0}, one);
+  std::vector<double> out(radial.samples(), 0.0);
+  PlanarPolygon polygon;
+  polygon.assign(on_plane(flat_seabed(4), {{3, 0}, {9, 0}, {9, 1}, {3, 1}}), flat_seabed(4),
+                 PlaneFrame(flat_seabed(4)));
+  ASSERT_EQ(nearest_point(polygon).range, 5);
+  const SampleSpan touched = RangeCutter(radial).add(polygon, 1, out);
+  EXPECT_EQ(touched.first, 0u);
+  EXPECT_EQ(touched.end, 0u);
+  EXPECT_EQ(total(out), 0);
+}
+
 TEST(RangeCut, CornersWithinRoundingOfABorder) {
   const unsigned seed = 12;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -399,6 +412,21 @@ TEST(RadialIntegral, ShortIntervalsKeepTheirDigits) {
     EXPECT_LT(relative(RadialIntegral::within(cell, 14.3, length),
                        lambert_with_absorption(middle) * middle * length),
               1e-13 + (curved - 1));
+  }
+}
+
+TEST(RadialIntegral, FindsTheCellAmongSamplesOfUnequalWidths) {
+  const std::vector<double> wide_first{1, 9, 9.1, 9.2, 9.3, 9.4, 9.5, 10},
+      wide_last{1, 1.1, 1.2, 1.3, 1.4, 10};
+  for (const auto& borders : {wide_first, wide_last}) {
+    const RadialIntegral radial(borders, one);
+    for (double range = 1; range < 10; range += 0.01) {
+      const RadialIntegral::Cell& cell = radial.cells()[radial.cell_at(range)];
+      EXPECT_LE(cell.lo, range);
+      EXPECT_GT(cell.hi, range);
+    }
+    for (std::size_t k = 0; k + 1 < borders.size(); ++k)
+      EXPECT_EQ(radial.cells()[radial.cell_at(borders[k])].sample, k);
   }
 }
 
