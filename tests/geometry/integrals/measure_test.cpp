@@ -152,6 +152,13 @@ TEST(SlantRange, NearestPointIsFootEdgeOrCorner) {
   EXPECT_DOUBLE_EQ(nearest_point(planar(test::shifted(square, {1, 1}), plane)).range, 3);
 }
 
+TEST(SlantRange, NearestPointMayLieCloseToEitherEndOfAnEdge) {
+  for (const double from : {-99.5, -0.5}) {
+    const Polygon2 strip{{from, 1}, {from + 100, 1}, {from + 100, 2}, {from, 2}};
+    EXPECT_NEAR(nearest_point(planar(strip, flat_seabed(3))).range, std::sqrt(10), 1e-13) << from;
+  }
+}
+
 TEST(SlantRange, SliverThatPointsAtTheFootIsNotAtTheFoot) {
   for (const double turn : {0.0, 0.3, pi / 2, 2.0, pi, 4.0}) {
     const glm::dvec2 along(std::cos(turn), std::sin(turn)), across(-along.y, along.x);
@@ -196,6 +203,15 @@ TEST(Centroid, StaysInsideWhereTheAreaIsLost) {
   EXPECT_NEAR(glm::length(c - glm::dvec2(1, 1)), 0, 1e-6);
 }
 
+TEST(Centroid, OfASliverLiesAmongItsCorners) {
+  // Rounding makes the second triangle of the fan negative. Without a limit, both nearly cancel.
+  PlanarPolygon sliver;
+  sliver.distance = 1;
+  sliver.offsets = {{0, 0}, {1, 0}, {2, 1e-17}, {0.01, -0.49e-17}};
+  EXPECT_GE(centroid_offset(sliver).x, 0);
+  EXPECT_LE(centroid_offset(sliver).x, 2);
+}
+
 FootprintSet one_footprint(const FacetPlane& plane, const std::vector<Polygon2>& pieces) {
   FootprintSet set;
   Footprint footprint;
@@ -233,6 +249,15 @@ TEST(Measure, FootprintOfSeveralPiecesIsTheirUnion) {
     EXPECT_NEAR(b.slant_range_min_m, std::sqrt(13), 1e-13);
     EXPECT_NEAR(b.slant_range_max_m, std::sqrt(4 + 49 + 4), 1e-13);
   }
+}
+
+TEST(Measure, PieceOfNegativeAreaDoesNotMoveTheCentroid) {
+  const FacetPlane plane = flat_seabed(2);
+  FootprintSet set = one_footprint(
+      plane, {{{3, 0}, {7, 0}, {7, 1}, {3, 1}}, {{3, 5}, {3, 6}, {6.9, 6}, {6.9, 5}}});  // areas 4 and -3.9
+  measure(set);
+  EXPECT_NEAR(set.footprints[0].area_m2, 0.1, 1e-13);
+  EXPECT_LT(glm::length(set.footprints[0].centroid_m - on_plane(plane, {{5, 0.5}})[0]), 1e-13);
 }
 
 TEST(Measure, FootprintWithoutPiecesOrAreaIsFinite) {
