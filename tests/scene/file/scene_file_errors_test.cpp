@@ -13,6 +13,7 @@
 #include <sstream>
 #include <vector>
 
+#include "files/limits.hpp"
 #include "files/words.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "scene/file/scene_file_keys.hpp"
@@ -137,7 +138,20 @@ TEST(SceneFileErrors, WrongTypesSayWhatIsWanted) {
        "'objects' must be tables: write [[objects]]"},
       {material_name, "name = \"\"", "2:8", "'name' must not be empty"},
       {material_name, "name = \"a\\u0007b\"", "2:8", "without control characters"},
+      {material_name, "name = \"a\\u007fb\"", "2:8", "without control characters"},
   });
+}
+
+TEST(SceneFileErrors, TextsHaveAtMostTheLargestLength) {
+  const TestFolder folder;
+  const auto error_of = [&](std::size_t length) {
+    return scene_error(folder,
+                       replaced(smallest_scene, material_name, "name = \"" + std::string(length, 'n') + '"'));
+  };
+  EXPECT_EQ(error_of(limits::name_bytes), "");
+  EXPECT_EQ(error_of(limits::name_bytes + 1),
+            fmt::format("scene.toml:2:8: 'name' has {} bytes, expected at most {}", limits::name_bytes + 1,
+                        limits::name_bytes));
 }
 
 TEST(SceneFileErrors, NotFiniteNumbersAreRefused) {
