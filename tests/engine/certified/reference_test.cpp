@@ -9,10 +9,14 @@
 #include <boost/math/special_functions/bessel.hpp>
 #include <boost/math/special_functions/expint.hpp>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <random>
+#include <utility>
+#include <vector>
 
+#include "engine/certified/certified_driver.hpp"
 #include "engine/scattering/radial_model.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
@@ -416,6 +420,85 @@ TEST(Reference, NeedsAnExactArithmetic) {
   EXPECT_THROW(certify_echo(seabed.mesh, *seabed.tree, {}, options, {}, {1, 1, 1},
                             {material_mu, seabed.mesh.material, 0}, {}, 1e-9),
                std::invalid_argument);
+}
+
+// The driver of all certified energies, with enclosures worked out by hand.
+TEST(CertifiedDriver, RequestedBoundsFollowTheEnergyAndBothFloors) {
+  const std::vector<double> target = reference_targets({2, 3, {1, 1e-3, 0, 1e-9, 0, 0}}, 0.01);
+  const double expected[] = {1e-2, 1e-5, 1e-8, 1e-11, 1e-14, 1e-14};
+  for (std::size_t bin = 0; bin < 6; ++bin) EXPECT_NEAR(target[bin] / expected[bin], 1, 1e-12) << bin;
+  EXPECT_EQ(reference_targets({1, 2, {0, 0}}, 0.01), std::vector<double>(2, least_allowed));
+}
+
+TEST(CertifiedDriver, CertainPartOfTheEnergyDeterminesTheRequestedBound) {
+  const auto compared = [](std::vector<double> bound, double tolerance) {
+    CertifiedEcho certified{{1, int(bound.size()), std::vector<double>(bound.size(), 1)}, bound};
+    compare_with(certified, tolerance);
+    return certified;
+  };
+  const double exact = 0.01 / 0.99;  // 0.01 is this part of the certain 0.99
+  EXPECT_EQ(compared({0.01}, exact).bins_over, 0u);
+  EXPECT_EQ(compared({0.01}, exact * (1 - 5e-7)).bins_over, 0u) << "within the slack for rounding";
+  EXPECT_EQ(compared({0.01}, exact * (1 - 2e-6)).bins_over, 1u);
+  EXPECT_NEAR(compared({0.01}, 0.01).worst_ratio, 1 / 0.99, 2e-6);
+  EXPECT_EQ(compared({NAN}, 0.01).bins_over, 1u);
+  const CertifiedEcho with_infinite = compared({HUGE_VAL, 0.05, 0.02}, 0.01);
+  EXPECT_EQ(with_infinite.bins_over, 3u);
+  EXPECT_NEAR(with_infinite.worst_ratio, 0.05 / 0.0095, 1e-4);
+  EXPECT_EQ(with_infinite.worst_sample, 1);
+}
+
+TEST(CertifiedDriver, BoundCoversTheWholeEnclosureOfAnEnergy) {
+  const auto taken = [](const Ball& total, bool is_energy) {
+    CertifiedEcho certified{{1, 1, {7}}, {0}};
+    take_enclosure(certified, 0, total, is_energy);
+    return std::pair(certified.echo.energy[0], certified.bound[0]);
+  };
+  const auto [energy, bound] = taken(Ball::between(-3, 1), true);
+  EXPECT_EQ(energy, 0);
+  EXPECT_NEAR(bound, 3, 1e-6);
+  const auto [product, width] = taken(Ball::between(-3, 1), false);
+  EXPECT_NEAR(product, -1, 1e-6);
+  EXPECT_NEAR(width, 2, 1e-6);
+  EXPECT_EQ(taken(Ball(HUGE_VAL), true), std::pair(7.0, HUGE_VAL));
+}
+
+TEST(CertifiedDriver, NarrowsItsPartsByTwiceTheWorstExcessAtMostTwice) {
+  struct Outcome {
+    int calls = 0;
+    double tolerance = 0;
+    std::size_t bins_over = 0;
+  };
+  const auto refined = [](const std::function<double(CertifiedRequest&)>& bound_of) {
+    const EchoModel model;
+    CertifiedRequest request(model, {1, 1, 1});
+    Outcome outcome;
+    const CertifiedEcho certified =
+        refined_until_tolerance(request, {1, 1, {1}}, 0.01, reference_targets, [&] {
+          ++outcome.calls;
+          return CertifiedEcho{{1, 1, {1}}, {bound_of(request)}};
+        });
+    outcome.tolerance = request.tolerance;
+    outcome.bins_over = certified.bins_over;
+    return outcome;
+  };
+  const Outcome wide = refined([](CertifiedRequest& request) { return 4 * request.tolerance; });
+  EXPECT_EQ(wide.calls, 2);
+  EXPECT_EQ(wide.bins_over, 0u);
+  EXPECT_NEAR(wide.tolerance, 0.01 / (2 * 0.04 / 0.0096), 1e-7);
+  EXPECT_EQ(refined([](CertifiedRequest&) { return 0.009; }).calls, 1);
+  EXPECT_EQ(refined([](CertifiedRequest&) { return 0.02; }).calls, 3);
+  EXPECT_EQ(refined([](CertifiedRequest&) { return HUGE_VAL; }).calls, 1);
+  EXPECT_EQ(refined([](CertifiedRequest& request) {
+              request.is_coarse = true;
+              return 0.02;
+            }).calls,
+            1);
+}
+
+TEST(CertifiedDriver, NeedsExactArithmetic) {
+  EXPECT_THROW(require_exact({.arithmetic = Arithmetic::plain_double}), std::invalid_argument);
+  EXPECT_NO_THROW(require_exact({.arithmetic = Arithmetic::fixed}));
 }
 
 }  // namespace
