@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "engine/echo/echo.hpp"
+#include "engine/echo/pair_on_facet.hpp"
 #include "engine/scattering/radial_model.hpp"
 #include "fixtures/geometry/plane_polygons.hpp"
 #include "fixtures/world/histories.hpp"
@@ -33,6 +34,18 @@ Directivity line(double length_over_wavelength, double steered_rad = 0) {
 }
 Directivity piston(double ka) { return {Kind::piston, {0, 1, 0}, true, 0, ka}; }
 Directivity gaussian(double width_rad) { return {Kind::gaussian, {1, 0, 0}, false, 0, width_rad}; }
+
+// Between its nulls the amplitude of a sinc or of a piston has one sign, which alternates from lobe to lobe.
+TEST(BeamPattern, AmplitudeChangesSignAtTheNulls) {
+  const Directivity steered = line(4, std::asin(0.3));
+  for (const double cosine : {-0.9, -0.65, -0.4, -0.1, 0.1, 0.3, 0.5, 0.6, 0.7, 0.9}) {
+    const int nulls = int(std::abs(4 * (cosine - 0.3)));
+    EXPECT_EQ(amplitude_sign(steered, cosine), nulls % 2 == 0 ? 1 : -1) << cosine;
+  }
+  for (const auto& [sine, sign] :
+       {std::pair{0.0, 1}, {0.3, 1}, {0.5, -1}, {0.65, -1}, {0.8, 1}, {0.95, 1}})  // nulls at 0.383 and 0.702
+    EXPECT_EQ(amplitude_sign(piston(10), std::sqrt(1 - sine * sine)), sign) << sine;
+}
 
 TEST(BeamPattern, LineArrayHasThePublishedWidthsAndSideLobe) {
   const double size = 100;
