@@ -557,6 +557,37 @@ TEST(GsfFile, RefusesPingsThatItsFieldsDoNotHold) {
   EXPECT_THAT(records, SizeIs(1)) << "what is refused leaves no trace";
 }
 
+TEST(GsfFile, TakesARecordOfTheLargestSizeOnly) {
+  // A header of 56 bytes, four scales, and four arrays of four bytes per beam.
+  constexpr std::size_t before = 56 + (4 + 4 + 4 * 12) + 4 * 4, most_beams = (524288 - before) / 16;
+  static_assert(before + 16 * most_beams == 524288);
+  const auto records = written("largest", {}, [&](GsfFile& file) {
+    GsfPing ping;
+    for (const std::size_t beams : {most_beams + 1, most_beams}) {
+      ping.depth_m.assign(beams, 20);
+      ping.across_m = ping.along_m = ping.two_way_time_s = ping.depth_m;
+      if (beams == most_beams)
+        file.add_ping(ping);
+      else
+        expect_refused([&] { file.add_ping(ping); }, "at most 524288");
+    }
+  });
+  EXPECT_THAT(records, SizeIs(2));
+}
+
+TEST(GsfFile, RefusesSoundSpeedProfilesOutsideOfTheEarth) {
+  const auto records = written("nowhere", {}, [&](GsfFile& file) {
+    GsfSoundSpeedProfile profile;
+    profile.points = {{0, 1500}};
+    profile.longitude_deg = 180.5;
+    expect_refused([&] { file.add_sound_speed_profile(profile); }, "longitude");
+    profile.longitude_deg = 0;
+    profile.latitude_deg = -90.5;
+    expect_refused([&] { file.add_sound_speed_profile(profile); }, "latitude");
+  });
+  EXPECT_THAT(records, SizeIs(1));
+}
+
 TEST(GsfFile, RefusesAttitudesThatARecordDoesNotHold) {
   const auto records = written("bad_attitude", {}, [](GsfFile& file) {
     const auto refuse = [&](std::vector<GsfAttitude> attitudes, const char* what) {

@@ -136,6 +136,16 @@ TEST(Speckle, NoiseAddsItsMeanUnderEveryLaw) {
   expect_model(draw({}, 0, 1, n), [](double x) { return -std::expm1(-x); });
 }
 
+TEST(Speckle, NoiseWithoutAnEchoHasNoTexture) {
+  for (std::uint32_t sample = 0; sample < 100; ++sample) {
+    const SampleRandom random(seed, 1, 2, sample);
+    EXPECT_EQ(received_energy(random, {SpeckleModel::k, 1.5, 2}, 0, 3),
+              received_energy(random, {SpeckleModel::rayleigh, 1.5, 2}, 0, 3));
+    EXPECT_EQ(lower_received_energy(random, {SpeckleModel::k, 1.5, 2}, 0, 0, 0, 3),
+              lower_received_energy(random, {SpeckleModel::rayleigh, 1.5, 2}, 0, 0, 0, 3));
+  }
+}
+
 TEST(Speckle, FirstValuesAreTheSameEverywhere) {
   // The words of Random123's first known answer, through -log(u).
   const double first = (double(0xe169c58d6627e8d5 >> 12) + 0.5) / double(1ull << 52);
