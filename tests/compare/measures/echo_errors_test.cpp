@@ -139,6 +139,14 @@ TEST(EchoErrors, FirstReturnDifferencesHaveSignPlaceAndCounts) {
   EXPECT_EQ(pair.errors().first_return.largest_samples, -2);
 }
 
+TEST(EchoErrors, LargestOfEqualFirstReturnDifferencesIsTheFirst) {
+  Case pair{{1, 2, 3}, {1, 1, 1, 0, 1, 0}, {0, 1, 0, 1, 0, 0}};
+  const FirstReturnErrors first = pair.errors().first_return;
+  EXPECT_DOUBLE_EQ(first.largest_m, 0.5);
+  EXPECT_EQ(first.largest_samples, 1);
+  EXPECT_EQ(first.largest_at, (BinPlace{0, 0, 0}));
+}
+
 TEST(EchoErrors, BoundExplainsWhatItReaches) {
   // Differences 0.5, 3, 0, 0.25 against bounds 1, 1, 1, 0: explained 0.5 + 1 + 0 + 0 of 3.75. The last bin
   // has no echo on either side and does not count.
