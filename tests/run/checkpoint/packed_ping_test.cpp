@@ -8,6 +8,7 @@
 #include <libdeflate.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -141,6 +142,51 @@ TEST(PackedPings, ThatWereForgedDoNoHarm) {
   }
   EXPECT_GT(refused, 1000);
   EXPECT_GT(taken, 10) << "else they are not forged well";
+}
+
+/// Replaces the header of a packed ping by one with intact checksums that claims `bytes` after it.
+std::string with_forged_head(std::string packed, std::size_t bytes) {
+  PackedHead head;
+  std::memcpy(&head, packed.data(), sizeof head);
+  head.bytes = bytes;
+  head.values_checksum = libdeflate_crc32(0, packed.data() + sizeof head, packed.size() - sizeof head);
+  head.head_checksum = libdeflate_crc32(0, &head, offsetof(PackedHead, head_checksum));
+  std::memcpy(packed.data(), &head, sizeof head);
+  return packed;
+}
+
+TEST(PackedPings, HaveAtMostTheLargestNumberOfBytes) {
+  const StoreLayout all = packed_layout(true);
+  std::mt19937 random(8);
+  const std::string packed = packed_ping(all, {0, 1}, counts(), filled(all, 0, 0.1, random));
+  const std::size_t most = most_packed(all, 0) - sizeof(PackedHead);
+  EXPECT_EQ(head_of_packed(with_forged_head(packed, most), all).bytes, most);
+  EXPECT_THROW(head_of_packed(with_forged_head(packed, most + 1), all), DamagedPing);
+}
+
+TEST(PackedPings, DoNotBelongToAHeaderOfAnotherLength) {
+  const StoreLayout all = packed_layout(true);
+  std::mt19937 random(9);
+  const std::string packed = packed_ping(all, {0, 1}, counts(), filled(all, 0, 0.1, random));
+  const std::size_t bytes = packed.size() - sizeof(PackedHead);
+  for (const std::size_t claimed : {bytes - 1, bytes, bytes + 1}) {
+    const PackedHead head = *intact_head(with_forged_head(packed, claimed));
+    EXPECT_EQ(belongs_to(head, std::string_view(packed).substr(sizeof head)), claimed == bytes);
+  }
+}
+
+TEST(PackedPings, WithChunkLengthsWhoseSumOverflowsAreRefused) {
+  const StoreLayout all = packed_layout(true);
+  std::mt19937 random(10);
+  std::string packed = packed_ping(all, {0, 1}, counts(), filled(all, 0, 0.1, random));
+  const std::size_t lengths_at = sizeof(PackedHead) + sizeof(PingCounts);
+  std::uint64_t length[2];
+  std::memcpy(length, packed.data() + lengths_at, sizeof length);
+  length[1] += length[0] + 8;  // the sum modulo 2^64 stays the same
+  length[0] = std::uint64_t{0} - 8;
+  std::memcpy(packed.data() + lengths_at, length, sizeof length);
+  const std::string forged = with_forged_head(packed, packed.size() - sizeof(PackedHead));
+  EXPECT_THROW(checked_contents(forged, all), DamagedPing);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <fstream>
 
 #include "fixtures/test_folder.hpp"
 
@@ -141,6 +142,57 @@ TEST(PingFiles, WithADamagedHeaderKeepThePingsAfterIt) {
   EXPECT_EQ(file.pings(), 2u);
   file.look_through(layout());
   EXPECT_EQ(there(file), (std::vector<bool>{true, false, false, true}));
+  EXPECT_TRUE(file.may_have_damaged({0, 2}));
+  EXPECT_FALSE(file.may_have_damaged({0, 3}));
+}
+
+// The search reads windows of 1 MiB. In the longest case, the border of a window lies inside a header.
+TEST(PingFiles, KeepThePingsAfterForeignBytes) {
+  TestFolder folder;
+  const fs::path path = made_in(folder);
+  const std::string good = bytes_of(path);
+  const std::size_t first = good.find(packed(2));
+  for (const std::size_t foreign : {std::size_t{1}, sizeof(PackedHead) + 1, (std::size_t{1} << 20) - 15}) {
+    SCOPED_TRACE(foreign);
+    folder.write(path.filename().string(),
+                 good.substr(0, first) + std::string(foreign, 'x') + good.substr(first));
+    PingFile file(path);
+    file.look_through(layout());
+    EXPECT_EQ(there(file), (std::vector<bool>{true, false, true, true}));
+  }
+}
+
+TEST(PingFiles, EndAfterTheLastWholePingWhenARunContinues) {
+  TestFolder folder;
+  const fs::path path = made_in(folder);
+  const std::string good = bytes_of(path);
+  folder.write(path.filename().string(), good.substr(0, good.size() - 1));
+  PingFile file(path);
+  file.look_through(layout());
+  file.begin("me");
+  EXPECT_EQ(file.bytes(), good.size() - packed(3).size());
+  EXPECT_EQ(fs::file_size(path), file.bytes());
+}
+
+TEST(PingFiles, WithASecondHardLinkAreRefused) {
+  TestFolder folder;
+  const fs::path path = made_in(folder);
+  fs::create_hard_link(path, folder / "other");
+  EXPECT_THROW(PingFile{path}, UnusableStore);
+  fs::remove(folder / "other");
+  EXPECT_EQ(PingFile(path).pings(), 3u);
+}
+
+TEST(PingFiles, ThatContainAnotherPingInItsPlaceAreNotRead) {
+  TestFolder folder;
+  const fs::path path = made_in(folder);
+  PingFile file(path);
+  file.look_through(layout());
+  std::fstream bytes(path, std::ios::in | std::ios::out | std::ios::binary);
+  bytes.seekp(std::streamoff(bytes_of(path).find(packed(0))));
+  bytes.write(packed(2).data(), sizeof(PackedHead));
+  bytes.close();
+  EXPECT_THROW(file.read({0, 0}), DamagedPing);
 }
 
 TEST(PingFiles, OfAnotherScenesLengthsAreRefused) {
