@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "fixtures/scene_texts.hpp"
@@ -21,6 +22,7 @@ namespace tubefoot {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 std::unique_ptr<const Survey> survey_of(const std::string& text) {
   return open_survey(read_scene_text(text, "scene.toml"));
@@ -106,6 +108,7 @@ TEST(SeabedPlacement, IsWhereThingsWerePut) {
       {-0.5 - 1e-3, "buried: its top is 0.001 m below the seabed"},
       {-0.25, "partly buried: from 0.75 m below the seabed to 0.25 m above"},
       {0.5, "on the seabed"},
+      {0.505, "0.005 m above the seabed"},
       {2.75, "2.25 m above the seabed"}};
   std::string text = lambert_material("sand", -27) + flat_terrain(20, 20, "centre_m = [100, 0, -7]\n");
   for (std::size_t k = 0; k < cubes.size(); ++k)
@@ -118,6 +121,52 @@ TEST(SeabedPlacement, IsWhereThingsWerePut) {
     EXPECT_EQ(found[k].words, cubes[k].second);
     EXPECT_EQ(found[k].warning.empty(), k >= 2) << found[k].warning;
   }
+}
+
+TEST(SeabedPlacement, CountsFromTheHighestTerrain) {
+  const std::string deep = flat_terrain(20, 20, "name = \"deep\"\ncentre_m = [0, 0, -7]\n"),
+                    shallow = flat_terrain(20, 20, "name = \"shallow\"\ncentre_m = [0, 0, -4]\n"),
+                    rest = "[[objects]]\nname = \"cube\"\nshape = \"box\"\nposition_m = [1.1, 1.3, -1.5]\n" +
+                           fixed_at(0, 0, 0) + "[[sensors]]\nname = \"eye\"\nkind = \"imaging\"\n";
+  for (const std::string& terrains : {deep + shallow, shallow + deep}) {
+    const auto found = placements(*survey_of(lambert_material("sand", -27) + terrains + rest));
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].words, "2 m above the seabed");
+  }
+}
+
+TEST(SeabedPlacement, ReportsObjectsMoreThanFourTimesAsWideAsTheTerrain) {
+  const auto words = [](double east_m, double north_m) {
+    const std::string box = fmt::format(
+        "[[objects]]\nname = \"box\"\nshape = \"box\"\nsize_m = [{}, {}, 1]\nposition_m = [0.1, 0.2, 2]\n",
+        east_m, north_m);
+    return placements(*survey_of(lambert_material("sand", -27) + flat_terrain(20, 20) + box +
+                                 fixed_at(0, 0, 9) + "[[sensors]]\nname = \"eye\"\nkind = \"imaging\"\n"))
+        .at(0)
+        .words;
+  };
+  EXPECT_EQ(words(80.4, 1), "4.02 times as wide as the terrain");
+  EXPECT_EQ(words(1, 80.4), "4.02 times as wide as the terrain");
+  EXPECT_THAT(words(1, 79.6), Not(HasSubstr("times as wide")));
+}
+
+TEST(RangeGate, IsReportedBeyondTwentyTimesTheFarthestPointOfAllPings) {
+  // The track ends over the middle of the seabed, where its farthest corner is 15 m away. From the beginning
+  // it is hypot(12, 10, 5) m away.
+  const double farthest_m = std::sqrt(12.0 * 12 + 10 * 10 + 5 * 5);
+  const auto warnings = [&](double times) {
+    const std::string text =
+        lambert_material("sand", -27) + flat_terrain(20, 20) +
+        "[trajectory]\nkind = \"line\"\nstart_m = [2, 0, 5]\nend_m = [0, 0, 5]\n" +
+        fmt::format(
+            "[[sensors]]\nname = \"eye\"\nkind = \"imaging\"\nrange_min_m = 1\nrange_max_m = {}\n"
+            "samples = 20\npings = 3\nping_interval_s = 0.1\n",
+            times * farthest_m);
+    return vast_windows(*survey_of(text));
+  };
+  EXPECT_TRUE(warnings(19.9).empty());
+  ASSERT_EQ(warnings(20.1).size(), 1u);
+  EXPECT_THAT(warnings(20.1)[0], HasSubstr("no point of the scene is farther away than 16.4 m"));
 }
 
 // A grid of 40 x 40 m at -5 m gives the same report in four forms. These are whole, by tiles, with relief
