@@ -20,11 +20,11 @@ using Complex = std::complex<double>;
 constexpr double least_looks = 4, least_turn_rad = 0.5;
 
 /// Samples [begin, end) about a position.
-struct SampleSpan {
+struct SpanAbout {
   std::ptrdiff_t begin = 0, end = 0;
 };
 
-SampleSpan about(double place, double half, std::size_t count) {
+SpanAbout about(double place, double half, std::size_t count) {
   const auto last = static_cast<double>(count);
   return {static_cast<std::ptrdiff_t>(std::clamp(std::ceil(place - half), 0.0, last)),
           static_cast<std::ptrdiff_t>(std::clamp(std::floor(place + half) + 1, 0.0, last))};
@@ -38,7 +38,7 @@ struct PhaseLine {
 /// Searches slopes up to sixteen times the slope at which the window is the main lobe. It selects the slope
 /// with the largest coherent sum of the product, which phase wrapping does not disturb. From one slope to
 /// the next the phase at the window's end changes by half a radian.
-std::optional<PhaseLine> first_line(std::span<const Complex> product, SampleSpan span,
+std::optional<PhaseLine> first_line(std::span<const Complex> product, SpanAbout span,
                                     const SplitBeamSearch& search) {
   constexpr double steepest = 16, step_rad = 0.5;
   const double half = std::max(search.half_window, 1.0), step = step_rad / half;
@@ -88,7 +88,7 @@ std::optional<SplitBeamDetection> split_beam_zero(std::span<const Complex> produ
     // Restricts the fit to the part of the line within the main lobe and the window.
     const double half = std::min(search.half_window, search.edge_rad / std::abs(line->slope_rad));
     if (std::abs(line->zero - search.from) > search.half_window) return std::nullopt;
-    const SampleSpan span = about(line->zero, half, product.size());
+    const SpanAbout span = about(line->zero, half, product.size());
     const double origin = line->zero;
     const auto each = [&](auto use) {
       for (std::ptrdiff_t k = span.begin; k < span.end; ++k) {
