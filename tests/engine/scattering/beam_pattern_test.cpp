@@ -47,6 +47,27 @@ TEST(BeamPattern, AmplitudeChangesSignAtTheNulls) {
     EXPECT_EQ(amplitude_sign(piston(10), std::sqrt(1 - sine * sine)), sign) << sine;
 }
 
+TEST(PairIntegrand, GainsBelowTheSmallestOneCountAsZero) {
+  const std::vector<double> mu{0.1};
+  const std::vector<std::uint16_t> material{0};
+  const FacetPlane plane{{0, 0, 1}, 10};
+  const PlaneFrame frame(plane);
+  const Directivity beam = gaussian(0.2);
+  const PathCutter::Receiver apex = over_plane(plane, frame, glm::dvec3(0));
+  const glm::dvec2 place(2, 1);
+  const double range = std::sqrt(105);
+  const double gain = std::pow(beam.gain((2.0 * frame.u + frame.v - 10.0 * plane.normal) / range), 2);
+  const auto energy = [&](double least) {
+    double value = -1;
+    PairIntegrand{{PathOnFacet(plane, frame, apex, apex, 0, {mu, material}),
+                   {std::span(&beam, 1), &beam, least}}}(place, range, range, std::span(&value, 1));
+    return value;
+  };
+  EXPECT_GT(energy(0.999 * gain), 0);
+  EXPECT_EQ(energy(0.999 * gain), energy(0));
+  EXPECT_EQ(energy(1.001 * gain), 0);
+}
+
 TEST(BeamPattern, LineArrayHasThePublishedWidthsAndSideLobe) {
   const double size = 100;
   const Directivity d = line(size);
