@@ -19,9 +19,9 @@
 #include "run/transmission_images.hpp"
 #include "run/transmission_rays.hpp"
 
-// This file plans the contributions to the echoes of transmissions, and implements those of the direct path
-// to a facet and back: from one surface, separate receivers, receiver pairs, mixed-eigenray returns, and
-// references in refracting water.
+// This file plans the contributions to the echoes of transmissions. It implements those of the direct path to
+// a facet and back. They are echoes from one surface, separate receivers, receiver pairs, mixed-eigenray
+// returns, and references in refracting water.
 
 namespace tubefoot {
 namespace {
