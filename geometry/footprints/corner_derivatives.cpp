@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/footprints/corner_derivatives.hpp"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+// A corner is c = d offset / (normal . d). Here d is the direction of its ray, and normal . x = offset is the
+// plane of its facet. A corner at a vertex of its facet is that vertex.
+
+namespace tubefoot {
+namespace {
+
+/// The ray of a corner: its direction, and the normals whose product it is unless it passes through a point.
+struct CornerRay {
+  glm::dvec3 p{0}, q{0}, direction{0};
+  CornerRay(const NamedPoints& points, const CornerName& corner) {
+    if (corner.point != no_point) {
+      direction = points.point(corner.point);
+      return;
+    }
+    p = points.normal(corner.p);
+    q = points.normal(corner.q);
+    direction = glm::cross(p, q);
+  }
+};
+
+bool is_vertex_of(const FacetMesh& mesh, const CornerName& corner, FacetId facet) {
+  return corner.point != no_point &&
+         std::ranges::find(mesh.facets[facet], corner.point) != mesh.facets[facet].end();
+}
+
+}  // namespace
+
+glm::dvec3 NamedPoints::point(PointId id) const {
+  const GridPoint p = context_.point(id);
+  const glm::dvec3 at(p.x, p.y, p.z);
+  return id & ray_bit ? at : unit_m_ * at;
+}
+
+NamedPoints::Plane NamedPoints::plane(FacetId facet) const {
+  const auto& [a, b, c] = context_.mesh.facets[facet];
+  const glm::dvec3 first = point(a), normal = glm::cross(point(b) - first, point(c) - first);
+  return {normal, glm::dot(normal, first)};
+}
+
+glm::dvec3 NamedPoints::normal(const PlaneName& name) const {
+  if (!name.depth) return glm::cross(point(name.a), point(name.b));
+  const Plane one = plane(name.a), other = plane(name.b);
+  return one.offset * other.normal - other.offset * one.normal;
+}
+
+NamedPoints::Plane CornerVelocity::of_facet(FacetId facet) const {
+  const auto& [a, b, c] = points_.context().mesh.facets[facet];
+  const glm::dvec3 first = points_.point(a), to_b = points_.point(b) - first, to_c = points_.point(c) - first;
+  const glm::dvec3 by_a = of_point(a);
+  const glm::dvec3 normal = glm::cross(of_point(b) - by_a, to_c) + glm::cross(to_b, of_point(c) - by_a);
+  return {normal, glm::dot(normal, first) + glm::dot(glm::cross(to_b, to_c), by_a)};
+}
+
+glm::dvec3 CornerVelocity::of_normal(const PlaneName& name) const {
+  if (!name.depth)
+    return glm::cross(of_point(name.a), points_.point(name.b)) +
+           glm::cross(points_.point(name.a), of_point(name.b));
+  const NamedPoints::Plane one = points_.plane(name.a), other = points_.plane(name.b);
+  const NamedPoints::Plane by_one = of_facet(name.a), by_other = of_facet(name.b);
+  return by_one.offset * other.normal + one.offset * by_other.normal - by_other.offset * one.normal -
+         other.offset * by_one.normal;
+}
+
+glm::dvec3 CornerVelocity::of_corner(const CornerName& corner, FacetId facet) const {
+  if (is_vertex_of(points_.context().mesh, corner, facet)) return of_point(corner.point);
+  const CornerRay ray(points_, corner);
+  const glm::dvec3 direction = corner.point != no_point ? of_point(corner.point)
+                                                        : glm::cross(of_normal(corner.p), ray.q) +
+                                                              glm::cross(ray.p, of_normal(corner.q));
+  const NamedPoints::Plane plane = points_.plane(facet), by = of_facet(facet);
+  const double along = glm::dot(plane.normal, ray.direction), scale = plane.offset / along;
+  const double by_scale =
+      (by.offset - scale * (glm::dot(by.normal, ray.direction) + glm::dot(plane.normal, direction))) / along;
+  return scale * direction + by_scale * ray.direction;
+}
+
+CornerVelocity::UnitPlane CornerVelocity::of_plane(FacetId facet) const {
+  const NamedPoints::Plane plane = points_.plane(facet), by = of_facet(facet);
+  const double length = glm::length(plane.normal), side = plane.offset < 0 ? -1 : 1;
+  const glm::dvec3 unit = plane.normal / length;
+  const double stretched = glm::dot(unit, by.normal);
+  return {-side / length * (by.normal - stretched * unit),
+          side / length * (by.offset - plane.offset / length * stretched)};
+}
+
+CornerAdjoint::CornerAdjoint(const NamedPoints& points)
+    : points_(points),
+      by_vertex_(points.context().mesh.vertices.size(), glm::dvec3(0)),
+      by_ray_(points.context().rays.size(), glm::dvec3(0)) {}
+
+void CornerAdjoint::add_facet(FacetId facet, glm::dvec3 by_normal, double by_offset) {
+  const auto& [a, b, c] = points_.context().mesh.facets[facet];
+  const glm::dvec3 first = points_.point(a), to_b = points_.point(b) - first, to_c = points_.point(c) - first;
+  by_normal += by_offset * first;
+  const glm::dvec3 by_b = glm::cross(to_c, by_normal), by_c = glm::cross(by_normal, to_b);
+  of(a) += by_offset * glm::cross(to_b, to_c) - by_b - by_c;
+  of(b) += by_b;
+  of(c) += by_c;
+}
+
+void CornerAdjoint::add_normal(const PlaneName& name, glm::dvec3 by_normal) {
+  if (!name.depth) {
+    of(name.a) += glm::cross(points_.point(name.b), by_normal);
+    of(name.b) += glm::cross(by_normal, points_.point(name.a));
+    return;
+  }
+  const NamedPoints::Plane one = points_.plane(name.a), other = points_.plane(name.b);
+  add_facet(name.a, -other.offset * by_normal, glm::dot(by_normal, other.normal));
+  add_facet(name.b, one.offset * by_normal, -glm::dot(by_normal, one.normal));
+}
+
+void CornerAdjoint::add_corner(const CornerName& corner, FacetId facet, glm::dvec3 by_corner) {
+  if (is_vertex_of(points_.context().mesh, corner, facet)) {
+    of(corner.point) += by_corner;
+    return;
+  }
+  const CornerRay ray(points_, corner);
+  const NamedPoints::Plane plane = points_.plane(facet);
+  const double along = glm::dot(plane.normal, ray.direction), scale = plane.offset / along,
+               by_offset = glm::dot(by_corner, ray.direction) / along;
+  add_facet(facet, -by_offset * scale * ray.direction, by_offset);
+  const glm::dvec3 by_direction = scale * (by_corner - by_offset * plane.normal);
+  if (corner.point != no_point) {
+    of(corner.point) += by_direction;
+    return;
+  }
+  add_normal(corner.p, glm::cross(ray.q, by_direction));
+  add_normal(corner.q, glm::cross(by_direction, ray.p));
+}
+
+void CornerAdjoint::add_plane(FacetId facet, glm::dvec3 by_normal, double by_distance) {
+  // Let s be the sign of the offset. Towards the apex the unit normal is -s normal / |normal|, and the
+  // distance is s offset / |normal|.
+  const NamedPoints::Plane plane = points_.plane(facet);
+  const double length = glm::length(plane.normal), side = plane.offset < 0 ? -1 : 1;
+  const glm::dvec3 unit = plane.normal / length;
+  const glm::dvec3 across = by_normal - glm::dot(by_normal, unit) * unit;
+  add_facet(facet, -side / length * (across + by_distance * plane.offset / length * unit),
+            side * by_distance / length);
+}
+
+}  // namespace tubefoot

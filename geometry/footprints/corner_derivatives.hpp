@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <glm/vec3.hpp>
+#include <utility>
+#include <vector>
+
+#include "geometry/arithmetic/exact_corner.hpp"
+#include "geometry/mesh/facet_mesh.hpp"
+#include "geometry/mesh/names.hpp"
+
+// Derivatives of the corners of footprints by the vertices and rays that their names contain. The names, and
+// so the combinatorics, stay fixed. Reverse mode: the derivative of a value by a corner becomes derivatives
+// of the value by points (Griewank and Walther, Evaluating Derivatives, 2008, chapter 3).
+namespace tubefoot {
+
+/// Points of names and planes of facets, relative to the apex. Points of the mesh are in metres. Rays have
+/// the length of their integers, which has no effect.
+class NamedPoints {
+ public:
+  /// `context` must outlive this object. `unit_m`: metres per grid unit.
+  NamedPoints(const NameContext& context, double unit_m) : context_(context), unit_m_(unit_m) {}
+
+  /// The plane normal . x = offset of a facet. The normal is not normalised.
+  struct Plane {
+    glm::dvec3 normal{0};
+    double offset = 0;
+  };
+  const NameContext& context() const { return context_; }
+  glm::dvec3 point(PointId id) const;
+  Plane plane(FacetId facet) const;
+  /// Returns the normal of a plane through the apex.
+  glm::dvec3 normal(const PlaneName& name) const;
+
+ private:
+  const NameContext& context_;
+  double unit_m_;
+};
+
+/// Velocity of a point relative to the apex, by its name and place. The unit of length is the metre for
+/// vertices and the unit of the integers for rays.
+using PointVelocity = std::function<glm::dvec3(PointId id, glm::dvec3 at)>;
+
+/// Velocities of corners and planes for velocities of points.
+class CornerVelocity {
+ public:
+  CornerVelocity(const NamedPoints& points, PointVelocity velocity)
+      : points_(points), velocity_(std::move(velocity)) {}
+
+  /// Returns the velocity of a corner on a facet.
+  glm::dvec3 of_corner(const CornerName& corner, FacetId facet) const;
+  /// The velocity of a facet's plane: of its unit normal towards the apex, and of its distance from the apex.
+  struct UnitPlane {
+    glm::dvec3 normal{0};
+    double distance = 0;
+  };
+  UnitPlane of_plane(FacetId facet) const;
+
+ private:
+  glm::dvec3 of_point(PointId id) const { return velocity_(id, points_.point(id)); }
+  NamedPoints::Plane of_facet(FacetId facet) const;
+  glm::dvec3 of_normal(const PlaneName& name) const;
+
+  const NamedPoints& points_;
+  PointVelocity velocity_;
+};
+
+/// Derivatives of one value by the points of a mesh, per metre, and by the rays of a tube set, per unit of
+/// their integers. Derivatives by a ray are perpendicular to the ray.
+class CornerAdjoint {
+ public:
+  explicit CornerAdjoint(const NamedPoints& points);
+
+  /// Adds the derivative of the value by the position of a corner on a facet, per metre.
+  void add_corner(const CornerName& corner, FacetId facet, glm::dvec3 by_corner);
+  /// Adds the derivatives of the value by the facet's plane. The plane is given by its unit normal towards
+  /// the apex and by its distance from the apex in metres.
+  void add_plane(FacetId facet, glm::dvec3 by_normal, double by_distance);
+
+  const std::vector<glm::dvec3>& by_vertex() const { return by_vertex_; }
+  const std::vector<glm::dvec3>& by_ray() const { return by_ray_; }
+
+ private:
+  glm::dvec3& of(PointId id) { return id & ray_bit ? by_ray_[id & ~ray_bit] : by_vertex_[id]; }
+  void add_facet(FacetId facet, glm::dvec3 by_normal, double by_offset);
+  void add_normal(const PlaneName& name, glm::dvec3 by_normal);
+
+  const NamedPoints& points_;
+  std::vector<glm::dvec3> by_vertex_, by_ray_;
+};
+
+}  // namespace tubefoot
