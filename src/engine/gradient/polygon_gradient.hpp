@@ -5,6 +5,7 @@
 #include <functional>
 #include <glm/vec2.hpp>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "geometry/integrals/measure.hpp"
