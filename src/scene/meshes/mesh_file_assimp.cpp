@@ -10,6 +10,7 @@
 #include <assimp/material.h>
 #include <assimp/mesh.h>
 #include <assimp/scene.h>
+#include <assimp/version.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -314,6 +315,8 @@ Model model_from(const std::string& bytes) {
     throw std::runtime_error("the names are out of order");
   return model;
 }
+
+void load_assimp() { aiGetVersionMajor(); }
 
 std::string assimp_model(const ModelBytes& bytes, const std::string& name, FileFormat format) {
   Assimp::Importer importer;

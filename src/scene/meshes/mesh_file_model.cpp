@@ -133,6 +133,7 @@ class ModelReader {
   Model from_assimp() const {
     // About 20 times Assimp's time for ordinary models.
     constexpr double seconds = 2, seconds_a_byte = 4e-7;
+    load_assimp();
     ApartResult result;
     try {
       result = done_apart([this] { return assimp_model(bytes_, main_name_, format_); },

@@ -33,6 +33,8 @@ DeclaredAxes collada_axes(std::string_view content);
 /// The bytes of a model's files, by the names that the model uses.
 using ModelBytes = std::map<std::string, std::string>;
 
+/// Loads Assimp. Call it before a separate process, which may not open files, calls assimp_model().
+void load_assimp();
 /// Reads a model with Assimp and returns it as bytes for model_from(). Call it in a separate process,
 /// because it may crash. Throws std::exception.
 std::string assimp_model(const ModelBytes& bytes, const std::string& name, FileFormat format);
