@@ -16,9 +16,6 @@
 namespace tubefoot {
 namespace {
 
-/// Threads that initializers start without a check: log4cplus, below OpenImageIO, starts four.
-constexpr int initializer_threads = 4;
-
 [[noreturn]] void fail(const LibraryOnDemand& library, const std::string& why) {
   const std::string remedy = *library.package == '\0'
                                  ? "install it, or build tubefoot again"
@@ -42,7 +39,7 @@ void tubefoot_load_on_demand(tubefoot::LibraryOnDemand* library) {
   const std::lock_guard lock(mutex);
   if (library->is_loaded != 0) return;
   require_addresses(library->address_bytes);
-  require_threads(initializer_threads);
+  if (library->initializer_threads > 0) require_threads(static_cast<int>(library->initializer_threads));
   // Global, as if the program were linked with it. The library is never closed, because its threads and its
   // functions at exit remain.
   void* const handle = dlopen(library->file, RTLD_NOW | RTLD_GLOBAL);

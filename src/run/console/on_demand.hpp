@@ -27,6 +27,7 @@ struct LibraryOnDemand {
   const char* package;          ///< package that contains the file; empty if unknown
   const char* initializer;      ///< function that sets the variables of the library; empty if it needs none
   std::uint64_t address_bytes;  ///< address space that the library and its dependencies need at most
+  std::uint64_t initializer_threads;  ///< threads that initializers start without a check
   const Symbol* symbols;
   std::uint64_t count;
   std::uint64_t is_loaded;
