@@ -38,7 +38,7 @@ struct Signed {
   double energy, sign = 1;
 };
 
-Signed energy_of(const ChannelOnFacet& channel, glm::dvec2 p, double tx_m, double rx_m) {
+Signed energy_of(const ChannelOnFacet& channel, const glm::dvec2& p, double tx_m, double rx_m) {
   const PathOnFacet& path = channel.path;
   const auto& [transmit, receive, least, is_signed] = channel.patterns;
   const Directivity& sent = transmit.front();
@@ -59,7 +59,8 @@ Signed energy_of(const ChannelOnFacet& channel, glm::dvec2 p, double tx_m, doubl
 
 }  // namespace
 
-void PairIntegrand::operator()(glm::dvec2 p, double tx_m, double rx_m, std::span<double> values) const {
+void PairIntegrand::operator()(const glm::dvec2& p, double tx_m, double rx_m,
+                               std::span<double> values) const {
   const Signed one = energy_of(a, p, tx_m, rx_m);
   const double texture = a.path.texture_at(p);
   if (!b) {

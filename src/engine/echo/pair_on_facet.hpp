@@ -47,7 +47,7 @@ struct RangeDifference {
              -plane.distance_m * glm::dot(plane.normal, axis) - glm::dot(middle_m, axis)},
             length_m};
   }
-  double at(glm::dvec2 p, double sum_of_ranges) const {
+  double at(const glm::dvec2& p, double sum_of_ranges) const {
     return range_difference(length_m * (along.x * p.x + along.y * p.y + along.z), sum_of_ranges);
   }
 };
@@ -62,8 +62,9 @@ struct PairIntegrand {
 
   /// One value is the energy. Three values are those of PairDensity.
   std::size_t values() const { return b ? 3 : 1; }
-  /// Values per square metre. `tx_m`, `rx_m`: ranges of the point from the ends of channel a.
-  void operator()(glm::dvec2 p, double tx_m, double rx_m, std::span<double> values) const;
+  /// Values per square metre. `tx_m`, `rx_m`: ranges of the point from the ends of channel a. The point is a
+  /// reference, because GCC 12 copies a pair of doubles by a 16-byte load right after two 8-byte stores.
+  void operator()(const glm::dvec2& p, double tx_m, double rx_m, std::span<double> values) const;
 };
 
 }  // namespace tubefoot

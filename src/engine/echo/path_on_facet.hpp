@@ -22,9 +22,11 @@ struct EndOverPlane {
   LyingPlane seen;            ///< plane as the apex sees it, relative to the apex
   bool flattened = false;     ///< ranges differ from distances of apparent positions (BistaticFacet)
 
-  double range(glm::dvec2 p) const { return std::hypot(over.distance, p.x - over.foot.x, p.y - over.foot.y); }
+  double range(const glm::dvec2& p) const {
+    return std::hypot(over.distance, p.x - over.foot.x, p.y - over.foot.y);
+  }
   /// Unit vector to p at the range `range_m`.
-  glm::dvec3 direction(glm::dvec2 p, double range_m) const {
+  glm::dvec3 direction(const glm::dvec2& p, double range_m) const {
     return flattened ? seen.towards(p) : seen.at(p) / range_m;
   }
 };
@@ -60,14 +62,14 @@ struct PathOnFacet {
                                    cross_section(*seabed.scattering, rx_distance_m, rx_range_m));
     return seabed.factor * density(sigma, two_way, beta_per_m);
   }
-  double texture_at(glm::dvec2 p) const {
+  double texture_at(const glm::dvec2& p) const {
     return seabed.texture == nullptr ? 1 : seabed.texture->factor(lies.at(p));
   }
   /// Unit vectors from both apexes to a point.
   struct Directions {
     glm::dvec3 tx{0}, rx{0};
   };
-  Directions directions(glm::dvec2 p, double tx_range_m, double rx_range_m) const {
+  Directions directions(const glm::dvec2& p, double tx_range_m, double rx_range_m) const {
     return {tx.direction(p, tx_range_m), rx.direction(p, rx_range_m)};
   }
   /// Energy factor of the mirrors.

@@ -40,9 +40,10 @@ void tubefoot_load_on_demand(tubefoot::LibraryOnDemand* library) {
   if (library->is_loaded != 0) return;
   require_addresses(library->address_bytes);
   if (library->initializer_threads > 0) require_threads(static_cast<int>(library->initializer_threads));
-  // Global, as if the program were linked with it. The library is never closed, because its threads and its
-  // functions at exit remain.
-  void* const handle = dlopen(library->file, RTLD_NOW | RTLD_GLOBAL);
+  // Lazy, as if the program were linked with it. Local, so that the loader does not search libraries that are
+  // loaded later in this one. The library is never closed, because its threads and its functions at exit
+  // remain.
+  void* const handle = dlopen(library->file, RTLD_LAZY | RTLD_LOCAL);
   if (handle == nullptr) fail(*library, dlerror());
   if (*library->initializer != '\0') {
     const auto initialize = reinterpret_cast<int (*)()>(address_of(library->initializer, handle, *library));
