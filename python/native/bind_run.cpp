@@ -164,31 +164,16 @@ std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& opti
   return result;
 }
 
-/// Returns a view of the energies of a channel, of shape (pings, beams, samples).
-py::array channel(const py::object& self, std::size_t sensor, std::size_t channel) {
-  const Recording& r = self.cast<const NativeResult&>().recordings.at(sensor);
-  const auto beams = py::ssize_t(r.sensor->beams().size()), samples = py::ssize_t(r.sensor->samples().count);
-  constexpr auto size = py::ssize_t(sizeof(double));
-  return view(r.energy.data() + channel * r.cells(), {py::ssize_t(r.pings()), beams, samples},
-              {py::ssize_t(r.cells() * r.channels()) * size, samples * size, size}, self);
-}
-
 py::dict arrays_of(const py::object& self, std::size_t sensor) {
   if (self.cast<const NativeResult&>().read) return read_arrays(self, sensor);
   const Recording& r = self.cast<const NativeResult&>().recordings.at(sensor);
   py::dict arrays;
-  arrays["energy"] = channel(self, sensor, 0);
-  if (r.channels() > 1) {
-    arrays["energy_lower"] = channel(self, sensor, 1);
-    arrays["cross_real"] = channel(self, sensor, 2);
-    arrays["cross_imag"] = channel(self, sensor, 3);
-  }
-  if (!r.energy_bound.empty()) {
-    const auto samples = py::ssize_t(r.sensor->samples().count), size = py::ssize_t(sizeof(double));
-    const auto cells = py::ssize_t(r.cells());
-    arrays["energy_bound"] = view(r.energy_bound.data(), {py::ssize_t(r.pings()), cells / samples, samples},
-                                  {cells * py::ssize_t(r.channels()) * size, samples * size, size}, self);
-  }
+  const auto beams = py::ssize_t(r.sensor->beams().size()), samples = py::ssize_t(r.sensor->samples().count);
+  constexpr auto size = py::ssize_t(sizeof(double));
+  for (const RecordedVariable& of : r.variables())
+    arrays[of.meaning.name.c_str()] =
+        view(of.channel.values.data() + of.part * of.cells, {py::ssize_t(r.pings()), beams, samples},
+             {py::ssize_t(of.cells * of.parts) * size, samples * size, size}, self);
   arrays["ping_time"] = view_of<double>(r.ping_time_s, self);
   arrays["sensor_position"] = view_of<double>(r.ping_pose, &Pose::position_m, self, 3);
   std::vector<double> attitude, heading, pitch, roll;

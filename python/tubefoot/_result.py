@@ -25,17 +25,10 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], Any]
 
-# Dimensions, unit and meaning of each variable of echoes.nc (docs/output-files.md).
+# Dimensions, unit and meaning of variables of echoes.nc (docs/output-files.md). The native module knows all others.
 _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "energy": (("ping", "beam", "sample"), "J m-2",
                "received energy density per beam and range bin, for a source of 1 J/sr at 1 m"),
-    "energy_lower": (("ping", "beam", "sample"), "J m-2",
-                     "received energy density per beam and range bin at the lower receiver; energy is that of the upper receiver"),
-    "cross_real": (("ping", "beam", "sample"), "J m-2",
-                   "real part of the mean product of the signal of the upper receiver and the conjugate signal of the lower receiver"),
-    "cross_imag": (("ping", "beam", "sample"), "J m-2",
-                   "imaginary part of the mean product of the signal of the upper receiver and the conjugate signal of the lower "
-                   "receiver"),
     "energy_bound": (("ping", "beam", "sample"), "J m-2",
                      "certified half-width: the true energy lies within energy +- energy_bound"),
     "received": (("ping", "beam", "sample"), "J m-2",

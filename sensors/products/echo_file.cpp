@@ -7,7 +7,9 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
-#include <string_view>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "geometry/steps/steps.hpp"
 #include "sensors/formats/echo_netcdf.hpp"
@@ -31,66 +33,40 @@ std::vector<double> column(const std::vector<Item>& items, Value value) {
   return values;
 }
 
-constexpr struct {
-  const char *name, *long_name;
-} receiver_pair_variables[] = {
-    {"energy_lower",
-     "received energy density per beam and range bin at the lower receiver; energy is that of the upper "
-     "receiver"},
-    {"cross_real",
-     "real part of the mean product of the signal of the upper receiver and the conjugate signal of the "
-     "lower receiver"},
-    {"cross_imag",
-     "imaginary part of the mean product of the signal of the upper receiver and the conjugate signal of the "
-     "lower receiver"},
+/// A variable of the file over ping, beam and range bin, and the packed values of its pings.
+struct FileVariable {
+  ChannelVariable meaning;
+  PingVariable values;
 };
 
-std::string meaning_of(const std::string& name) {
-  constexpr std::string_view bound = "_bound";
-  if (name == "energy")
-    return "received energy density per beam and range bin, for a source of 1 J/sr at 1 m";
-  if (name.ends_with(bound)) {
-    const std::string of = name.substr(0, name.size() - bound.size());
-    return "certified half-width: the true " + (of == "energy" ? "energy" : "value of " + of) +
-           " lies within " + of + " +- " + name;
-  }
-  if (name == "received")
-    return "energy density per beam and range bin as the receiver records it, for a source of 1 J/sr at 1 m";
-  if (name == "received_lower")
-    return "energy density per beam and range bin as the lower receiver records it; received is that of the "
-           "upper receiver";
-  for (const auto& receiver_pair : receiver_pair_variables)
-    if (name == receiver_pair.name) return receiver_pair.long_name;
-  throw std::invalid_argument("no variable " + name);
-}
-
-/// The variables of a recording over ping, beam and sample: their names in its group and their contents.
-/// Chunks that are already packed go into the file unchanged.
-std::vector<PingVariable> ping_variables(const Recording& recording,
+/// The variables of a recording. Chunks that are already packed go into the file unchanged.
+std::vector<FileVariable> ping_variables(const Recording& recording,
                                          const std::optional<ReceiverOutput>& received) {
-  std::vector<PingVariable> variables;
-  const auto add = [&](const std::string& name, std::size_t channel, bool bound) {
-    const PackedPings* packed = (bound ? recording.packed_bound : recording.packed_energy).get();
-    variables.push_back({name, [&recording, packed, channel, bound](std::size_t ping) {
-                           if (packed) return packed->chunk(ping, channel);
-                           const PingEnergies values = bound ? recording.bound_of(ping, channel)
-                                                             : recording.channel_of(ping, channel);
-                           return packed_chunk(values);
-                         }});
+  std::vector<FileVariable> variables;
+  for (const RecordedVariable& of : recording.variables())
+    variables.push_back({of.meaning, {of.meaning.name, [of](std::size_t ping) {
+                                        if (of.channel.packed) return of.channel.packed->chunk(ping, of.part);
+                                        stop_if_wanted();
+                                        const PingEnergies values = of.of(ping);
+                                        return packed_chunk(values);
+                                      }}});
+  const auto add_received = [&](const char* name, const char* long_name, bool lower) {
+    variables.push_back({{name, "J m-2", long_name, true}, {name, [&received, lower](std::size_t ping) {
+                                                              return packed_chunk(
+                                                                  received->recorded_energy_of(ping, lower));
+                                                            }}});
   };
-  const auto name_of = [](std::size_t channel) -> std::string {
-    return channel == 0 ? "energy" : receiver_pair_variables[channel - 1].name;
-  };
-  for (std::size_t c = 0; c < recording.channels(); ++c) add(name_of(c), c, false);
-  for (std::size_t c = 0; c < recording.channels() && recording.has_bounds(); ++c)
-    add(name_of(c) + "_bound", c, true);
-  const auto add_received = [&](const char* name, bool lower) {
-    variables.push_back({name, [&received, lower](std::size_t ping) {
-                           return packed_chunk(received->recorded_energy_of(ping, lower));
-                         }});
-  };
-  if (received) add_received("received", false);
-  if (received && received->lower_energy_of) add_received("received_lower", true);
+  if (received)
+    add_received(
+        "received",
+        "energy density per beam and range bin as the receiver records it, for a source of 1 J/sr at 1 m",
+        false);
+  if (received && received->lower_energy_of)
+    add_received(
+        "received_lower",
+        "energy density per beam and range bin as the lower receiver records it; received is that of the "
+        "upper receiver",
+        true);
   return variables;
 }
 
@@ -132,10 +108,10 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
   const int xyz = group.dimension("xyz", 3);
   const int wxyz = group.dimension("wxyz", 4);
 
-  for (const PingVariable& of_pings : ping_variables(recording, received)) {
-    const std::string& name = of_pings.name;
-    const int variable = group.define(name, {ping, beam, sample}, "J m-2", meaning_of(name));
-    if (name == "energy" || name.starts_with("received"))
+  for (const FileVariable& of_pings : ping_variables(recording, received)) {
+    const auto& [name, units, long_name, has_coordinates] = of_pings.meaning;
+    const int variable = group.define(name, {ping, beam, sample}, units, long_name);
+    if (has_coordinates)
       group.attribute(variable, "coordinates", "ping_time beam_azimuth beam_elevation slant_range");
     if (name.starts_with("received")) describe_received(group, variable, *received);
     group.chunk(variable, name, {1, beams.size(), static_cast<std::size_t>(samples.count)});
@@ -220,9 +196,7 @@ void write_file_of(const fs::path& path, const std::vector<Recording>& recording
   std::size_t bytes = 0;
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const Recording& r = recordings[k];
-    const std::size_t of_receivers = !received[k] ? 0 : received[k]->lower_energy_of ? 2 : 1;
-    const std::size_t variables = (r.has_bounds() ? 2 : 1) * r.channels() + of_receivers;
-    bytes += variables * r.pings() * r.cells() * sizeof(double);
+    bytes += ping_variables(r, received[k]).size() * r.pings() * r.cells() * sizeof(double);
   }
   EchoNetcdf file(path);
   EchoGroup root = file.root();
@@ -237,9 +211,11 @@ void write_file_of(const fs::path& path, const std::vector<Recording>& recording
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const Recording& recording = recordings[k];
     Steps steps("pings of echoes.nc", recording.pings());
-    write_pings(chunks, grouped ? "/" + recording.sensor->description().name + "/" : "/",
-                ping_variables(recording, received[k]), recording.pings(), recording.cells(),
-                [&](std::size_t) { steps.done(); });
+    std::vector<PingVariable> variables;
+    for (FileVariable& of_pings : ping_variables(recording, received[k]))
+      variables.push_back(std::move(of_pings.values));
+    write_pings(chunks, grouped ? "/" + recording.sensor->description().name + "/" : "/", variables,
+                recording.pings(), recording.cells(), [&](std::size_t) { steps.done(); });
   }
   file.close();
 }

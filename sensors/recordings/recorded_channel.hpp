@@ -4,10 +4,22 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "sensors/recordings/ping_energies.hpp"
 
 namespace tubefoot {
+
+/// Name and meaning of an array over ping, beam and range bin, as echoes.nc and Python show them.
+struct ChannelVariable {
+  std::string name, units, long_name;
+  bool has_coordinates = false;  ///< whether echoes.nc refers to its coordinates
+};
+
+/// Returns the variables of a sensor's energies, or of their certified bounds. A receiver pair has four
+/// channels: the energies of both receivers, and the parts of their mean product.
+std::vector<ChannelVariable> energy_variables(std::size_t channels, bool bounds);
 
 /// Values of an output channel of a recording. They are stored elsewhere, in memory or packed.
 struct RecordedChannel {
@@ -19,6 +31,18 @@ struct RecordedChannel {
   /// Returns the values of a ping of a channel with `count` values per ping, all in one chunk.
   PingEnergies of(std::size_t ping, std::size_t count) const {
     return packed ? packed->values(ping, 0) : PingEnergies(values.subspan(ping * count, count));
+  }
+};
+
+/// The values of one variable: an equal part of each ping of a channel.
+struct RecordedVariable {
+  ChannelVariable meaning;
+  RecordedChannel channel;
+  std::size_t part = 0, parts = 1, cells = 0;  ///< number of the part; parts per ping; values per part
+
+  PingEnergies of(std::size_t ping) const {
+    return channel.packed ? channel.packed->values(ping, part)
+                          : PingEnergies(channel.values.subspan((ping * parts + part) * cells, cells));
   }
 };
 

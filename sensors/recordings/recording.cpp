@@ -20,6 +20,42 @@ std::size_t Recording::cells() const {
 
 std::size_t Recording::channels() const { return static_cast<std::size_t>(sensor->channels()); }
 
+std::vector<ChannelVariable> energy_variables(std::size_t channels, bool bounds) {
+  const std::vector<ChannelVariable> all{
+      {"energy", "J m-2", "received energy density per beam and range bin, for a source of 1 J/sr at 1 m",
+       true},
+      {"energy_lower", "J m-2",
+       "received energy density per beam and range bin at the lower receiver; energy is that of the upper "
+       "receiver"},
+      {"cross_real", "J m-2",
+       "real part of the mean product of the signal of the upper receiver and the conjugate signal of the "
+       "lower receiver"},
+      {"cross_imag", "J m-2",
+       "imaginary part of the mean product of the signal of the upper receiver and the conjugate signal of "
+       "the lower receiver"}};
+  std::vector<ChannelVariable> variables(all.begin(), all.begin() + std::ptrdiff_t(channels));
+  if (!bounds) return variables;
+  for (ChannelVariable& of : variables) {
+    const std::string subject = of.name == "energy" ? "energy" : "value of " + of.name;
+    of = {of.name + "_bound", of.units,
+          fmt::format("certified half-width: the true {} lies within {} +- {}_bound", subject, of.name,
+                      of.name)};
+  }
+  return variables;
+}
+
+std::vector<RecordedVariable> Recording::variables() const {
+  std::vector<RecordedVariable> all;
+  const auto add = [&](const RecordedChannel& channel, bool bounds) {
+    for (const ChannelVariable& variable : energy_variables(channels(), bounds))
+      all.push_back({variable, channel, all.size() % channels(), channels(), cells()});
+  };
+  add({energy, packed_energy}, false);
+  if (has_bounds()) add({energy_bound, packed_bound}, true);
+  all.insert(all.end(), further.begin(), further.end());
+  return all;
+}
+
 std::vector<PingSpan> Recording::lines() const {
   std::vector<PingSpan> lines;
   for (const std::size_t start : line_starts) {

@@ -18,6 +18,7 @@
 #include "scene/rasters/georeference.hpp"
 #include "sensors/model/sensor.hpp"
 #include "sensors/recordings/ping_energies.hpp"
+#include "sensors/recordings/recorded_channel.hpp"
 
 namespace tubefoot {
 
@@ -53,6 +54,8 @@ struct Recording {
   std::shared_ptr<const PackedPings> packed_energy{}, packed_bound{};
   /// Owner of the memory of `energy` and `energy_bound`; null if another object owns it.
   std::shared_ptr<const void> keeper{};
+  /// Further variables over ping, beam and range bin, for echoes.nc and Python.
+  std::vector<RecordedVariable> further{};
   /// Number of samples of each beam of a ping, from the first on, that may contain a visible or hidden
   /// surface. Beyond them the beam contains no surface, and a dark sample is not a shadow. Pictures show
   /// that part in a separate colour. Thread-safe; empty if unknown.
@@ -75,6 +78,9 @@ struct Recording {
   double ping_spacing_m() const;
   std::size_t cells() const;     ///< per ping: beams times samples
   std::size_t channels() const;  ///< of the sensor
+  /// Returns all variables over ping, beam and range bin: energies, bounds and further ones. They refer to
+  /// values that this recording does not own.
+  std::vector<RecordedVariable> variables() const;
   bool has_bounds() const { return packed_bound || !energy_bound.empty(); }
   /// [beam][sample]. Throws Interrupted if a stop is requested, as channel_of() does. Writers of recordings
   /// call this function for each ping.

@@ -22,8 +22,8 @@ struct WritingCost {
   double seconds_on(int threads) const { return seconds + shared_seconds / std::max(threads, 1); }
 };
 
-/// The cost of the energies in echoes.nc.
-WritingCost cost_of_echoes(const Recording& recording, bool with_bounds);
+/// The cost of so many stored values in echoes.nc.
+WritingCost cost_of_echoes(double values);
 
 /// The cost of the received data in echoes.nc.
 WritingCost cost_of_received(const Recording& recording);

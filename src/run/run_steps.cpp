@@ -17,6 +17,7 @@
 #include "run/console/progress.hpp"
 #include "run/own_engine.hpp"
 #include "run/settings.hpp"
+#include "run/simulation.hpp"
 #include "sensors/kinds/scene_file.hpp"
 #include "sensors/recordings/receiver_output.hpp"
 
@@ -208,14 +209,17 @@ std::vector<std::string> files_left_out(const Survey& survey, const Selection& s
 
 WritingCost expected_writing(const Survey& survey, const RunRequest& request,
                              const PictureSettings& pictures) {
-  const bool with_bounds = request.reference_tolerance.has_value();
-  const RunContext context = context_of(survey.scene, pictures, with_bounds);
+  const RunContext context = context_of(survey.scene, pictures, request.reference_tolerance.has_value());
   // in addition to the files written next to it
   constexpr double scene_picture_s = 0.1, scene_picture_bytes = 3e5;
   WritingCost all;
   if (pictures.which != PictureSettings::Which::none) all += {scene_picture_s, 0, scene_picture_bytes};
+  double stored = 0;
+  for (const StoreLayout::Sensor& sensor : layout_of(survey, request).sensors)
+    for (const OutputChannel& channel : sensor.channels)
+      if (!channel.variables.empty()) stored += static_cast<double>(sensor.pings * channel.values);
+  all += cost_of_echoes(stored);
   for (const Recording& recording : recordings_to_be(survey, request.selection)) {
-    all += cost_of_echoes(recording, with_bounds);
     if (receiver_output_of(recording, context)) all += cost_of_received(recording);
     if (request.labels)
       all += cost_of_labels(recording, survey.scene.report.components.size(),

@@ -31,13 +31,15 @@ std::vector<OutputChannel> output_channels(const Sensor& sensor, std::size_t bea
   const std::size_t cells = beams * static_cast<std::size_t>(sensor.samples().count);
   const auto rows = static_cast<std::size_t>(sensor.channels());
   std::vector<OutputChannel> channels;
-  const auto add = [&](const std::string& name, std::size_t values, std::size_t chunks) {
-    channels.push_back({name, values, chunks});
-    if (request.reference_tolerance) channels.push_back({name + "_bound", values, chunks});
+  const auto add = [&](const std::string& name, std::size_t values, std::size_t chunks,
+                       const auto& variables) {
+    channels.push_back({name, values, chunks, variables(false)});
+    if (request.reference_tolerance) channels.push_back({name + "_bound", values, chunks, variables(true)});
   };
-  add("energy", rows * cells, rows);
+  add("energy", rows * cells, rows, [&](bool bounds) { return energy_variables(rows, bounds); });
   if (const SignalModel* model = sensor.signals())
-    add("signals", 2 * model->array.receivers_m.size() * model->sampling.samples, 1);
+    add("signals", 2 * model->array.receivers_m.size() * model->sampling.samples, 1,
+        [](bool) { return std::vector<ChannelVariable>(); });
   if (labels > 0) channels.push_back({"labels", labels * cells});
   return channels;
 }
@@ -215,13 +217,21 @@ std::vector<Recording> recordings_of(const Survey& survey, const std::shared_ptr
   for (std::size_t s = 0; s < chosen.size(); ++s) {
     if (chosen[s].pings == 0) continue;
     Recording& recording = recordings.emplace_back(recording_of(survey, s, selection, chosen[s]));
-    const RecordedChannel energy = recorded_channel(store, s, "energy"),
-                          bound = recorded_channel(store, s, "energy_bound");
-    recording.energy = energy.values;
-    recording.packed_energy = energy.packed;
-    recording.energy_bound = bound.values;
-    recording.packed_bound = bound.packed;
     recording.keeper = store;
+    for (const OutputChannel& channel : store->channels(s)) {
+      RecordedChannel recorded = recorded_channel(store, s, channel.name);
+      if (channel.name == "energy") {
+        recording.energy = recorded.values;
+        recording.packed_energy = std::move(recorded.packed);
+      } else if (channel.name == "energy_bound") {
+        recording.energy_bound = recorded.values;
+        recording.packed_bound = std::move(recorded.packed);
+      } else {
+        for (std::size_t k = 0; k < channel.variables.size(); ++k)
+          recording.further.push_back(
+              {channel.variables[k], recorded, k, channel.chunks, channel.values / channel.chunks});
+      }
+    }
     if (chosen[s].all_beams && surfaces_are_known(survey, s))
       recording.surfaces = [survey, store, s, first = chosen[s].first_ping](std::size_t ping) {
         const Sensor& sensor = *survey.sensors[s].sensor;

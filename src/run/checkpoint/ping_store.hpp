@@ -45,6 +45,9 @@ class PingStore {
   PingCounts counts(std::size_t group, std::size_t ping) const;
 
   bool is_packed() const { return file_ != nullptr; }
+  const std::vector<OutputChannel>& channels(std::size_t sensor) const {
+    return layout_.sensors.at(sensor).channels;
+  }
   /// Returns an output channel of a sensor. Null if the store has no such channel.
   const OutputChannel* find(std::size_t sensor, std::string_view channel) const {
     return layout_.sensors.at(sensor).find(channel);

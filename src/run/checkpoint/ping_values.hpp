@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "sensors/recordings/recorded_channel.hpp"
+
 // This header defines the layout of a run's results by sensor, output channel and ping. It also defines the
 // buffers for the values of a ping under computation.
 
@@ -25,6 +27,8 @@ struct OutputChannel {
   std::string name;
   std::size_t values = 0;  ///< number of values per ping
   std::size_t chunks = 1;  ///< number of equal parts of the values, each of which is packed separately
+  /// One variable of echoes.nc and Python per chunk. Empty if another writer shows the values.
+  std::vector<ChannelVariable> variables{};
 };
 
 /// Sizes of everything that a run stores.
