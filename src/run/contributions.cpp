@@ -323,10 +323,17 @@ const History& traced(const Transmission& transmission, PingSums& sums) {
   return sums.seen->history;
 }
 
-std::vector<EchoContribution> contributions_to(const Transmissions& transmissions,
+RunRequest with_needs(RunRequest request, std::span<const std::vector<EchoContribution>> plan) {
+  for (const std::vector<EchoContribution>& of_group : plan)
+    for (const EchoContribution& contribution : of_group) {
+      request.visibility.corner_names |= contribution.needs_corner_names;
+      request.visibility.open_water |= contribution.needs_unobstructed;
+    }
+  return request;
+}
+
+std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRequest& request,
                                                const SharedTransmissions& group) {
-  const Survey& survey = transmissions.survey();
-  const RunRequest& request = transmissions.request();
   const auto sensor = [&](std::size_t s) -> const Sensor& { return *survey.sensors[s].sensor; };
   const auto those = [&](const auto& wanted) {
     std::vector<std::size_t> sensors;

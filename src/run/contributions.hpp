@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "run/ping_sums.hpp"
@@ -19,12 +20,18 @@ struct EchoContribution {
   std::optional<double> tolerance;   ///< relative tolerance of a reference; empty for energies without bounds
   bool by_rays = false;              ///< true if rays sample the visibility
   bool has_surface_per_end = false;  ///< true if transmitter and receiver see different apparent surfaces
+  /// Needs of a transmission's history in addition to footprints: names of their corners, and unobstructed
+  /// regions.
+  bool needs_corner_names = false, needs_unobstructed = false;
 };
 
 /// Returns the plan of a group's contributions, in the order of summation. This function alone chooses them,
 /// by the features of the scene and the request.
-std::vector<EchoContribution> contributions_to(const Transmissions& transmissions,
+std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRequest& request,
                                                const SharedTransmissions& group);
+
+/// Returns the request with visibility options that supply the needs of all contributions of a plan.
+RunRequest with_needs(RunRequest request, std::span<const std::vector<EchoContribution>> plan);
 
 /// Returns the history of a transmission's tubes on its surface mesh. A stationary camera sends the same
 /// tubes from the same position in each cycle. On a surface that its cycles share, the history is therefore

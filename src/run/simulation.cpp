@@ -44,6 +44,16 @@ std::vector<OutputChannel> output_channels(const Sensor& sensor, std::size_t bea
   return channels;
 }
 
+/// Returns the contributions by group. Throws as require_able_to_run() does.
+std::vector<std::vector<EchoContribution>> plan_of(const Survey& survey, const RunRequest& request) {
+  require_able_to_run(survey, request);
+  std::vector<std::vector<EchoContribution>> plan;
+  if (survey.loaded_scene->is_tiled()) return plan;
+  for (const SharedTransmissions& group : survey.transmissions)
+    plan.push_back(contributions_to(survey, request, group));
+  return plan;
+}
+
 }  // namespace
 
 StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
@@ -65,17 +75,13 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
 }
 
 PingSimulation::PingSimulation(const Survey& survey, const RunRequest& request)
-    : transmissions_(survey, request),
+    : plan_(plan_of(survey, request)),
+      transmissions_(survey, with_needs(request, plan_)),
       layout_(layout_of(survey, request)),
       chosen_(chosen_of(survey, request.selection)) {
-  require_able_to_run(survey, request);
-  if (survey.loaded_scene->is_tiled()) {
+  if (survey.loaded_scene->is_tiled())
     by_regions_ = std::make_unique<RegionalSimulation>(survey, request);
-    return;
-  }
-  for (const SharedTransmissions& group : survey.transmissions)
-    plan_.push_back(contributions_to(transmissions_, group));
-  if (request.engine == Engine::ray && !survey.loaded_scene->has_surface_per_transmission())
+  else if (request.engine == Engine::ray && !survey.loaded_scene->has_surface_per_transmission())
     survey.loaded_scene->rays();
 }
 

@@ -74,11 +74,11 @@ class PingSimulation {
   }
 
  private:
+  std::vector<std::vector<EchoContribution>> plan_;  ///< by group; empty for terrain that is read by tiles
   Transmissions transmissions_;
   StoreLayout layout_;
-  std::vector<ChosenEchoes> chosen_;                 ///< by sensor
-  std::vector<std::vector<EchoContribution>> plan_;  ///< by group
-  std::unique_ptr<RegionalSimulation> by_regions_;   ///< for terrain that is read by tiles; otherwise null
+  std::vector<ChosenEchoes> chosen_;                ///< by sensor
+  std::unique_ptr<RegionalSimulation> by_regions_;  ///< for terrain that is read by tiles; otherwise null
 };
 
 /// Options of the report of a simulation's progress.
