@@ -9,10 +9,12 @@
 #include "app/commands.hpp"
 #include "app/run_in_progress.hpp"
 #include "files/atomic_output.hpp"
+#include "files/shown.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/console/amounts.hpp"
 #include "run/console/say.hpp"
+#include "run/gradient_parameters.hpp"
 #include "run/part_run.hpp"
 #include "run/partial_run.hpp"
 #include "run/ranks/run_ranks.hpp"
@@ -123,6 +125,10 @@ int run_part(const RunOptions& options) {
 }  // namespace
 
 int run_command(const RunOptions& options) {
+  if (options.gradient == "help") {
+    tell("{}", harmless(gradient_help(described(options))));
+    return 0;
+  }
   if (options.part) return run_part(options);
   RunInProgress run(options);
   std::unique_ptr<RankLink> link = join_ranks();

@@ -71,6 +71,13 @@ void add_run(CLI::App& app, CommandOptions& requested) {
       ->group(what);
   command
       ->add_option(
+          "--gradient", run.gradient,
+          "also compute the derivatives of energies by these parameters, separated by commas. 'help' "
+          "lists the parameters of the scene (docs/gradients.md)")
+      ->option_text("PARAM")
+      ->group(what);
+  command
+      ->add_option(
           "--tolerance", run.tolerance,
           "permitted error: 0.1dB (RMS over bins with an echo), 1e-3 or 0.1% (relative L1). tubefoot "
           "then selects engine and settings as 'advise' does. With --reference: the relative bound "

@@ -40,6 +40,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "a custom engine",
                                                        "--labels",
                                                        "--coarsen",
+                                                       "--gradient",
                                                        "audit",
                                                        "coverage",
                                                        "view",
@@ -140,6 +141,52 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      {},
      "settings are tested on the facets of the scene: leave out --coarsen, or find the settings without it "
      "first"},
+    {refraction,
+     gradient,
+     {},
+     "derivatives need straight rays: leave out --gradient, or set profile = \"constant\""},
+    {mirrors,
+     gradient,
+     {},
+     "derivatives of these paths are not supported: leave out --gradient, or the mirrors and [paths]"},
+    {separate_receiver,
+     gradient,
+     {},
+     "derivatives need a receiver at the transmitter: leave out --gradient, or 'receiver_arm_m'"},
+    {two_receivers, gradient, {}, "derivatives need one receiver: leave out --gradient, or use one receiver"},
+    {scattering_model,
+     gradient,
+     {},
+     "derivatives need Lambert's law: leave out --gradient, or set law = \"lambert\""},
+    {micro_texture,
+     gradient,
+     {},
+     "derivatives need uniform materials: leave out --gradient, or the micro-texture"},
+    {relief_each_transmission,
+     gradient,
+     {},
+     "these facets change with the position of the sonar: leave out --gradient, or set mode = \"offline\""},
+    {gradient,
+     reference,
+     {},
+     "there is no certified bound of derivatives: leave out --reference, or --gradient"},
+    {gradient,
+     double_arithmetic,
+     {},
+     "derivatives need the exact names of corners: use fixed, filtered or rational, not double"},
+    {gradient,
+     fast_binning,
+     {},
+     "derivatives need exact cuts at the borders of range bins: use --binning exact"},
+    {gradient, rays, {}, "samples of rays have no derivatives: use --engine tube"},
+    {gradient,
+     own_engine,
+     {},
+     "derivatives need visible polygons, which a custom engine does not provide: use a built-in engine"},
+    {gradient,
+     trial,
+     {},
+     "the selected settings may have no derivatives: leave out --tolerance, or --gradient"},
 });
 
 /// A feature of the scene, its place in the scene file, and the subject of a sentence about it.
@@ -252,6 +299,7 @@ std::vector<Feature> requested_by(const RunRequest& request) {
   if (request.reference_tolerance) requested.push_back(reference);
   if (request.labels) requested.push_back(labels);
   if (request.coarseness > 0) requested.push_back(coarsening);
+  if (!request.gradient.empty()) requested.push_back(gradient);
   return requested;
 }
 
@@ -268,11 +316,12 @@ void require_able(const Survey& survey, const RunRequest& request, Feature reque
 void require_able(const RunRequest& request, Feature requested) {
   // Only tube features count here. Rays and binnings are features of runs.
   std::vector<Feature> all{requested};
-  if (requested == reference)
+  if (requested == reference || requested == gradient)
     all = requested_by(request);
   else if (request.visibility.arithmetic == Arithmetic::plain_double)
     all.push_back(double_arithmetic);
   if (requested == trial && request.coarseness > 0) all.push_back(coarsening);
+  if (requested == trial && !request.gradient.empty()) all.push_back(gradient);
   require(refused(std::vector<Found>{}, all));
 }
 

@@ -42,6 +42,7 @@ enum class Feature : unsigned char {
   own_engine,
   labels,
   coarsening,
+  gradient,
   // commands
   audit,
   coverage,

@@ -8,6 +8,7 @@
 #include "engine/certified/receiver_pair_reference.hpp"
 #include "engine/rays/ray_engine.hpp"
 #include "engine/visibility/mixed_eigenrays.hpp"
+#include "run/gradients.hpp"
 #include "run/label_parts.hpp"
 #include "run/own_engine_part.hpp"
 #include "run/path_parts.hpp"
@@ -381,6 +382,10 @@ std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRe
     }
   }
   add(those([&](std::size_t s) { return sensor(s).signals() != nullptr; }), add_signals);
+  if (!request.gradient.empty()) {
+    add(group.sensors, add_gradients);
+    plan.back().needs_corner_names = true;
+  }
   return plan;
 }
 

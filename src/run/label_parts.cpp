@@ -110,8 +110,8 @@ void add_labels_of_paths(const Transmission& transmission, std::size_t s, const 
   });
   settings.arrivals = true;
   settings.scatterings = 1;
-  sums.add_labels(transmission, s, transmission.labels()->unscattered(),
-                  rows_of(seabed.mesh(), models.silent(), settings));
+  sums.add_to_channel(transmission, s, "labels", transmission.labels()->unscattered(),
+                      rows_of(seabed.mesh(), models.silent(), settings));
 }
 
 std::vector<double> wanted_orders(const Transmission& transmission, const PathEcho& paths) {

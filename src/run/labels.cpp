@@ -220,15 +220,15 @@ void LabelModels::add(PingSums& sums, const EchoBy& echo_by) const {
     const std::vector<double> energy = echo_by(model);
     if (is_limited) {
       model.patterns = &near_peak;
-      sums.add_labels(transmission_, sensor_, labels_.near_peak(owner), echo_by(model));
+      sums.add_to_channel(transmission_, sensor_, "labels", labels_.near_peak(owner), echo_by(model));
       model.patterns = model_.patterns;
     } else if (labels_.label_level_db()) {
-      sums.add_labels(transmission_, sensor_, labels_.near_peak(owner), energy);
+      sums.add_to_channel(transmission_, sensor_, "labels", labels_.near_peak(owner), energy);
     }
     show(owner, false);
     all.resize(energy.size(), 0);
     std::ranges::transform(all, energy, all.begin(), std::plus<>());
-    sums.add_labels(transmission_, sensor_, owner, energy);
+    sums.add_to_channel(transmission_, sensor_, "labels", owner, energy);
   }
   model.material_mu = mu_;
   model.scattering = scattering_;
@@ -236,11 +236,11 @@ void LabelModels::add(PingSums& sums, const EchoBy& echo_by) const {
   std::vector<double> heights = echo_by(model);
   for (std::size_t k = 0; k < heights.size(); ++k)
     heights[k] = 2 * scale_m_ * heights[k] + lowest_m_ * all[k];
-  sums.add_labels(transmission_, sensor_, labels_.height(), heights);
+  sums.add_to_channel(transmission_, sensor_, "labels", labels_.height(), heights);
   model.reflectivity = range_;
   std::vector<double> ranges = echo_by(model);
   for (double& range : ranges) range *= scale_m_;
-  sums.add_labels(transmission_, sensor_, labels_.range(), ranges);
+  sums.add_to_channel(transmission_, sensor_, "labels", labels_.range(), ranges);
 }
 
 LabelledSurface::LabelledSurface(const Transmission& transmission, const FacetMesh& mesh) {

@@ -89,6 +89,7 @@ void each_word(auto& options, const auto& each) {
   each("reference", options.reference);
   each("labels", options.labels);
   each("label_level_db", options.label_level_db);
+  each("gradient", options.gradient);
 }
 
 Json words_of(const RunOptions& options) {

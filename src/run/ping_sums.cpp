@@ -82,15 +82,15 @@ void keep_worst(PingCounts& kept, const PingCounts& met) {
   kept.worst_sample = met.worst_sample;
 }
 
-void PingSums::add_labels(const Transmission& transmission, std::size_t s, std::size_t channel,
-                          std::span<const double> values) {
+void PingSums::add_to_channel(const Transmission& transmission, std::size_t s, std::string_view channel,
+                              std::size_t array, std::span<const double> values) {
   if (chosen(s).pings == 0) return;
   const std::vector<std::uint32_t>& beams =
       transmission.sensor(s).beams_of_transmission(transmission.number());
   const auto samples = static_cast<std::size_t>(transmission.sensor(s).samples().count);
   const std::size_t all = chosen(s).beams.size() * samples;
   add_rows(values.first(beams.size() * samples), beams, 1, chosen(s),
-           values_.of(s, "labels").subspan(channel * all, all));
+           values_.of(s, channel).subspan(array * all, all));
 }
 
 void PingSums::add_signals(std::size_t s, std::span<const double> values, std::span<const double> bounds) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "engine/certified/reference.hpp"
@@ -37,10 +38,10 @@ class PingSums {
   /// Adds energies with their bounds.
   void add(const Transmission& transmission, std::size_t sensor, const CertifiedEcho& certified,
            std::size_t order = 1);
-  /// Adds values to a channel of a sensor's labels (LabelChannels): [beam of the transmission][sample].
-  /// Further channels in `values` are ignored.
-  void add_labels(const Transmission& transmission, std::size_t sensor, std::size_t channel,
-                  std::span<const double> values);
+  /// Adds values to one of the arrays over beams and samples in an output channel of a sensor: [beam of the
+  /// transmission][sample]. Further values are ignored.
+  void add_to_channel(const Transmission& transmission, std::size_t sensor, std::string_view channel,
+                      std::size_t array, std::span<const double> values);
   /// Adds values to the signals that a sensor's elements record: [receiver][sample][real, imaginary].
   /// `bounds`: bounds of the values, or empty.
   void add_signals(std::size_t sensor, std::span<const double> values, std::span<const double> bounds);

@@ -62,6 +62,7 @@ nlohmann::ordered_json json_of(const RunRequest& request) {
     json["label_level_db"] = request.label_level_db;
   }
   if (request.coarseness > 0) json["coarsen"] = request.coarseness;
+  if (!request.gradient.empty()) json["gradient"] = request.gradient;
   return json;
 }
 
@@ -81,6 +82,7 @@ RunRequest request_of(const nlohmann::ordered_json& settings, RunRequest otherwi
     request.labels = settings.value("labels", settings.value("truth", false));
     request.label_level_db = settings.value("label_level_db", request.label_level_db);
     request.coarseness = settings.value("coarsen", 0.0);
+    request.gradient = settings.value("gradient", std::vector<std::string>());
     return request;
   });
 }

@@ -4,7 +4,9 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/echo/echo.hpp"
 #include "engine/rays/ray_sampling.hpp"
@@ -36,6 +38,8 @@ struct RunRequest {
   /// With `labels`: labels count the energy that is received within this level [dB] below the two-way peak
   /// of a beam pattern.
   double label_level_db = 20;
+  /// Parameters by which the run also differentiates energies (gradient_parameters.hpp).
+  std::vector<std::string> gradient{};
 };
 
 /// Converts the texts of [run] to a request. Throws UsageError for an unknown text.

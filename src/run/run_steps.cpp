@@ -15,6 +15,7 @@
 #include "run/abilities.hpp"
 #include "run/checkpoint/build_identity.hpp"
 #include "run/console/progress.hpp"
+#include "run/gradient_parameters.hpp"
 #include "run/own_engine.hpp"
 #include "run/settings.hpp"
 #include "run/simulation.hpp"
@@ -125,6 +126,11 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
                       "0 and at most {}",
                       *options.label_level_db, most_db));
     request.label_level_db = *options.label_level_db;
+  }
+  if (options.gradient) {
+    request.gradient = gradient_names(*options.gradient);
+    gradient_parameters(description, request.gradient);
+    require_able(request, Feature::gradient);
   }
   if (options.coarsen) request.coarseness = coarseness_requested(*options.coarsen);
   request.selection = options.selection;

@@ -8,9 +8,11 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <iterator>
 
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
+#include "run/gradients.hpp"
 #include "run/labels.hpp"
 #include "run/refraction.hpp"
 #include "run/regional_simulation.hpp"
@@ -26,8 +28,8 @@ namespace {
 
 /// Returns the output channels of a sensor. Checkpoints, shards and ranks enumerate them. `beams`: number of
 /// stored beams. `labels`: number of label channels (LabelChannels), or 0.
-std::vector<OutputChannel> output_channels(const Sensor& sensor, std::size_t beams, const RunRequest& request,
-                                           std::size_t labels) {
+std::vector<OutputChannel> output_channels(const SceneDescription& scene, const Sensor& sensor,
+                                           std::size_t beams, const RunRequest& request, std::size_t labels) {
   const std::size_t cells = beams * static_cast<std::size_t>(sensor.samples().count);
   const auto rows = static_cast<std::size_t>(sensor.channels());
   std::vector<OutputChannel> channels;
@@ -41,12 +43,14 @@ std::vector<OutputChannel> output_channels(const Sensor& sensor, std::size_t bea
     add("signals", 2 * model->array.receivers_m.size() * model->sampling.samples, 1,
         [](bool) { return std::vector<ChannelVariable>(); });
   if (labels > 0) channels.push_back({"labels", labels * cells});
+  std::ranges::move(gradient_channels(scene, request, cells), std::back_inserter(channels));
   return channels;
 }
 
 /// Returns the contributions by group. Throws as require_able_to_run() does.
 std::vector<std::vector<EchoContribution>> plan_of(const Survey& survey, const RunRequest& request) {
   require_able_to_run(survey, request);
+  require_gradients(survey, request);
   std::vector<std::vector<EchoContribution>> plan;
   if (survey.loaded_scene->is_tiled()) return plan;
   for (const SharedTransmissions& group : survey.transmissions)
@@ -61,8 +65,9 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
   const std::size_t labels = request.labels ? LabelChannels(survey, request).channels() : 0;
   for (std::size_t s = 0; s < chosen.size(); ++s)
-    layout.sensors.push_back({chosen[s].pings, output_channels(*survey.sensors[s].sensor,
-                                                               chosen[s].beams.size(), request, labels)});
+    layout.sensors.push_back(
+        {chosen[s].pings, output_channels(survey.scene.description, *survey.sensors[s].sensor,
+                                          chosen[s].beams.size(), request, labels)});
   for (const SharedTransmissions& group : survey.transmissions) {
     StoreLayout::Group& kept = layout.groups.emplace_back();
     for (const std::size_t s : group.sensors) {

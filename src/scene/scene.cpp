@@ -311,17 +311,18 @@ class Loader {
     }
     std::vector<ComponentMesh> objects;
     std::vector<std::vector<NamedFacets>> names;
+    std::vector<Pose> poses;
     for (const ObjectDescription& object : description_.objects) {
       NamedMesh mesh = object_mesh(description_, object);
       names.push_back(apply_mesh_materials(mesh, object, description_.materials));
       objects.push_back(std::move(mesh));
-      place_object(
+      poses.push_back(place_object(
           objects.back(), object, frame_.value_or(LocalFrame()),
           [&](double east_m, double north_m) {
             const glm::dvec2 place(east_m, north_m);
             return heights_m(object.place, terrains, {&place, 1}).front();
           },
-          [&] { return to_text(extent_of_terrains(terrains)); });
+          [&] { return to_text(extent_of_terrains(terrains)); }));
     }
     for (const TrajectoryDescription& t : description_.trajectories)
       trajectories_.push_back(make_trajectory(
@@ -349,6 +350,7 @@ class Loader {
       add_component(std::move(objects[i]), o.name, o.material, o.material_place, o.place,
                     std::holds_alternative<MeshFile>(o.kind));
       report_.components.back().names = std::move(names[i]);
+      report_.components.back().pose = poses[i];
       if (is_curved(o)) report_.components.back().fineness = facet_fineness(description_, o);
     }
   }

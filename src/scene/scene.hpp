@@ -35,6 +35,7 @@ struct ComponentReport {
   std::vector<NamedFacets> names;  ///< in the order of the file
   glm::dvec3 lo_m{0}, hi_m{0};     ///< extent in the local frame
   FacetFineness fineness;          ///< of a curved object; otherwise 0
+  Pose pose;                       ///< of an object: its own axes at its origin
 };
 
 struct SceneReport {

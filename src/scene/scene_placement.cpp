@@ -9,8 +9,6 @@
 #include <limits>
 #include <vector>
 
-#include "scene/trajectory.hpp"
-
 namespace tubefoot {
 namespace {
 
@@ -45,10 +43,10 @@ void place_by_lon_lat(std::span<glm::dvec3> points, const LocalFrame& frame, con
   for (std::size_t k = 0; k < points.size(); ++k) points[k].z = level[k].z;
 }
 
-void place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,
+Pose place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,
                   const std::function<std::optional<double>(double, double)>& height_m,
                   const std::function<std::string()>& extent) {
-  const glm::dvec3 position = position_of(object, frame);
+  glm::dvec3 position = position_of(object, frame);
   const glm::dquat attitude = attitude_from_angles(
       glm::radians(object.heading_deg), glm::radians(object.pitch_deg), glm::radians(object.roll_deg));
   const glm::dvec3 scale(object.scale[0], object.scale[1], object.scale[2]);
@@ -68,7 +66,9 @@ void place_object(ComponentMesh& mesh, const ObjectDescription& object, const Lo
     }
     const double shift = *surface_mesh + *object.on_terrain_m - lowest;
     for (glm::dvec3& p : mesh.points_m) p.z += shift;
+    position.z += shift;
   }
+  return {position, attitude};
 }
 
 }  // namespace tubefoot

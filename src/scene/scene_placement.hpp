@@ -9,6 +9,7 @@
 #include "scene/description/object_description.hpp"
 #include "scene/description/scene_component.hpp"
 #include "scene/rasters/georeference.hpp"
+#include "scene/trajectory.hpp"
 
 namespace tubefoot {
 
@@ -18,10 +19,11 @@ void place_by_lon_lat(std::span<glm::dvec3> points, const LocalFrame& frame, con
                       const char* without_frame);
 
 /// Places an object as its description states: scaling along east, north and up, rotation by roll, pitch
-/// and heading, and translation. If requested, the object then stands on the terrain. `height_m` returns
+/// and heading, and translation. If requested, the object then stands on the terrain. Returns the pose of
+/// the object's own axes at its origin. `height_m` returns
 /// the height of the terrain at a position east and north, and `extent` describes where the terrain is.
 /// Throws InputError at the object's place.
-void place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,
+Pose place_object(ComponentMesh& mesh, const ObjectDescription& object, const LocalFrame& frame,
                   const std::function<std::optional<double>(double, double)>& height_m,
                   const std::function<std::string()>& extent);
 

@@ -35,6 +35,7 @@ const std::vector<Requested> of_runs{{Feature::reference, {"run", "--reference",
                                      {Feature::fast_binning, {"run", "--binning", "centroid"}},
                                      {Feature::labels, {"run", "--labels"}},
                                      {Feature::coarsening, {"run", "--coarsen", "1e-2"}},
+                                     {Feature::gradient, {"run", "--gradient", "water.absorption"}},
                                      {Feature::rays, {"run", "--engine", "ray", "--rays-per-beam", "30000"}}};
 const std::vector<Requested> of_commands{
     {Feature::audit, {"audit"}},
@@ -52,7 +53,8 @@ struct AbilitiesWalk : testing::Test {
   Outcome tried(const std::set<Feature>& features, std::vector<std::string> words,
                 const std::filesystem::path& output) {
     for (std::string& word : words)
-      if (word.find('.') != std::string::npos && !word.starts_with('-') && word != "1e-2")
+      if (word.find('.') != std::string::npos && !word.starts_with('-') && word != "1e-2" &&
+          word != "water.absorption")
         word = (folder / word).string();
     words.insert(words.begin() + 1, folder.write("scene.toml", scene_with(features, size)).string());
     if (words.front() == "run") words.insert(words.end(), {"-o", output.string()});
@@ -114,6 +116,12 @@ struct AbilitiesWalk : testing::Test {
         for (std::size_t k = 0; k < sure.size(); ++k) EXPECT_NEAR(here[k], sure[k], lost);
       }
       if (features.contains(Feature::labels)) add_up(file, here);
+      if (features.contains(Feature::gradient)) {
+        EXPECT_EQ(here, sure);
+        // Absorption reduces each energy.
+        const std::vector<double> derivatives = file.values("/", "gradient.water.absorption");
+        for (std::size_t k = 0; k < sure.size(); ++k) EXPECT_EQ(derivatives[k]<0, sure[k]> 0) << k;
+      }
       if (!features.contains(Feature::reference)) return;
       const std::vector<double> bound = file.values("/", "energy_bound");
       for (std::size_t k = 0; k < sure.size(); ++k) {

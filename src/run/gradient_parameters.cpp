@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/gradient_parameters.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+
+#include "files/shown.hpp"
+#include "files/usage_error.hpp"
+#include "files/words.hpp"
+#include "scene/description/scene_description.hpp"
+
+// This file derives the names of the parameters of derivatives from a scene.
+
+namespace tubefoot {
+namespace {
+
+/// A line of the list of names: up to three parameters of one owner, which differ in their axis.
+struct ParameterFamily {
+  std::string stem;  ///< name, without the axis
+  std::vector<std::string> axes;
+  GradientParameter::Kind kind;
+  std::size_t owner;
+  std::string units, meaning;
+};
+
+std::vector<ParameterFamily> families_of(const SceneDescription& description) {
+  using enum GradientParameter::Kind;
+  using Axes = std::array<const char*, 3>;
+  constexpr Axes of_frame{"east", "north", "up"}, own{"x", "y", "z"}, angles{"yaw", "tilt", "roll"};
+  constexpr const char *per_metre = "J m-2 m-1", *per_radian = "J m-2 rad-1";
+  std::vector<ParameterFamily> families;
+  const auto add = [&](const std::string& owner, const char* what, const Axes& axes,
+                       GradientParameter::Kind kind, std::size_t number, const char* units,
+                       const char* meaning) {
+    families.push_back({owner + what, {axes.begin(), axes.end()}, kind, number, units, meaning});
+  };
+  for (std::size_t s = 0; s < description.sensors.size(); ++s) {
+    const SensorDescription& sensor = description.sensors[s];
+    add(sensor.name, ".position", of_frame, sonar_position, s, per_metre, "position of the sonar [m]");
+    add(sensor.name, ".rotation", own, sonar_rotation, s, per_radian,
+        "rotation of the sonar about its own axis (x starboard, y forward, z up) [rad]");
+    if (!sensor.look_at_m)
+      add(sensor.name, ".mounting", angles, mounting, s, per_radian,
+          "mounting angle of the sonar, in the sense of yaw_deg, tilt_deg and roll_deg [rad]");
+  }
+  for (std::size_t k = 0; k < description.objects.size(); ++k) {
+    const std::string& name = description.objects[k].name;
+    add(name, ".position", of_frame, object_position, k, per_metre, "position of the object [m]");
+    add(name, ".rotation", own, object_rotation, k, per_radian,
+        "rotation of the object about its own axis through its origin [rad]");
+  }
+  for (std::size_t m = 0; m < description.materials.size(); ++m)
+    families.push_back({fmt::format("material.{}.lambert_db", description.materials[m].name),
+                        {},
+                        lambert_db,
+                        m,
+                        "J m-2",
+                        "Lambert parameter of the material [dB]"});
+  families.push_back({"water.sound_speed",
+                      {},
+                      sound_speed,
+                      0,
+                      "J m-2 m-1 s",
+                      "sound speed [m/s], for range bins that are intervals of time"});
+  families.push_back({"water.absorption", {}, absorption, 0, "J m-2 km", "one-way absorption [dB/km]"});
+  return families;
+}
+
+std::string family_text(const ParameterFamily& family) {
+  return family.axes.empty() ? family.stem : fmt::format("{}.{}", family.stem, fmt::join(family.axes, "|"));
+}
+
+std::string all_names(const SceneDescription& description) {
+  constexpr std::size_t most = 40;
+  std::string names;
+  const std::vector<ParameterFamily> families = families_of(description);
+  for (std::size_t k = 0; k < std::min(most, families.size()); ++k)
+    names += (k == 0 ? "" : ", ") + family_text(families[k]);
+  if (families.size() > most) names += fmt::format(", and {} more lines", families.size() - most);
+  return names;
+}
+
+}  // namespace
+
+std::vector<GradientParameter> gradient_parameters(const SceneDescription& description) {
+  std::vector<GradientParameter> parameters;
+  for (const ParameterFamily& family : families_of(description)) {
+    const auto add = [&](const std::string& axis, int number) {
+      parameters.push_back(
+          {family.stem + axis, family.kind, family.owner, number, family.units, family.meaning});
+    };
+    if (family.axes.empty()) add("", 0);
+    for (std::size_t axis = 0; axis < family.axes.size(); ++axis)
+      add("." + family.axes[axis], static_cast<int>(axis));
+  }
+  return parameters;
+}
+
+std::vector<GradientParameter> gradient_parameters(const SceneDescription& description,
+                                                   const std::vector<std::string>& names) {
+  std::vector<GradientParameter> chosen;
+  if (names.empty()) return chosen;
+  const std::vector<GradientParameter> all = gradient_parameters(description);
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(all, name, &GradientParameter::name);
+    if (found == all.end()) {
+      std::vector<std::string> known;
+      for (const GradientParameter& parameter : all) known.push_back(parameter.name);
+      const std::string_view similar = nearest(name, known);
+      throw UsageError(
+          fmt::format("--gradient: there is no parameter '{}'{}: the parameters of the scene are {}",
+                      shown(name), similar.empty() ? "" : fmt::format(" (did you mean '{}'?)", similar),
+                      shown(all_names(description))));
+    }
+    if (std::ranges::find(chosen, name, &GradientParameter::name) != chosen.end())
+      throw UsageError(
+          fmt::format("--gradient: the parameter '{}' is there twice: name it once", shown(name)));
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+std::vector<std::string> gradient_names(const std::string& list) {
+  std::vector<std::string> names;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t comma = std::min(list.find(',', begin), list.size());
+    names.push_back(list.substr(begin, comma - begin));
+    begin = comma + 1;
+  }
+  return names;
+}
+
+std::string gradient_help(const SceneDescription& description) {
+  const std::vector<ParameterFamily> families = families_of(description);
+  std::size_t width = 0;
+  for (const ParameterFamily& family : families) width = std::max(width, family_text(family).size());
+  std::string help;
+  for (const ParameterFamily& family : families)
+    help += fmt::format("{:<{}}  {}; unit of derivatives: {}\n", family_text(family), width, family.meaning,
+                        family.units);
+  return help;
+}
+
+}  // namespace tubefoot

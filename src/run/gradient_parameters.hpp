@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace tubefoot {
+
+struct SceneDescription;
+
+/// A parameter of a scene by which a run differentiates energies (docs/gradients.md).
+struct GradientParameter {
+  enum class Kind {
+    sonar_position,
+    sonar_rotation,
+    mounting,
+    object_position,
+    object_rotation,
+    lambert_db,
+    sound_speed,
+    absorption
+  };
+  std::string name;
+  Kind kind{};
+  std::size_t owner = 0;  ///< number of the sensor, object or material in the description
+  int axis = 0;           ///< east, north, up; or x, y, z; or yaw, tilt, roll
+  std::string units;      ///< of a derivative. UDUNITS has no decibel, so that units omit it
+  std::string meaning;    ///< of the parameter, with its unit
+
+  bool is_of_sonar() const { return kind <= Kind::mounting; }
+  bool is_of_object() const { return kind == Kind::object_position || kind == Kind::object_rotation; }
+};
+
+/// Returns all parameters of a scene.
+std::vector<GradientParameter> gradient_parameters(const SceneDescription& description);
+
+/// Returns the parameters with these names. Throws UsageError for an unknown or repeated name; the message
+/// contains the most similar name and all names.
+std::vector<GradientParameter> gradient_parameters(const SceneDescription& description,
+                                                   const std::vector<std::string>& names);
+
+/// Splits the value of --gradient at commas.
+std::vector<std::string> gradient_names(const std::string& list);
+
+/// Returns all names of a scene with their meanings, one line for each kind and owner.
+std::string gradient_help(const SceneDescription& description);
+
+}  // namespace tubefoot
