@@ -154,6 +154,7 @@ std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& opti
   requested.label_level_db = option<double>(options, "label_level");
   requested.tolerance = option<std::string>(options, "tolerance");
   requested.coarsen = option<std::string>(options, "coarsen");
+  requested.gradient = option<std::string>(options, "gradient");
   const auto engine = own_name ? own_engine(*own_name, own) : nullptr;
   RunWatch watch;
   std::shared_ptr<NativeResult> result;

@@ -12,6 +12,7 @@ void bind_echo_file(pybind11::module_& module);
 void bind_picture(pybind11::module_& module);
 void bind_coverage(pybind11::module_& module);
 void bind_study(pybind11::module_& module);
+void bind_gradient(pybind11::module_& module);
 void bind_footprints(pybind11::module_& module);
 void bind_signals(pybind11::module_& module);
 

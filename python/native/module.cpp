@@ -81,6 +81,7 @@ PYBIND11_MODULE(_native, module) {
   tubefoot::python::bind_picture(module);
   tubefoot::python::bind_coverage(module);
   tubefoot::python::bind_study(module);
+  tubefoot::python::bind_gradient(module);
   tubefoot::python::bind_footprints(module);
   tubefoot::python::bind_signals(module);
   close_classes(module);

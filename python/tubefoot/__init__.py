@@ -16,7 +16,9 @@ from . import _native
 from ._coverage import Coverage, coverage
 from ._engines import Engine, engine, sensor
 from ._errors import InputError, SceneWarning, SilenceWarning, UsageError
+from ._fit import EnergyFit
 from ._footprints import Footprints, footprints
+from ._gradient import ComponentGradient, Gradient, SonarGradient
 from ._history import History, Transmission, history, transmission
 from ._picture import Picture
 from ._result import Result, SensorResult, open, reference, run
@@ -28,10 +30,10 @@ from ._words import former
 __version__: str = _native.version
 
 __all__ = [
-    "Coverage", "Engine", "Footprints", "History", "InputError", "Picture", "Result", "Scene", "SceneWarning",
-    "SensorResult", "Transmission", "Signals", "SilenceWarning", "UsageError", "Waveform", "advise", "chart", "compare", "coverage",
-    "engine", "footprints", "history", "load", "open", "point_signals", "reference", "run", "sensor", "transmission", "signals",
-    "window_weights",
+    "ComponentGradient", "Coverage", "EnergyFit", "Engine", "Footprints", "Gradient", "History", "InputError", "Picture",
+    "Result", "Scene", "SceneWarning", "SensorResult", "SonarGradient", "Transmission", "Signals", "SilenceWarning",
+    "UsageError", "Waveform", "advise", "chart", "compare", "coverage", "engine", "footprints", "history", "load", "open",
+    "point_signals", "reference", "run", "sensor", "transmission", "signals", "window_weights",
 ]
 
 

@@ -205,6 +205,12 @@ class SensorResult:
         return self._values.get("energy_bound")
 
     @property
+    def gradient(self) -> dict[str, np.ndarray]:
+        """(P, B, K) float64 by name of a parameter: derivative of ``energy`` by it (docs/gradients.md). The dict is empty
+        unless the run computed derivatives."""
+        return {name.removeprefix("gradient."): values for name, values in self._values.items() if name.startswith("gradient.")}
+
+    @property
     def energy_lower(self) -> Optional[np.ndarray]:
         """(P, B, K) float64: energy density at the lower of two receivers in J/m²; None except for ``interferometric``.
 
@@ -441,6 +447,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         sampling: Optional[str] = None, rays: Optional[int] = None, rays_per_beam: Optional[int] = None,
         seed: Optional[int] = None, sensor: Optional[str] = None, pings: Union[int, str, None] = None,
         beams: Union[int, str, None] = None, coarsen: float = 0, labels: bool = False, label_level: Optional[float] = None,
+        gradient: Optional[Sequence[str]] = None,
         output: Optional[PathLike] = None, progress: Optional[Progress] = None) -> Result:
     """Simulates all pings of a scene in memory, as ``tubefoot run`` does.
 
@@ -468,6 +475,8 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
             (:attr:`SensorResult.labels`). The former name ``truth`` gives a DeprecationWarning.
         label_level: with ``labels``: level in dB below the two-way peak of the beam pattern. An object owns a label only
             through contributions above this level; by default 20.
+        gradient: names of parameters (:meth:`Scene.gradient_parameters`): also compute the derivatives of energies by them
+            (:attr:`SensorResult.gradient`).
         output: folder for the files of ``tubefoot run -o``. The files appear only when complete.
         progress: function that is called occasionally with the number of finished pings and of all pings. An exception
             from this function stops the run.
@@ -491,6 +500,10 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
                     beams=None if beams is None else str(beams))
     if tolerance is not None:
         options["tolerance"] = tolerance if isinstance(tolerance, str) else repr(float(tolerance))
+    if isinstance(gradient, str):
+        raise UsageError(f"gradient: expected a list of names, not the text {gradient!r}")
+    if gradient is not None and len(gradient):
+        options["gradient"] = ",".join(gradient)
     if coarsen:
         options["coarsen"] = repr(float(coarsen))
     if output is not None and not os.fspath(output):

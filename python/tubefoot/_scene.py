@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Optional, Union
 
@@ -14,6 +14,7 @@ import numpy.typing as npt
 from . import _native
 from ._arrays import finite, first_of, place_of, unmasked, with_holes
 from ._errors import InputError, UsageError
+from ._gradient import Gradient, gradient_of
 from ._toml import Text
 from ._words import former, in_python, with_named_arguments
 
@@ -106,6 +107,27 @@ class Scene:
         """Returns the number of transmissions per ping of a sensor. The call loads the scene."""
         with self._explained():
             return self._native.transmissions(sensor)
+
+    def gradient_parameters(self) -> dict[str, tuple[str, str]]:
+        """Returns unit and meaning of each parameter for ``gradient`` of :func:`run`, by name (docs/gradients.md)."""
+        return {name: (units, meaning) for name, units, meaning in _native.gradient_parameters(self._native)}
+
+    @with_named_arguments
+    def gradient(self, weights: Union[npt.ArrayLike, Mapping[str, npt.ArrayLike]], *, threads: Optional[int] = None,
+                 progress: Optional[Callable[[int, int], Any]] = None) -> Gradient:
+        """Computes the derivatives of the sum of weight times energy by all vertices, poses, materials and water.
+
+        The computation is in reverse mode: its time does not depend on the number of parameters.
+
+        Args:
+            weights: derivatives of a value by the energies, as an array of shape (pings, beams, range bins) for a scene
+                with one sensor, or such arrays by sensor. Sensors without an array have the weight 0.
+            threads, progress: as for :func:`run`.
+
+        Raises:
+            UsageError: weights of the wrong shape or not finite, or a feature without derivatives.
+        """
+        return gradient_of(self, weights, threads, progress)
 
     def shots(self, sensor: str) -> int:
         """The former name of :meth:`transmissions`, with a DeprecationWarning."""

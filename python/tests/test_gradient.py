@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Derivatives of energies: central differences of whole runs, laws, reverse mode against forward mode, and SciPy."""
+
+import copy
+import subprocess
+
+import netCDF4
+import numpy as np
+import pytest
+
+import tubefoot
+from conftest import PROGRAM
+
+# Steps are multiples of the grid unit of this scene, which is 2**-20 m.
+KEYS = {
+    "water": {"sound_speed_m_s": 1500.0, "absorption_db_per_km": 120.0},
+    "materials": [{"name": "sand", "lambert_db": -27.0}, {"name": "steel", "lambert_db": -15.0}],
+    "terrain": {"name": "bed", "kind": "fractal", "width_m": 14, "length_m": 14, "cell_m": 1.3, "rms_height_m": 0.2,
+                "material": "sand"},
+    "objects": [{"name": "block", "shape": "box", "size_m": [0.9, 0.5, 0.7], "position_m": [0.31, 3.07, 0.83],
+                 "heading_deg": 25, "pitch_deg": 8, "roll_deg": 5, "material": "steel"}],
+    "trajectory": {"kind": "fixed", "position_m": [0.02, 0.013, 2.51], "heading_deg": 3, "pitch_deg": 3, "roll_deg": 2},
+    "sensors": [{"name": "camera", "kind": "imaging", "beams": 8, "horizontal_deg": 24, "vertical_deg": 25, "yaw_deg": 7,
+                 "tilt_deg": 30, "roll_deg": 4, "range_min_m": 2, "range_max_m": 6, "samples": 30, "pings": 2,
+                 "ping_interval_s": 1}],
+}
+STEP = 2.0**-13
+NAMES = list(tubefoot.Scene.from_dict(KEYS).gradient_parameters())
+
+
+def changed(section, index, key, change, component=None):
+    keys = copy.deepcopy(KEYS)
+    table = keys[section] if index is None else keys[section][index]
+    if component is None:
+        table[key] += change
+    else:
+        table[key][component] += change
+    return keys
+
+
+def at_sound_speed(speed):
+    keys = changed("water", None, "sound_speed_m_s", speed - 1500)
+    for key in ("range_min_m", "range_max_m"):
+        keys["sensors"][0][key] *= speed / 1500
+    return keys
+
+
+MOVED = {
+    **{f"camera.position.{axis}": (lambda h, k=k: changed("trajectory", None, "position_m", h, k), STEP)
+       for k, axis in enumerate(("east", "north", "up"))},
+    **{f"block.position.{axis}": (lambda h, k=k: changed("objects", 0, "position_m", h, k), STEP)
+       for k, axis in enumerate(("east", "north", "up"))},
+    **{f"camera.mounting.{angle}": (lambda h, a=angle: changed("sensors", 0, a + "_deg", np.degrees(h)), STEP / 4)
+       for angle in ("yaw", "tilt", "roll")},
+    "material.sand.lambert_db": (lambda h: changed("materials", 0, "lambert_db", h), 1e-3),
+    "material.steel.lambert_db": (lambda h: changed("materials", 1, "lambert_db", h), 1e-3),
+    "water.absorption": (lambda h: changed("water", None, "absorption_db_per_km", h), 0.1),
+    "water.sound_speed": (lambda h: at_sound_speed(1500 + h), 0.02),
+}
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return tubefoot.Scene.from_dict(KEYS)
+
+
+@pytest.fixture(scope="module")
+def echoes(scene):
+    return tubefoot.run(scene, gradient=NAMES)["camera"]
+
+
+def energy_of(keys):
+    return tubefoot.run(tubefoot.Scene.from_dict(keys))["camera"].energy
+
+
+@pytest.mark.parametrize("name", MOVED)
+def test_derivatives_are_central_differences_of_whole_runs(echoes, name):
+    scene_of, step = MOVED[name]
+    difference = (energy_of(scene_of(step)) - energy_of(scene_of(-step))) / (2 * step)
+    derivative = echoes.gradient[name]
+    assert np.abs(derivative).max() > 0
+    assert np.abs(difference - derivative).max() < 1e-3 * np.abs(derivative).max()
+
+
+def test_derivatives_do_not_change_energies(scene, echoes):
+    assert list(echoes.gradient) == NAMES
+    assert (tubefoot.run(scene)["camera"].energy == echoes.energy).all()
+
+
+def test_rotations_about_own_axes_are_those_of_mounting_angles(echoes):
+    # roll is the last of the mounting angles, and turns the sonar about its own forward axis
+    assert echoes.gradient["camera.rotation.y"] == pytest.approx(echoes.gradient["camera.mounting.roll"], rel=1e-9, abs=1e-20)
+    roll = np.radians(4)
+    tilt = -np.cos(roll) * echoes.gradient["camera.rotation.x"] - np.sin(roll) * echoes.gradient["camera.rotation.z"]
+    largest = np.abs(echoes.gradient["camera.mounting.tilt"]).max()
+    assert np.abs(tilt - echoes.gradient["camera.mounting.tilt"]).max() < 1e-9 * largest
+
+
+def test_an_object_of_no_visible_edge_has_no_derivatives():
+    keys = copy.deepcopy(KEYS)
+    keys["objects"][0]["position_m"] = [0.31, -3.07, 0.83]
+    hidden = tubefoot.run(tubefoot.Scene.from_dict(keys), gradient=["block.position.east", "block.rotation.z"])["camera"]
+    assert not any(values.any() for values in hidden.gradient.values())
+
+
+def test_levels_in_db_scale_the_energies_of_their_material(echoes):
+    per_db = sum(echoes.gradient[f"material.{name}.lambert_db"] for name in ("sand", "steel"))
+    assert per_db == pytest.approx(np.log(10) / 10 * echoes.energy, rel=1e-9)
+
+
+def test_reverse_mode_is_the_weighted_sum_of_forward_mode(scene, echoes):
+    weights = np.random.default_rng(38).normal(size=echoes.energy.shape)
+    gradient = scene.gradient(weights)
+    for name in NAMES:
+        parts = weights * echoes.gradient[name]
+        assert gradient[name] == pytest.approx(parts.sum(), rel=0, abs=1e-9 * np.abs(parts).sum() + 1e-30), name
+    block, bed, camera = gradient.components["block"], gradient.components["bed"], gradient.sonars["camera"]
+    assert bed.position is None and block.vertices_m.shape == block.by_vertex.shape == (8, 3)
+    assert camera.position.shape == camera.mounting.shape == (2, 3)
+    assert block.position == pytest.approx(block.by_vertex.sum(axis=0))
+    # a common translation of scene and sonar changes nothing
+    everything = bed.by_vertex.sum(axis=0) + block.position + camera.position.sum(axis=0)
+    assert np.abs(everything).max() < 1e-9 * np.abs(bed.by_vertex).sum()
+    assert {k: scene.gradient({"camera": weights})[k] for k in NAMES} == {k: gradient[k] for k in NAMES}
+
+
+def test_weights_must_fit_and_be_finite(scene, echoes):
+    weights = np.ones(echoes.energy.shape)
+    with pytest.raises(tubefoot.UsageError, match=r"'camera'.*pings, beams, range bins.*\(1, 8, 30\)"):
+        scene.gradient(weights[:1])
+    with pytest.raises(tubefoot.UsageError, match="'camera'.*479? numbers|'camera'.*expected 2 x 8 x 30"):
+        scene.gradient(weights[:, :, :-1])
+    weights[1, 2, 3] = np.nan
+    with pytest.raises(tubefoot.UsageError, match="'camera'.*finite.*1, 2, 3 is nan"):
+        scene.gradient(weights)
+    with pytest.raises(tubefoot.UsageError, match="no sensor 'cam'.*'camera'"):
+        scene.gradient({"cam": weights})
+
+
+def test_a_sonar_that_receives_nothing_is_reported():
+    keys = copy.deepcopy(KEYS)
+    keys["sensors"][0]["tilt_deg"] = -60
+    up = tubefoot.Scene.from_dict(keys)
+    with pytest.warns(tubefoot.SilenceWarning):
+        assert not tubefoot.run(up, gradient=["water.absorption"])["camera"].gradient["water.absorption"].any()
+    with pytest.warns(tubefoot.SilenceWarning, match="derivatives are 0"):
+        assert up.gradient(np.ones((2, 8, 30)))["water.absorption"] == 0
+
+
+def test_unknown_parameters_name_similar_ones(scene):
+    with pytest.raises(tubefoot.UsageError, match="did you mean 'camera.position.east'.*block.rotation.x|y|z"):
+        tubefoot.run(scene, gradient=["camera.positon.east"])
+    with pytest.raises(tubefoot.UsageError, match="lambert_db"):
+        tubefoot.run(scene, gradient=["material.sand.mu"])
+    with pytest.raises(tubefoot.UsageError, match="list of names"):
+        tubefoot.run(scene, gradient="water.absorption")
+
+
+@pytest.mark.parametrize("option, reason", [({"engine": "ray"}, "rays"), ({"binning": "centroid"}, "exact cuts"),
+                                            ({"arithmetic": "double"}, "exact names"), ({"tolerance": 0.1}, "tolerance")])
+def test_settings_without_derivatives_are_rejected(scene, option, reason):
+    with pytest.raises(tubefoot.UsageError, match=reason):
+        tubefoot.run(scene, gradient=["water.absorption"], **option)
+
+
+@pytest.mark.parametrize("section, keys, reason", [
+    ("sea_surface", {"height_m": 4}, "via mirrors"),
+    ("water", {"sound_speed_m_s": 1500, "profile": "gradient", "gradient_per_s": 0.5, "profile_bottom_m": 40,
+               "surface_height_m": 6}, "straight rays")])
+def test_scenes_without_derivatives_are_rejected(section, keys, reason):
+    scene = tubefoot.Scene.from_dict({**KEYS, section: keys})
+    for compute in (lambda: tubefoot.run(scene, gradient=["water.absorption"]), lambda: scene.gradient(np.ones((2, 8, 30)))):
+        with pytest.raises((tubefoot.UsageError, tubefoot.InputError), match=reason):
+            compute()
+
+
+def test_an_object_that_shares_a_vertex_cannot_move_alone():
+    keys = copy.deepcopy(KEYS)
+    for section in ("terrain", "objects"):
+        keys[section] = [{"name": section, "vertices": [[-5, 1, 0], [5, 1, 0], [0, 8, 0.1]], "facets": [[0, 1, 2]],
+                          "material": "sand"}]
+    keys["objects"][0]["vertices"] = [[-5, 1, 0], [0, 4, 0], [0, 4, 1]]
+    scene = tubefoot.Scene.from_dict(keys)
+    with pytest.raises(tubefoot.UsageError, match="'objects' has a vertex in common"):
+        tubefoot.run(scene, gradient=["objects.position.up"])
+    assert scene.gradient(np.ones((2, 8, 30))).components["objects"].position is None
+
+
+def test_files_of_the_command_contain_the_same_derivatives(scene, echoes, tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(scene.to_toml())
+    asked = ["run", file, "--quiet", "--pictures", "none", "--gradient", "camera.position.up,block.rotation.z"]
+
+    def program(*words):
+        return subprocess.run([PROGRAM, *words], check=True, capture_output=True, text=True).stdout
+
+    program(*asked, "-o", tmp_path / "whole")
+    for shard in ("1/2", "2/2"):
+        program(*asked, "-o", tmp_path / "joined", "--shard", shard)
+    program("join", file, "-o", tmp_path / "joined", "--pictures", "none")
+    assert (tmp_path / "whole/echoes.nc").read_bytes() == (tmp_path / "joined/echoes.nc").read_bytes()
+    with netCDF4.Dataset(tmp_path / "whole/echoes.nc") as data:
+        for name, units in (("camera.position.up", "J m-2 m-1"), ("block.rotation.z", "J m-2 rad-1")):
+            variable = data["gradient." + name]
+            assert variable.units == units and (variable[:] == echoes.gradient[name]).all()
+    opened = tubefoot.open(tmp_path / "whole")["camera"]
+    assert (opened.gradient["block.rotation.z"] == echoes.gradient["block.rotation.z"]).all()
+    assert echoes[1:].gradient["water.absorption"].shape == (1, 8, 30)
+    listed = program("run", file, "-o", tmp_path / "none", "--gradient", "help")
+    assert "camera.mounting.yaw|tilt|roll" in listed and not (tmp_path / "none").exists()
+
+
+def test_scipy_recovers_parameters():
+    scipy_optimize = pytest.importorskip("scipy.optimize")
+    truth = {"block.position.north": 3.0812, "camera.mounting.tilt": np.radians(30.2), "water.sound_speed": 1501.3,
+             "water.absorption": 131.0}
+    first = tubefoot.EnergyFit(KEYS, list(truth), np.zeros((2, 8, 30)))
+    measured = tubefoot.run(first.scene(list(truth.values())))["camera"].energy
+    fit = tubefoot.EnergyFit(KEYS, list(truth), {"camera": measured}, sigma=1e-3 * measured.max())
+    found = scipy_optimize.least_squares(fit.residuals, fit.initial, fit.jacobian, x_scale="jac")
+    assert found.x == pytest.approx(list(truth.values()), rel=1e-4)
+    value, gradient = fit.half_squares(fit.initial)
+    residuals = fit.residuals(fit.initial)
+    assert value == pytest.approx(residuals @ residuals / 2)
+    assert gradient == pytest.approx(fit.jacobian(fit.initial).T @ residuals, rel=1e-8)
+
+
+def test_fits_say_what_they_cannot_set():
+    measured = np.zeros((2, 8, 30))
+    with pytest.raises(tubefoot.UsageError, match="'camera.rotation.x' is no key.*update"):
+        tubefoot.EnergyFit(KEYS, ["camera.rotation.x"], measured)
+    with pytest.raises(tubefoot.UsageError, match="did you mean 'camera.mounting.tilt'"):
+        tubefoot.EnergyFit(KEYS, ["camera.mountng.tilt"], measured)
+    with pytest.raises(tubefoot.UsageError, match="expected 1 numbers"):
+        tubefoot.EnergyFit(KEYS, ["water.absorption"], measured).residuals([1, 2])
+    with pytest.raises(tubefoot.UsageError, match=r"\(2, 8, 29\), expected \(2, 8, 30\)"):
+        tubefoot.EnergyFit(KEYS, ["water.absorption"], measured[..., 1:]).residuals([120])
+    own = tubefoot.EnergyFit(KEYS, ["block.rotation.z"], measured, initial=[0],
+                             update=lambda x: changed("objects", 0, "heading_deg", -np.degrees(x[0])))
+    assert own.jacobian([0]).shape == (480, 1)

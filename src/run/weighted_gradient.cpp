@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/weighted_gradient.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "files/usage_error.hpp"
+#include "geometry/steps/stop.hpp"
+#include "run/abilities.hpp"
+#include "run/gradients.hpp"
+
+// This file sums reverse-mode gradients over transmissions. Derivatives by points become derivatives by
+// poses: a translation of the apex moves all vertices the opposite way, and a rotation turns all rays.
+
+namespace tubefoot {
+namespace {
+
+void check_weights(const Survey& survey, const std::vector<std::span<const double>>& weights) {
+  for (std::size_t s = 0; s < weights.size(); ++s) {
+    const SensorPings& pings = survey.sensors[s];
+    const std::size_t beams = pings.sensor->beams().size(),
+                      samples = std::size_t(pings.sensor->samples().count);
+    const std::string& name = pings.sensor->description().name;
+    if (weights[s].empty()) continue;
+    if (weights[s].size() != pings.times_s.size() * beams * samples)
+      throw UsageError(
+          fmt::format("weights of sensor '{}': {} numbers, expected {} x {} x {} (pings, beams, range bins)",
+                      name, weights[s].size(), pings.times_s.size(), beams, samples));
+    const auto bad = std::ranges::find_if_not(weights[s], [](double w) { return std::isfinite(w); });
+    if (bad == weights[s].end()) continue;
+    const auto at = std::size_t(bad - weights[s].begin());
+    throw UsageError(
+        fmt::format("weights of sensor '{}': ping {}, beam {}, range bin {} is {}, expected a finite number",
+                    name, at / (beams * samples), at / samples % beams, at % samples, *bad));
+  }
+}
+
+/// Returns the weights of a transmission, [beam of the transmission][range bin].
+std::vector<double> weights_of(const Transmission& transmission, std::size_t s, std::span<const double> all) {
+  const Sensor& sensor = transmission.sensor(s);
+  const auto samples = std::size_t(sensor.samples().count);
+  const std::span<const double> ping =
+      all.subspan(transmission.ping() * sensor.beams().size() * samples, sensor.beams().size() * samples);
+  std::vector<double> own;
+  for (const std::uint32_t beam : sensor.beams_of_transmission(transmission.number())) {
+    const std::span<const double> row = ping.subspan(beam * samples, samples);
+    own.insert(own.end(), row.begin(), row.end());
+  }
+  return own;
+}
+
+/// Adds the gradient of a transmission's energies to those of its sensor and scene.
+void add_echo_gradient(const Transmission& transmission, std::size_t s, const History& history,
+                       const EchoModel& model, const EchoGradient& echo, WeightedGradient& sum) {
+  const Scene& scene = transmission.scene();
+  const FacetMesh& mesh = transmission.surface_mesh().mesh();
+  const glm::dvec3 apex_m = scene.grid.to_metres(history.tubes.apex);
+  glm::dvec3 by_all_vertices(0), by_rotation(0);
+  double by_scale = 0;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (echo.by_vertex[v] == glm::dvec3(0)) continue;
+    sum.by_vertex[v] += echo.by_vertex[v];
+    by_all_vertices += echo.by_vertex[v];
+    by_scale -= glm::dot(scene.grid.to_metres(mesh.vertices[v]) - apex_m, echo.by_vertex[v]);
+  }
+  for (std::size_t k = 0; k < echo.by_ray.size(); ++k) {
+    const GridPoint ray = history.footprints.name_rays[k];
+    by_rotation += glm::cross(glm::dvec3(ray.x, ray.y, ray.z), echo.by_ray[k]);
+  }
+  // Euler's theorem for energies, which scale as the power -2 of all lengths.
+  for (std::size_t m = 0; m < echo.by_material_mu.size(); ++m) {
+    const double weighted = scene.material_mu[m] * echo.by_material_mu[m];
+    sum.by_lambert_db[m] += weighted * std::numbers::ln10 / 10;
+    by_scale -= 2 * weighted;
+  }
+  by_scale += model.absorption_db_per_m * echo.by_absorption;
+  sum.by_sound_speed += by_scale / scene.sound_speed_m_s;
+  sum.by_absorption += echo.by_absorption / 1000;
+  const Sensor& sensor = transmission.sensor(s);
+  const glm::dquat& attitude = transmission.pose().attitude;
+  WeightedGradient::OfSonar& sonar = sum.sonars[s];
+  sonar.by_position[transmission.ping()] -= by_all_vertices;
+  for (int k = 0; k < 3; ++k) {
+    glm::dvec3 unit(0);
+    unit[k] = 1;
+    sonar.by_rotation[transmission.ping()][k] += glm::dot(attitude * unit, by_rotation);
+    if (!sensor.description().look_at_m)
+      sonar.by_mounting[transmission.ping()][k] += glm::dot(mounting_axis(sensor, attitude, k), by_rotation);
+  }
+}
+
+/// Sums derivatives by vertices to derivatives by the poses of objects.
+void add_objects(const Scene& scene, const FacetMesh& mesh, WeightedGradient& sum) {
+  constexpr std::uint32_t none = 0xffffffff, several = 0xfffffffe;
+  std::vector<std::uint32_t> component(mesh.vertices.size(), none);
+  for (std::size_t f = 0; f < mesh.facets.size(); ++f)
+    for (const VertexId v : mesh.facets[f])
+      component[v] = component[v] == none || component[v] == mesh.component[f] ? mesh.component[f] : several;
+  const std::size_t terrains = scene.description.terrains.size();
+  sum.objects.resize(scene.description.objects.size());
+  for (std::size_t f = 0; f < mesh.facets.size(); ++f)
+    for (const VertexId v : mesh.facets[f])
+      if (mesh.component[f] >= terrains && component[v] == several)
+        sum.objects[mesh.component[f] - terrains].moves_alone = false;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (component[v] >= several || component[v] < terrains) continue;
+    WeightedGradient::OfObject& object = sum.objects[component[v] - terrains];
+    const Pose& pose = scene.report.components[component[v]].pose;
+    const glm::dvec3 turn =
+        glm::cross(scene.grid.to_metres(mesh.vertices[v]) - pose.position_m, sum.by_vertex[v]);
+    object.by_position += sum.by_vertex[v];
+    object.by_rotation += glm::conjugate(pose.attitude) * turn;
+  }
+}
+
+}  // namespace
+
+WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
+                                   const std::vector<std::span<const double>>& weights) {
+  request.gradient = {"water.absorption"};  // marks the request for the checks below
+  request.visibility.corner_names = true;
+  require_able_to_run(survey, request);
+  require_gradients(survey, request);
+  if (survey.loaded_scene->is_tiled())
+    throw UsageError(
+        "gradient: the terrain is loaded in tiles, so that its vertices are not in memory: set "
+        "load = \"whole\"");
+  check_weights(survey, weights);
+  const Transmissions transmissions(survey, request);
+  const FacetMesh& mesh = survey.scene.mesh;
+  WeightedGradient sum;
+  sum.by_vertex.assign(mesh.vertices.size(), glm::dvec3(0));
+  sum.by_lambert_db.assign(survey.scene.material_mu.size(), 0);
+  for (const SensorPings& pings : survey.sensors) {
+    const std::vector<glm::dvec3> zeros(pings.times_s.size(), glm::dvec3(0));
+    sum.sonars.push_back({zeros, zeros, zeros});
+  }
+  // Transmissions are summed in their order, so that the result does not depend on the number of threads. The
+  // tubes of each one are traced in parallel.
+  for (const SharedTransmissions& group : survey.transmissions)
+    for (std::size_t ping = 0; ping < survey.sensor_set->pings(group); ++ping)
+      for (std::size_t number = 0; number < survey.sensor_set->transmissions_per_ping(group); ++number) {
+        stop_if_wanted();
+        const Transmission transmission = transmissions.of(group, ping, number);
+        std::optional<History> history;
+        for (const std::size_t s : group.sensors) {
+          if (s >= weights.size() || weights[s].empty()) continue;
+          if (!history) history = transmission.trace(nullptr, false);
+          const SensorModel model = transmission.model(s);
+          const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(number);
+          const EchoGradient echo =
+              echo_gradient(transmission.surface_mesh().mesh(), *history, transmission.beams_by_fans(s, fans),
+                            transmission.sensor(s).samples(), without_null_lists(model.model),
+                            weights_of(transmission, s, weights[s]));
+          add_echo_gradient(transmission, s, *history, model.model, echo, sum);
+        }
+      }
+  add_objects(survey.scene, mesh, sum);
+  return sum;
+}
+
+}  // namespace tubefoot

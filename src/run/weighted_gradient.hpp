@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "run/run_request.hpp"
+#include "run/survey.hpp"
+
+namespace tubefoot {
+
+/// Derivatives of the sum of weight times energy over all pings, beams and range bins of all sensors.
+struct WeightedGradient {
+  std::vector<glm::dvec3> by_vertex;  ///< of the scene's mesh, per metre; shared by all components
+  std::vector<double> by_lambert_db;  ///< by material, per dB
+  double by_sound_speed = 0;          ///< per m/s, for range bins that are intervals of time
+  double by_absorption = 0;           ///< by the one-way absorption, per dB/km
+  struct OfSonar {
+    std::vector<glm::dvec3> by_position;  ///< by ping, per metre
+    std::vector<glm::dvec3> by_rotation;  ///< by ping, per radian about the sonar's own axes
+    std::vector<glm::dvec3> by_mounting;  ///< by ping, per radian of yaw, tilt and roll; 0 with `look_at_m`
+  };
+  std::vector<OfSonar> sonars;  ///< by sensor
+  struct OfObject {
+    glm::dvec3 by_position{0};  ///< per metre
+    glm::dvec3 by_rotation{0};  ///< per radian about its own axes through its origin
+    bool moves_alone = true;    ///< false if it shares a vertex with another component
+  };
+  std::vector<OfObject> objects;  ///< in the order of the description
+};
+
+/// Computes the derivatives in reverse mode, in one pass over all transmissions. `weights`: by sensor,
+/// [ping][beam][range bin]; empty for a sensor without weights. Requires the facets of the scene as they are
+/// given. Throws UsageError for weights of another number or that are not finite, and for features without
+/// derivatives.
+WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
+                                   const std::vector<std::span<const double>>& weights);
+
+}  // namespace tubefoot
