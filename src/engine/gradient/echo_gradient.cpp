@@ -110,6 +110,14 @@ std::shared_ptr<const std::vector<bool>> vertices_of(const FacetMesh& mesh, std:
 
 constexpr double per_db = std::numbers::ln10 / 10;
 
+EchoParameter turned(const EchoParameter::Turn& turn) {
+  EchoParameter parameter{[turn](PointId id, glm::dvec3 at) {
+    return turn.moves(id) ? glm::cross(turn.axis, at - turn.origin_m) : glm::dvec3(0);
+  }};
+  parameter.turn = turn;
+  return parameter;
+}
+
 }  // namespace
 
 EchoParameter EchoParameter::sonar_translation(glm::dvec3 axis) {
@@ -117,7 +125,7 @@ EchoParameter EchoParameter::sonar_translation(glm::dvec3 axis) {
 }
 
 EchoParameter EchoParameter::sonar_rotation(glm::dvec3 axis) {
-  return {[axis](PointId id, glm::dvec3 at) { return id & ray_bit ? glm::cross(axis, at) : glm::dvec3(0); }};
+  return turned({axis, glm::dvec3(0), [](PointId id) { return (id & ray_bit) != 0; }});
 }
 
 EchoParameter EchoParameter::object_translation(const FacetMesh& mesh, std::uint16_t component,
@@ -129,9 +137,8 @@ EchoParameter EchoParameter::object_translation(const FacetMesh& mesh, std::uint
 
 EchoParameter EchoParameter::object_rotation(const FacetMesh& mesh, std::uint16_t component, glm::dvec3 axis,
                                              glm::dvec3 origin_m) {
-  return {[own = vertices_of(mesh, component), axis, origin_m](PointId id, glm::dvec3 at) {
-    return !(id & ray_bit) && (*own)[id] ? glm::cross(axis, at - origin_m) : glm::dvec3(0);
-  }};
+  return turned({axis, origin_m,
+                 [own = vertices_of(mesh, component)](PointId id) { return !(id & ray_bit) && (*own)[id]; }});
 }
 
 EchoParameter EchoParameter::material_mu(std::size_t material, std::size_t materials) {

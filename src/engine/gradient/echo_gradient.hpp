@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,6 +26,12 @@ struct EchoParameter {
   std::vector<double> by_mu{};  ///< of Lambert's parameter mu (linear) per material; empty: constant
   double by_absorption = 0;     ///< of the one-way absorption in dB/m
   double by_range_scale = 0;    ///< relative change of all range borders
+  /// A rotation of points, in radians per unit the length of `axis`. `velocity` is rounded then.
+  struct Turn {
+    glm::dvec3 axis{0}, origin_m{0};
+    std::function<bool(PointId)> moves{};
+  };
+  std::optional<Turn> turn{};  ///< empty: points move along straight lines, and `velocity` is exact
 
   /// Translation of the apex with its tubes, in metres along a unit vector.
   static EchoParameter sonar_translation(glm::dvec3 axis);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "geometry/numbers/scalars.hpp"
+
 // Integrates along the edges of polygons between range circles, with Gauss rules on intervals. The integrands
 // have their poles near the point of the line that is nearest to the apex. From this point on, the intervals
 // double in length.
@@ -14,8 +16,6 @@ namespace tubefoot {
 namespace {
 
 using Rule = boost::math::quadrature::gauss<double, 20>;
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 /// Calls use(node, weight) for the nodes of a Gauss rule on [from, to].
 template <class Use>

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Compares certified derivatives with an oracle in 50 digits, with closed forms, and with the derivatives in
+// doubles.
+#include "engine/gradient/certified_gradient.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/visibility/tube_engine.hpp"
+#include "fixtures/geometry/grid_scenes.hpp"
+#include "gradient_oracle.hpp"
+
+namespace tubefoot {
+namespace {
+
+using test::Real;
+using test::RealMotion;
+using test::RealVector;
+
+constexpr double certified_unit_m = 0x1p-22;
+
+GridPoint certified_point(double x, double y, double z) {
+  const auto snap = [](double m) { return std::int32_t(std::lround(m / certified_unit_m)); };
+  return {snap(x), snap(y), snap(z)};
+}
+
+struct CertifiedScene {
+  FacetMesh mesh;
+  TubeSet tubes;
+  RangeSamples samples;
+  std::vector<double> mu{std::pow(10, -2.7)};
+  double absorption_db_per_m = 0;
+
+  std::vector<std::uint32_t> beam_of_tube() const {
+    std::vector<std::uint32_t> beams;
+    for (std::uint32_t k = 0; k < tubes.tubes.size(); ++k) beams.push_back(k);
+    return beams;
+  }
+  History history() const {
+    const SceneTree tree(mesh);
+    VisibilityOptions options;
+    options.corner_names = true;
+    return TubeEngine(mesh, tree, certified_unit_m, options).trace(tubes);
+  }
+  EchoModel model() const { return {mu, mesh.material, absorption_db_per_m}; }
+  CertifiedDerivatives certified(const History& history, std::span<const EchoParameter> parameters) const {
+    const std::vector<std::uint32_t> beams = beam_of_tube();
+    return certified_derivatives(mesh, history, {int(beams.size()), beams}, samples, model(), parameters);
+  }
+};
+
+/// A terrain of few facets, and facets that intersect each other in front of it.
+CertifiedScene few_facets(std::uint64_t seed, double absorption_db_per_m) {
+  const auto units = [](double m) { return std::int32_t(m / certified_unit_m); };
+  CertifiedScene scene;
+  test::Random random(seed);
+  scene.mesh = test::rough_terrain(random, 2, units(16), 0, units(0.6));
+  const FacetMesh solids = test::make_random_triangles(random, 3, units(5), units(2));
+  for (const auto& [a, b, c] : solids.facets) {
+    test::add_facet(scene.mesh, test::add_vertex(scene.mesh, solids.vertices[a]),
+                    test::add_vertex(scene.mesh, solids.vertices[b]),
+                    test::add_vertex(scene.mesh, solids.vertices[c]));
+    scene.mesh.component.back() = 1;
+  }
+  scene.tubes = test::forward_tubes(certified_point(0.01, 0.02, 3), 2, 1, 30, 50, 32);
+  scene.samples = {2.125, 0.75, 12};
+  scene.absorption_db_per_m = absorption_db_per_m;
+  return scene;
+}
+
+/// A parameter with its exact motion.
+struct KnownParameter {
+  const char* name;
+  EchoParameter parameter;
+  RealMotion motion;
+};
+
+RealVector real_vector(glm::dvec3 v) { return {Real(v.x), Real(v.y), Real(v.z)}; }
+
+std::vector<KnownParameter> known_parameters(const CertifiedScene& scene) {
+  const FacetMesh& mesh = scene.mesh;
+  const glm::dvec3 axis = {0.25, -0.8125, 0.6}, origin(0.5, 5.25, 0.125);
+  const RealVector exact = real_vector(axis), still{0, 0, 0};
+  std::vector<bool> own(mesh.vertices.size());
+  for (std::size_t f = 0; f < mesh.facets.size(); ++f)
+    if (mesh.component[f] == 1)
+      for (const VertexId v : mesh.facets[f]) own[v] = true;
+  const auto is_own = [own](PointId id) { return !(id & ray_bit) && own[id]; };
+  std::vector<KnownParameter> all;
+  all.push_back(
+      {"sonar translation", EchoParameter::sonar_translation(axis), {[=](PointId id, const RealVector&) {
+         return id & ray_bit ? still : test::sum_of(still, -1, exact);
+       }}});
+  all.push_back(
+      {"sonar rotation", EchoParameter::sonar_rotation(axis), {[=](PointId id, const RealVector& at) {
+         return id & ray_bit ? test::cross_of(exact, at) : still;
+       }}});
+  all.push_back({"object translation",
+                 EchoParameter::object_translation(mesh, 1, axis),
+                 {[=](PointId id, const RealVector&) { return is_own(id) ? exact : still; }}});
+  all.push_back({"object rotation",
+                 EchoParameter::object_rotation(mesh, 1, axis, origin),
+                 {[=](PointId id, const RealVector& at) {
+                   return is_own(id) ? test::cross_of(exact, test::sum_of(at, -1, real_vector(origin)))
+                                     : still;
+                 }}});
+  all.push_back({"vertex",
+                 {[](PointId id, glm::dvec3) { return glm::dvec3(0, 0, id == 4); }},
+                 {[=](PointId id, const RealVector&) {
+                   return id == 4 ? RealVector{0, 0, 1} : still;
+                 }}});
+  all.push_back({"sound speed", EchoParameter::sound_speed(1500), {{}, 0, Real(1.0 / 1500), 0}});
+  all.push_back({"mu", EchoParameter::material_mu(0, 1), {{}, 0, 0, 1}});
+  all.push_back({"absorption", EchoParameter::absorption(), {{}, 1, 0, 0}});
+  return all;
+}
+
+/// Expects that every enclosure contains the oracle's value. After a shift by twice its width, no enclosure
+/// does so. Widths are relative to the largest derivative.
+void expect_oracle(const CertifiedScene& scene, const std::vector<KnownParameter>& known) {
+  const History history = scene.history();
+  std::vector<EchoParameter> parameters;
+  for (const KnownParameter& k : known) parameters.push_back(k.parameter);
+  const CertifiedDerivatives found = scene.certified(history, parameters);
+  test::GradientOracle oracle(scene.mesh, history, scene.samples, scene.mu[0], scene.absorption_db_per_m);
+  for (std::size_t n = 0; n < known.size(); ++n) {
+    SCOPED_TRACE(known[n].name);
+    const std::vector<Real> expected = oracle.derivatives(known[n].motion);
+    ASSERT_EQ(found.value[n].size(), expected.size());
+    Real largest = 0;
+    for (const Real& x : expected) largest = std::max(largest, Real(abs(x)));
+    ASSERT_GT(largest, 0);
+    const Real oracle_error = largest * Real("1e-36");
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      const Real value = found.value[n][k], bound = found.bound[n][k];
+      EXPECT_LE(abs(value - expected[k]), bound + oracle_error) << k << ": " << value << " " << expected[k];
+      EXPECT_LT(2 * bound, 1e-15 * largest) << k;
+      if (bound == 0) continue;
+      EXPECT_GT(abs(value + 4 * bound - expected[k]), bound + oracle_error) << k;
+      EXPECT_GT(abs(value - 4 * bound - expected[k]), bound + oracle_error) << k;
+    }
+  }
+}
+
+TEST(CertifiedDerivatives, ContainTheOracle) {
+  int intersections = 0;
+  for (const std::uint64_t seed : {1, 2}) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const CertifiedScene scene = few_facets(seed, 0);
+    std::vector<KnownParameter> known = known_parameters(scene);
+    known.pop_back();  // the oracle has no absorption below 0
+    expect_oracle(scene, known);
+    for (const CornerName& name : scene.history().footprints.corner_names)
+      intersections += name.point == no_point && (name.p.depth || name.q.depth);
+  }
+  EXPECT_GT(intersections, 0);  // corners on intersections of facets
+}
+
+TEST(CertifiedDerivatives, ContainTheOracleWithAbsorption) {
+  const CertifiedScene scene = few_facets(3, 0.375);
+  const std::vector<KnownParameter> all = known_parameters(scene);
+  expect_oracle(scene, {all[0], all[5], all[7]});
+}
+
+/// Tangent of half the width of the tube in wall_before_seabed(), times 2^28.
+constexpr std::int32_t certified_half_width = 1342177;
+
+/// The scene of EchoGradient.OfTheShadowOfAWallIsTheClosedForm.
+CertifiedScene wall_before_seabed() {
+  CertifiedScene scene;
+  const double wall = 0.5, distance = 4;
+  scene.mesh.vertices = {certified_point(-20, -20, 0),       certified_point(20, -20, 0),
+                         certified_point(20, 20, 0),         certified_point(-20, 20, 0),
+                         certified_point(distance, -3, 0),   certified_point(distance, 3, 0),
+                         certified_point(distance, 3, wall), certified_point(distance, -3, wall)};
+  scene.mesh.facets = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
+  scene.mesh.material = {0, 0, 0, 0};
+  scene.mesh.component = {0, 0, 1, 1};
+  scene.tubes.apex = certified_point(0, 0, 3);
+  scene.tubes.reach = 30 / certified_unit_m;
+  AngularGrid grid;
+  grid.azimuth_edges_rad = {-0.005, 0.005};
+  grid.elevation_edges_rad = {-1.2, -0.1};
+  grid.frame = glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1));
+  append_tubes(scene.tubes, grid);
+  for (GridPoint& ray : scene.tubes.rays)
+    ray = {1 << 28, ray.y < 0 ? -certified_half_width : certified_half_width,
+           std::int32_t(std::lround((1 << 28) * (double(ray.z) / ray.x)))};
+  scene.samples = {5.1875, 6 - 5.1875, 1};
+  return scene;
+}
+
+// The closed form in range is mu H^2 / 4 (r_s^-4 - r_1^-4), with the shadow border x = d H / (H - h).
+TEST(CertifiedDerivatives, OfTheShadowOfAWallContainTheClosedForm) {
+  const CertifiedScene scene = wall_before_seabed();
+  const Real H = 3, h = 0.5, d = 4, far = 6, x = d * H / (H - h), factor = Real(scene.mu[0]) * H * H / 4;
+  const Real half = atan(Real(certified_half_width) / Real(1 << 28));
+  const auto integral = [&](const auto& f) { return test::real_rule()(-half, half, f); };
+  const auto stretch = [](const Real& phi) { return 1 / (cos(phi) * cos(phi)); };
+  const auto r2 = [&](const Real& phi) { return H * H + x * x * stretch(phi); };
+  const Real energy = factor * integral([&](const Real& phi) { return pow(r2(phi), -2) - pow(far, -4); });
+  const Real by_x =
+      factor * integral([&](const Real& phi) { return -4 * pow(r2(phi), -3) * x * stretch(phi); });
+  const Real by_wall = by_x * d * H / ((H - h) * (H - h)), by_distance = by_x * H / (H - h);
+  const Real by_height = 2 * energy / H - by_x * d * h / ((H - h) * (H - h)) +
+                         factor * integral([&](const Real& phi) { return -4 * H * pow(r2(phi), -3); });
+  const std::vector<EchoParameter> parameters{
+      {[](PointId id, glm::dvec3) { return glm::dvec3(0, 0, id == 6 || id == 7); }},
+      EchoParameter::object_translation(scene.mesh, 1, {1, 0, 0}),
+      EchoParameter::sonar_translation({0, 0, 1})};
+  const CertifiedDerivatives found = scene.certified(scene.history(), parameters);
+  const Real expected[] = {by_wall, by_distance, by_height};
+  const double sheet[] = {-5.031615580812e-8, -3.144759738007e-8, -1.931701426985e-9};
+  for (std::size_t n = 0; n < 3; ++n) {
+    const double value = found.value[n].at(0), bound = found.bound[n].at(0);
+    EXPECT_LE(abs(Real(value) - expected[n]), bound) << n;
+    EXPECT_NEAR(value, double(expected[n]), 1e-9 * std::abs(double(expected[n])));
+    EXPECT_NEAR(value, sheet[n], 1e-4 * 5e-8);  // gradients.md, for a fan of 0.01 rad
+    EXPECT_LT(bound, 1e-15 * 5e-8);
+  }
+}
+
+TEST(CertifiedDerivatives, AgreeWithDoubles) {
+  CertifiedScene scene = few_facets(4, 0.25);
+  const std::vector<std::uint32_t> beams = scene.beam_of_tube();
+  const History history = scene.history();
+  std::vector<EchoParameter> parameters;
+  for (const KnownParameter& known : known_parameters(scene)) parameters.push_back(known.parameter);
+  const CertifiedDerivatives certified = scene.certified(history, parameters);
+  const std::vector<std::vector<double>> found = echo_derivatives(
+      scene.mesh, history, {int(beams.size()), beams}, scene.samples, scene.model(), parameters);
+  for (std::size_t n = 0; n < parameters.size(); ++n) {
+    double largest = 0;
+    for (const double value : certified.value[n]) largest = std::max(largest, std::abs(value));
+    for (std::size_t k = 0; k < found[n].size(); ++k)
+      EXPECT_NEAR(found[n][k], certified.value[n][k], 1e-11 * largest) << n << " " << k;
+  }
+}
+
+// The foot point lies in the polygon and on a range border. A motion towards the plane and one away from it
+// have different derivatives. The disc within range R has the energy mu pi / 2 (H^-2 - H^2 R^-4).
+TEST(CertifiedDerivatives, ContainBothSidesIfTheFootPointLiesOnARangeBorder) {
+  CertifiedScene scene;
+  scene.mesh.vertices = {certified_point(-30, -20, 0), certified_point(30, -20, 0),
+                         certified_point(1, 40, 0)};
+  scene.mesh.facets = {{0, 1, 2}};
+  scene.mesh.material = {0};
+  scene.mesh.component = {0};
+  scene.tubes.apex = certified_point(0, 0, 3);
+  scene.tubes.reach = 30 / certified_unit_m;
+  const std::int32_t a = 1 << 28;
+  scene.tubes.rays = {{a, a, -a}, {a, -a, -a}, {-a, -a, -a}, {-a, a, -a}};
+  scene.tubes.tubes = {{0, 1, 2, 3}};
+  scene.samples = {2.5, 0.5, 3};
+  const std::vector<EchoParameter> parameters{EchoParameter::sonar_translation({0, 0, 1})};
+  const CertifiedDerivatives found = scene.certified(scene.history(), parameters);
+  // Derivatives of the bins [2.5, 3) and [3, 3.5) for a sonar that rises or sinks.
+  const double pi = 3.141592653589793, H = 3, mu = scene.mu[0];
+  const double rises = -mu * pi * (std::pow(H, -3) + H * std::pow(3.5, -4));
+  const double sinks_near = -mu * pi * (std::pow(H, -3) + H * std::pow(3.0, -4)),
+               sinks_far = -mu * pi * H * (std::pow(3.5, -4) - std::pow(3.0, -4));
+  const auto contains = [&](std::size_t k, double x) {
+    return std::abs(found.value[0][k] - x) <= found.bound[0][k] * (1 + 1e-12);
+  };
+  EXPECT_TRUE(contains(0, 0));
+  EXPECT_TRUE(contains(0, sinks_near));
+  EXPECT_TRUE(contains(1, rises));
+  EXPECT_TRUE(contains(1, sinks_far));
+  EXPECT_LT(found.bound[0][1], 10 * std::abs(rises));
+}
+
+TEST(CertifiedDerivatives, RejectWhatHasNone) {
+  const CertifiedScene scene = wall_before_seabed();
+  const std::vector<EchoParameter> parameters{EchoParameter::sonar_translation({0, 0, 1})};
+  History unnamed = scene.history();
+  unnamed.footprints.corner_names.clear();
+  EXPECT_THROW(scene.certified(unnamed, parameters), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace tubefoot
