@@ -11,11 +11,12 @@
 #include "engine/certified/certified_driver.hpp"
 #include "engine/certified/certified_integral.hpp"
 #include "engine/gradient/certified_edges.hpp"
-#include "engine/gradient/moving_corner.hpp"
+#include "engine/gradient/named_vectors.hpp"
+#include "geometry/numbers/ball_vector.hpp"
 #include "geometry/numbers/scalars.hpp"
 
 // Encloses derivatives polygon by polygon: integrals along edges (certified_edges.hpp) times velocities of
-// corners (moving_corner.hpp). The integrators of the reference enclose energies and their derivatives by
+// corners (named_vectors.hpp). The integrators of the reference enclose energies and their derivatives by
 // the absorption.
 
 namespace tubefoot {
@@ -98,18 +99,21 @@ class CertifiedPolygons {
 
 /// Derivatives of the motion of a polygon's plane and corners.
 struct PolygonMotion {
+  using Vectors = NamedVectors<MovingBall>;
   Ball distance;                             ///< in metres
   std::vector<std::array<Ball, 2>> corners;  ///< in the plane, in metres from the foot point
 
-  PolygonMotion(const MovingNames& names, const CertifiedPolygon& polygon,
-                std::span<const CornerName> corner_names, FacetId facet, double unit_m) {
-    const MovingNames::Plane plane = names.plane(facet), unit = names.unit_plane(facet);
-    distance = unit.offset.by * Ball(unit_m);
+  PolygonMotion(Vectors& vectors, const CertifiedPolygon& polygon, std::span<const CornerName> corner_names,
+                FacetId facet, double unit_m) {
+    const Vectors::Plane& plane = vectors.plane(facet);
+    const MovingBall length = root(dot(plane.normal, plane.normal)), apart = plane.offset / length;
+    distance = apart.by * Ball(unit_m);
     for (const CornerName& name : corner_names) {
-      const MovingVector corner = names.corner(name, plane);
+      const Vectors::Vector ray = vectors.ray(name);
+      const MovingBall scale = plane.offset / dot(plane.normal, ray);
       BallVector moved;
       for (std::size_t k = 0; k < 3; ++k)
-        moved[k] = (corner[k].by - unit.offset.at * unit.normal[k].by) * Ball(unit_m);
+        moved[k] = ((scale * ray[k]).by - apart.at * (plane.normal[k] / length).by) * Ball(unit_m);
       corners.push_back({dot(moved, polygon.u), dot(moved, polygon.v)});
     }
   }
@@ -128,14 +132,9 @@ CertifiedDerivatives certified_derivatives(const FacetMesh& mesh, const History&
   const CertifiedRequest request(model, samples);
   const Ball per_db = log(Ball(10)) / Ball(10);
   const std::size_t row = request.row(), bins = std::size_t(beams.count) * row;
-  std::vector<std::optional<MovingNames>> moving;
   std::vector<Ball> by_absorption;
   bool needs_absorption = false;
   for (const EchoParameter& parameter : parameters) {
-    std::optional<MovingNames>& names = moving.emplace_back();
-    if (parameter.velocity || parameter.by_range_scale != 0)
-      names.emplace(context,
-                    [&](PointId id) { return velocity_of(parameter, points, history.grid_unit_m, id); });
     by_absorption.push_back(per_db * (Ball(parameter.by_absorption) +
                                       Ball(parameter.by_range_scale) * Ball(model.absorption_db_per_m)));
     needs_absorption = needs_absorption || !by_absorption.back().may_be_zero();
@@ -145,6 +144,15 @@ CertifiedDerivatives certified_derivatives(const FacetMesh& mesh, const History&
     const Ball mu(model.seabed(footprint.facet).mu);
     const std::size_t first_bin = beams.of_tube[footprint.tube] * row;
     CertifiedPolygons polygons(request.borders, request.beta_per_m, needs_absorption);
+    std::vector<std::optional<PolygonMotion::Vectors>> moving(parameters.size());
+    for (std::size_t n = 0; n < parameters.size(); ++n)
+      if (parameters[n].velocity || parameters[n].by_range_scale != 0)
+        moving[n].emplace(context, [&, n](PointId id) {
+          const GridPoint at = context.point(id);
+          const BallVector by = velocity_of(parameters[n], points, history.grid_unit_m, id);
+          return PolygonMotion::Vectors::Vector{MovingBall{Ball(at.x), by[0]}, MovingBall{Ball(at.y), by[1]},
+                                                MovingBall{Ball(at.z), by[2]}};
+        });
     for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
       stop_if_wanted();
       const Piece& piece = set.pieces[footprint.first_piece + p];

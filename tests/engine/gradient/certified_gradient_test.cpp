@@ -8,67 +8,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/visibility/tube_engine.hpp"
-#include "fixtures/geometry/grid_scenes.hpp"
+#include "certified_scenes.hpp"
 #include "gradient_oracle.hpp"
 
 namespace tubefoot {
 namespace {
 
+using test::certified_half_width;
+using test::certified_point;
+using test::certified_unit_m;
+using test::CertifiedScene;
+using test::few_facets;
 using test::Real;
 using test::RealMotion;
 using test::RealVector;
-
-constexpr double certified_unit_m = 0x1p-22;
-
-GridPoint certified_point(double x, double y, double z) {
-  const auto snap = [](double m) { return std::int32_t(std::lround(m / certified_unit_m)); };
-  return {snap(x), snap(y), snap(z)};
-}
-
-struct CertifiedScene {
-  FacetMesh mesh;
-  TubeSet tubes;
-  RangeSamples samples;
-  std::vector<double> mu{std::pow(10, -2.7)};
-  double absorption_db_per_m = 0;
-
-  std::vector<std::uint32_t> beam_of_tube() const {
-    std::vector<std::uint32_t> beams;
-    for (std::uint32_t k = 0; k < tubes.tubes.size(); ++k) beams.push_back(k);
-    return beams;
-  }
-  History history() const {
-    const SceneTree tree(mesh);
-    VisibilityOptions options;
-    options.corner_names = true;
-    return TubeEngine(mesh, tree, certified_unit_m, options).trace(tubes);
-  }
-  EchoModel model() const { return {mu, mesh.material, absorption_db_per_m}; }
-  CertifiedDerivatives certified(const History& history, std::span<const EchoParameter> parameters) const {
-    const std::vector<std::uint32_t> beams = beam_of_tube();
-    return certified_derivatives(mesh, history, {int(beams.size()), beams}, samples, model(), parameters);
-  }
-};
-
-/// A terrain of few facets, and facets that intersect each other in front of it.
-CertifiedScene few_facets(std::uint64_t seed, double absorption_db_per_m) {
-  const auto units = [](double m) { return std::int32_t(m / certified_unit_m); };
-  CertifiedScene scene;
-  test::Random random(seed);
-  scene.mesh = test::rough_terrain(random, 2, units(16), 0, units(0.6));
-  const FacetMesh solids = test::make_random_triangles(random, 3, units(5), units(2));
-  for (const auto& [a, b, c] : solids.facets) {
-    test::add_facet(scene.mesh, test::add_vertex(scene.mesh, solids.vertices[a]),
-                    test::add_vertex(scene.mesh, solids.vertices[b]),
-                    test::add_vertex(scene.mesh, solids.vertices[c]));
-    scene.mesh.component.back() = 1;
-  }
-  scene.tubes = test::forward_tubes(certified_point(0.01, 0.02, 3), 2, 1, 30, 50, 32);
-  scene.samples = {2.125, 0.75, 12};
-  scene.absorption_db_per_m = absorption_db_per_m;
-  return scene;
-}
+using test::wall_before_seabed;
 
 /// A parameter with its exact motion.
 struct KnownParameter {
@@ -162,34 +116,6 @@ TEST(CertifiedDerivatives, ContainTheOracleWithAbsorption) {
   const CertifiedScene scene = few_facets(3, 0.375);
   const std::vector<KnownParameter> all = known_parameters(scene);
   expect_oracle(scene, {all[0], all[5], all[7]});
-}
-
-/// Tangent of half the width of the tube in wall_before_seabed(), times 2^28.
-constexpr std::int32_t certified_half_width = 1342177;
-
-/// The scene of EchoGradient.OfTheShadowOfAWallIsTheClosedForm.
-CertifiedScene wall_before_seabed() {
-  CertifiedScene scene;
-  const double wall = 0.5, distance = 4;
-  scene.mesh.vertices = {certified_point(-20, -20, 0),       certified_point(20, -20, 0),
-                         certified_point(20, 20, 0),         certified_point(-20, 20, 0),
-                         certified_point(distance, -3, 0),   certified_point(distance, 3, 0),
-                         certified_point(distance, 3, wall), certified_point(distance, -3, wall)};
-  scene.mesh.facets = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
-  scene.mesh.material = {0, 0, 0, 0};
-  scene.mesh.component = {0, 0, 1, 1};
-  scene.tubes.apex = certified_point(0, 0, 3);
-  scene.tubes.reach = 30 / certified_unit_m;
-  AngularGrid grid;
-  grid.azimuth_edges_rad = {-0.005, 0.005};
-  grid.elevation_edges_rad = {-1.2, -0.1};
-  grid.frame = glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1));
-  append_tubes(scene.tubes, grid);
-  for (GridPoint& ray : scene.tubes.rays)
-    ray = {1 << 28, ray.y < 0 ? -certified_half_width : certified_half_width,
-           std::int32_t(std::lround((1 << 28) * (double(ray.z) / ray.x)))};
-  scene.samples = {5.1875, 6 - 5.1875, 1};
-  return scene;
 }
 
 // The closed form in range is mu H^2 / 4 (r_s^-4 - r_1^-4), with the shadow border x = d H / (H - h).

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/gradient/validity.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "engine/certified/certified_driver.hpp"
+#include "engine/gradient/visibility_certificate.hpp"
+#include "geometry/numbers/scalars.hpp"
+
+// Extends an interval of the parameter step by step, from 0 outwards, as long as the certificate of each tube
+// holds.
+
+namespace tubefoot {
+namespace {
+
+/// The last step is at most this fraction of the whole.
+constexpr double finest_step = 1.0 / 64;
+/// The first step is at least this fraction of the largest one.
+constexpr double smallest_first_step = 0x1p-60;
+
+/// Returns a step up to `most` to which the certificate holds, in the sense of `sign`.
+double proven_step(VisibilityCertificate& certificate, double sign, double most) {
+  double reached = 0;
+  for (double step = most; reached < most;) {
+    const double end = std::min(reached + step, most);
+    const bool holds = sign > 0 ? certificate.holds(reached, end) : certificate.holds(-end, -reached);
+    if (holds) {
+      reached = end;
+      step *= 2;
+      continue;
+    }
+    step /= 2;
+    if (step < (reached > 0 ? finest_step * reached : smallest_first_step * most)) break;
+  }
+  return reached;
+}
+
+}  // namespace
+
+std::vector<ValidSteps> valid_steps(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
+                                    double grid_unit_m, const VisibilityOptions& options,
+                                    std::span<const EchoParameter> parameters,
+                                    std::span<const double> largest) {
+  require_exact(options);
+  if (largest.size() != parameters.size() ||
+      !std::ranges::all_of(largest, [](double step) { return step > 0 && std::isfinite(step); }))
+    throw std::invalid_argument(fmt::format(
+        "valid steps: expected a finite positive largest step for each of {} parameters", parameters.size()));
+  VisibilityOptions whole = options;
+  whole.open_water = true;
+  const auto enclose = [&](std::uint32_t, const NameContext& context, const TubeVisibility& seen,
+                           std::vector<ValidSteps>& steps) {
+    for (std::size_t n = 0; n < parameters.size(); ++n) {
+      ValidSteps& valid = steps.emplace_back(ValidSteps{infinite, infinite, false});
+      if (!parameters[n].velocity) continue;
+      const SceneMotion motion(context, parameters[n], grid_unit_m);
+      VisibilityCertificate certificate(context, seen, tubes.reach, motion);
+      valid.on_change = !certificate.holds(0, 0);
+      valid.forward = valid.on_change ? 0 : proven_step(certificate, 1, largest[n]);
+      valid.backward = valid.on_change ? 0 : proven_step(certificate, -1, largest[n]);
+    }
+  };
+  std::vector<ValidSteps> all(parameters.size(), ValidSteps{infinite, infinite, false});
+  for (const std::vector<ValidSteps>& of_tube :
+       enclose_tubes<std::vector<ValidSteps>>(mesh, tree, tubes, whole, enclose))
+    for (std::size_t n = 0; n < of_tube.size(); ++n) {
+      all[n].forward = std::min(all[n].forward, of_tube[n].forward);
+      all[n].backward = std::min(all[n].backward, of_tube[n].backward);
+      all[n].on_change = all[n].on_change || of_tube[n].on_change;
+    }
+  for (ValidSteps& steps : all)
+    if (steps.on_change) steps.forward = steps.backward = 0;
+  return all;
+}
+
+}  // namespace tubefoot
