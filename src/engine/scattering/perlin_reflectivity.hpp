@@ -33,6 +33,11 @@ class PerlinReflectivity : public ReflectivityField {
 
   const Settings& settings() const { return settings_; }
   const PerlinLattice& lattice() const { return lattice_; }
+  /// A summand amplitude noise(per_m place) of the factor.
+  struct Octave {
+    double per_m, amplitude;
+  };
+  const std::vector<Octave>& octaves() const { return octaves_; }
 
   double factor(glm::dvec3 place_m) const override;
   double largest() const override;
@@ -43,9 +48,6 @@ class PerlinReflectivity : public ReflectivityField {
  private:
   Settings settings_;
   PerlinLattice lattice_;
-  struct Octave {
-    double per_m, amplitude;
-  };
   std::vector<Octave> octaves_;
   std::vector<CellPlanes> cells_;
 };
