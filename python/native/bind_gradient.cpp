@@ -53,7 +53,7 @@ py::dict gradient(const std::shared_ptr<NativeScene>& scene,
   for (const auto& facet : loaded.mesh.facets) facets.insert(facets.end(), facet.begin(), facet.end());
   all["facets"] = array_of(facets, 3);
   all["component"] = array_of(loaded.mesh.component);
-  all["lambert_db"] = array_of(sum.by_lambert_db);
+  all["mu"] = array_of(sum.by_mu);
   all["sound_speed"] = sum.by_sound_speed;
   all["absorption"] = sum.by_absorption;
   py::list sonars, objects;

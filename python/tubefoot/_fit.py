@@ -26,7 +26,7 @@ class EnergyFit:
     >>> scipy.optimize.least_squares(fit.residuals, fit.initial, fit.jacobian, x_scale="jac")
     >>> scipy.optimize.minimize(fit.half_squares, fit.initial, jac=True)
 
-    The values ``x`` of the parameters are absolute, in metres, radians, dB, m/s and dB/km. A change of
+    The values ``x`` of the parameters are absolute, in metres, radians, m/s and dB/km; mu has no unit. A change of
     ``water.sound_speed`` also changes the keys ``range_min_m`` and ``range_max_m`` of all sensors in proportion, because
     range bins are intervals of time.
 
@@ -143,12 +143,23 @@ def _plain(value: Any) -> Any:
     return value
 
 
+def _from_key(key: str, value: float) -> float:
+    """Returns the value of a parameter: radians, and Lambert's parameter mu."""
+    return math.radians(value) if key.endswith("_deg") else 10 ** (value / 10) if key == "lambert_db" else value
+
+
+def _to_key(key: str, value: float) -> float:
+    if key == "lambert_db" and not value > 0:
+        raise UsageError(f"x: mu of a material is {value:g}, expected a number above 0")
+    return math.degrees(value) if key.endswith("_deg") else 10 * math.log10(value) if key == "lambert_db" else value
+
+
 class _Place:
     """A number in the keys of a scene."""
 
     def __init__(self, keys: Mapping[str, Any], section: str, index: Optional[int], key: str, component: Optional[int] = None,
-                 degrees: bool = False, default: Optional[float] = None) -> None:
-        self._keys, self._path = keys, (section, index, key, component, degrees, default)
+                 default: Optional[float] = None) -> None:
+        self._keys, self._path = keys, (section, index, key, component, default)
 
     def on(self, keys: Mapping[str, Any]) -> _Place:
         return _Place(keys, *self._path)
@@ -159,18 +170,18 @@ class _Place:
         return entry if index is None or isinstance(entry, Mapping) else entry[index]
 
     def value(self) -> float:
-        section, _, key, component, degrees, default = self._path
+        section, _, key, component, default = self._path
         value = self._table().get(key, default if component is None else [default] * 3)
         value = value if component is None else value[component]
         if value is None:
             raise UsageError(f"parameters: the scene has no {section}.{key}: add this key, or use 'update'")
-        return math.radians(float(value)) if degrees else float(value)
+        return _from_key(key, float(value))
 
     def set(self, value: float) -> None:
-        section, _, key, component, degrees, _ = self._path
+        _, _, key, component, _ = self._path
         if key == "sound_speed_m_s":
             self._scale_ranges(value / self.value())
-        value = math.degrees(value) if degrees else value
+        value = _to_key(key, value)
         table = self._table()
         if component is None:
             table[key] = value
@@ -199,12 +210,12 @@ def _place(keys: Mapping[str, Any], name: str) -> _Place:
         return _Place(keys, "water", None, "sound_speed_m_s")
     if name == "water.absorption":
         return _Place(keys, "water", None, "absorption_db_per_km")
-    if name.startswith("material.") and name.endswith(".lambert_db"):
-        return _Place(keys, "materials", index("materials", name[9:-11]), "lambert_db")
+    if name.startswith("material.") and name.endswith(".mu"):
+        return _Place(keys, "materials", index("materials", name[9:-3]), "lambert_db")
     owner, kind, axis = name.rsplit(".", 2)
     sensor, object_ = index("sensors", owner), index("objects", owner)
     if kind == "mounting" and sensor >= 0:
-        return _Place(keys, "sensors", sensor, axis + "_deg", degrees=True, default=0.0)
+        return _Place(keys, "sensors", sensor, axis + "_deg", default=0.0)
     number = AXES[kind].index(axis)
     if kind == "position" and object_ >= 0:
         return _Place(keys, "objects", object_, "position_m", number, default=0.0)
@@ -214,4 +225,4 @@ def _place(keys: Mapping[str, Any], name: str) -> _Place:
         return _Place(keys, "trajectory", None, "position_m", number, default=0.0)
     raise UsageError(f"parameters: {name!r} is no key of the scene: give 'update', which returns the keys for the values. "
                      "Mounting angles, positions of objects, the position of a single sensor on a fixed trajectory, "
-                     "lambert_db and water need no 'update'")
+                     "mu and water need no 'update'")

@@ -50,7 +50,7 @@ class Gradient:
 
     sonars: dict[str, SonarGradient]
     components: dict[str, ComponentGradient]  #: terrains, then objects
-    lambert_db: dict[str, float]  #: by material, per dB
+    mu: dict[str, float]  #: by Lambert's parameter of each material, which is 10 ** (lambert_db / 10)
     sound_speed: float  #: per m/s, for range bins that are intervals of time
     absorption: float  #: one-way absorption, per dB/km
 
@@ -62,7 +62,7 @@ class Gradient:
 
     def _named(self) -> dict[str, float]:
         named = {"water.sound_speed": self.sound_speed, "water.absorption": self.absorption}
-        named |= {f"material.{name}.lambert_db": value for name, value in self.lambert_db.items()}
+        named |= {f"material.{name}.mu": value for name, value in self.mu.items()}
         for name, parts in (*self.components.items(), *self.sonars.items()):
             for kind, axes in AXES.items():
                 values = getattr(parts, kind, None)
@@ -93,7 +93,7 @@ def gradient_of(scene: Scene, weights: Union[npt.ArrayLike, Mapping[str, npt.Arr
                              f"{scene.pings(name)} pings, not {values.shape}")
     with scene._explained():
         native = _native.gradient(scene._native, [given.get(name) for name in sensors], threads, progress)
-    if not any(native["lambert_db"]) and any(values.any() for values in given.values()):
+    if not any(native["mu"]) and any(values.any() for values in given.values()):
         warn("gradient: all derivatives are 0, because no range bin with a weight receives energy", True)
     return _from_native(scene, native)
 
@@ -113,5 +113,5 @@ def _from_native(scene: Scene, native: dict[str, Any]) -> Gradient:
                      if ".mounting." in name}
     sonars = {name: SonarGradient(position, rotation, mounting if name in with_mounting else None)
               for name, (position, rotation, mounting) in zip(scene.sensors, native["sonars"])}
-    return Gradient(sonars, components, dict(zip(scene.materials, map(float, native["lambert_db"]))),
+    return Gradient(sonars, components, dict(zip(scene.materials, map(float, native["mu"]))),
                     float(native["sound_speed"]), float(native["absorption"]))

@@ -53,12 +53,12 @@ std::vector<ParameterFamily> families_of(const SceneDescription& description) {
         "rotation of the object about its own axis through its origin [rad]");
   }
   for (std::size_t m = 0; m < description.materials.size(); ++m)
-    families.push_back({fmt::format("material.{}.lambert_db", description.materials[m].name),
+    families.push_back({fmt::format("material.{}.mu", description.materials[m].name),
                         {},
-                        lambert_db,
+                        mu,
                         m,
                         "J m-2",
-                        "Lambert parameter of the material [dB]"});
+                        "Lambert's parameter of the material, 10^(lambert_db / 10)"});
   families.push_back({"water.sound_speed",
                       {},
                       sound_speed,

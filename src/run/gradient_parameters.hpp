@@ -17,7 +17,7 @@ struct GradientParameter {
     mounting,
     object_position,
     object_rotation,
-    lambert_db,
+    mu,
     sound_speed,
     absorption
   };
@@ -25,7 +25,7 @@ struct GradientParameter {
   Kind kind{};
   std::size_t owner = 0;  ///< number of the sensor, object or material in the description
   int axis = 0;           ///< east, north, up; or x, y, z; or yaw, tilt, roll
-  std::string units;      ///< of a derivative. UDUNITS has no decibel, so that units omit it
+  std::string units;      ///< of a derivative. UDUNITS has no decibel, so that the unit by the absorption omits it
   std::string meaning;    ///< of the parameter, with its unit
 
   bool is_of_sonar() const { return kind <= Kind::mounting; }

@@ -59,11 +59,8 @@ std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter
       return EchoParameter::object_rotation(mesh, component, object.attitude * axis,
                                             object.position_m - apex_m);
     }
-    case GradientParameter::Kind::lambert_db: {
-      EchoParameter by_db = EchoParameter::material_mu(parameter.owner, scene.material_mu.size());
-      by_db.by_mu[parameter.owner] = scene.material_mu[parameter.owner] * std::numbers::ln10 / 10;
-      return by_db;
-    }
+    case GradientParameter::Kind::mu:
+      return EchoParameter::material_mu(parameter.owner, scene.material_mu.size());
     case GradientParameter::Kind::sound_speed:
       return EchoParameter::sound_speed(scene.sound_speed_m_s);
     case GradientParameter::Kind::absorption: {

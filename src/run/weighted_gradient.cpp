@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
@@ -73,9 +72,8 @@ void add_echo_gradient(const Transmission& transmission, std::size_t s, const Hi
   }
   // Euler's theorem for energies, which scale as the power -2 of all lengths.
   for (std::size_t m = 0; m < echo.by_material_mu.size(); ++m) {
-    const double weighted = scene.material_mu[m] * echo.by_material_mu[m];
-    sum.by_lambert_db[m] += weighted * std::numbers::ln10 / 10;
-    by_scale -= 2 * weighted;
+    sum.by_mu[m] += echo.by_material_mu[m];
+    by_scale -= 2 * scene.material_mu[m] * echo.by_material_mu[m];
   }
   by_scale += model.absorption_db_per_m * echo.by_absorption;
   sum.by_sound_speed += by_scale / scene.sound_speed_m_s;
@@ -134,7 +132,7 @@ WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
   const FacetMesh& mesh = survey.scene.mesh;
   WeightedGradient sum;
   sum.by_vertex.assign(mesh.vertices.size(), glm::dvec3(0));
-  sum.by_lambert_db.assign(survey.scene.material_mu.size(), 0);
+  sum.by_mu.assign(survey.scene.material_mu.size(), 0);
   for (const SensorPings& pings : survey.sensors) {
     const std::vector<glm::dvec3> zeros(pings.times_s.size(), glm::dvec3(0));
     sum.sonars.push_back({zeros, zeros, zeros});

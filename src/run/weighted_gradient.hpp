@@ -15,7 +15,7 @@ namespace tubefoot {
 /// Derivatives of the sum of weight times energy over all pings, beams and range bins of all sensors.
 struct WeightedGradient {
   std::vector<glm::dvec3> by_vertex;  ///< of the scene's mesh, per metre; shared by all components
-  std::vector<double> by_lambert_db;  ///< by material, per dB
+  std::vector<double> by_mu;  ///< by Lambert's parameter of each material
   double by_sound_speed = 0;          ///< per m/s, for range bins that are intervals of time
   double by_absorption = 0;           ///< by the one-way absorption, per dB/km
   struct OfSonar {
