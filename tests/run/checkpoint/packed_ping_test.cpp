@@ -76,7 +76,7 @@ TEST(PackedPings, ComeBackToTheBit) {
         const PingCounts given = counts();
         EXPECT_EQ(std::memcmp(&taken, &given, sizeof given), 0);
         for (const std::size_t sensor : all.groups[unit.group].sensors)
-          for (const auto& [channel, values, chunks] : all.sensors[sensor].channels) {
+          for (const auto& [channel, values, chunks, variables] : all.sensors[sensor].channels) {
             EXPECT_EQ(made.of(sensor, channel).size(), values);
             EXPECT_TRUE(same(made.of(sensor, channel), std::as_const(back).of(sensor, channel))) << lit;
           }
