@@ -49,44 +49,74 @@ glm::dvec3 NamedPoints::normal(const PlaneName& name) const {
   return one.offset * other.normal - other.offset * one.normal;
 }
 
-NamedPoints::Plane CornerVelocity::of_facet(FacetId facet) const {
+void CornerVelocities::add_facet(FacetId facet, std::vector<NamedPoints::Plane>& by) const {
   const auto& [a, b, c] = points_.context().mesh.facets[facet];
-  const glm::dvec3 first = points_.point(a), to_b = points_.point(b) - first, to_c = points_.point(c) - first;
-  const glm::dvec3 by_a = of_point(a);
-  const glm::dvec3 normal = glm::cross(of_point(b) - by_a, to_c) + glm::cross(to_b, of_point(c) - by_a);
-  return {normal, glm::dot(normal, first) + glm::dot(glm::cross(to_b, to_c), by_a)};
+  const glm::dvec3 first = points_.point(a), at_b = points_.point(b), at_c = points_.point(c);
+  const glm::dvec3 to_b = at_b - first, to_c = at_c - first, across = glm::cross(to_b, to_c);
+  by.resize(velocities_.size());
+  for (std::size_t n = 0; n < by.size(); ++n) {
+    const PointVelocity& of = velocities_[n];
+    const glm::dvec3 by_a = of(a, first);
+    const glm::dvec3 normal = glm::cross(of(b, at_b) - by_a, to_c) + glm::cross(to_b, of(c, at_c) - by_a);
+    by[n] = {normal, glm::dot(normal, first) + glm::dot(across, by_a)};
+  }
 }
 
-glm::dvec3 CornerVelocity::of_normal(const PlaneName& name) const {
-  if (!name.depth)
-    return glm::cross(of_point(name.a), points_.point(name.b)) +
-           glm::cross(points_.point(name.a), of_point(name.b));
+void CornerVelocities::add_normal(const PlaneName& name, std::vector<glm::dvec3>& by) {
+  by.resize(velocities_.size());
+  if (!name.depth) {
+    const glm::dvec3 a = points_.point(name.a), b = points_.point(name.b);
+    for (std::size_t n = 0; n < by.size(); ++n)
+      by[n] = glm::cross(velocities_[n](name.a, a), b) + glm::cross(a, velocities_[n](name.b, b));
+    return;
+  }
   const NamedPoints::Plane one = points_.plane(name.a), other = points_.plane(name.b);
-  const NamedPoints::Plane by_one = of_facet(name.a), by_other = of_facet(name.b);
-  return by_one.offset * other.normal + one.offset * by_other.normal - by_other.offset * one.normal -
-         other.offset * by_one.normal;
+  add_facet(name.a, by_one_);
+  add_facet(name.b, by_other_);
+  for (std::size_t n = 0; n < by.size(); ++n)
+    by[n] = by_one_[n].offset * other.normal + one.offset * by_other_[n].normal -
+            by_other_[n].offset * one.normal - other.offset * by_one_[n].normal;
 }
 
-glm::dvec3 CornerVelocity::of_corner(const CornerName& corner, FacetId facet) const {
-  if (is_vertex_of(points_.context().mesh, corner, facet)) return of_point(corner.point);
+void CornerVelocities::select(FacetId facet) {
+  facet_ = facet;
+  plane_ = points_.plane(facet);
+  add_facet(facet, by_plane_);
+}
+
+const std::vector<glm::dvec3>& CornerVelocities::of_corner(const CornerName& corner) {
+  by_corner_.resize(velocities_.size());
+  if (is_vertex_of(points_.context().mesh, corner, facet_)) {
+    const glm::dvec3 at = points_.point(corner.point);
+    for (std::size_t n = 0; n < by_corner_.size(); ++n) by_corner_[n] = velocities_[n](corner.point, at);
+    return by_corner_;
+  }
   const CornerRay ray(points_, corner);
-  const glm::dvec3 direction = corner.point != no_point ? of_point(corner.point)
-                                                        : glm::cross(of_normal(corner.p), ray.q) +
-                                                              glm::cross(ray.p, of_normal(corner.q));
-  const NamedPoints::Plane plane = points_.plane(facet), by = of_facet(facet);
-  const double along = glm::dot(plane.normal, ray.direction), scale = plane.offset / along;
-  const double by_scale =
-      (by.offset - scale * (glm::dot(by.normal, ray.direction) + glm::dot(plane.normal, direction))) / along;
-  return scale * direction + by_scale * ray.direction;
+  const bool through_point = corner.point != no_point;
+  if (!through_point) {
+    add_normal(corner.p, by_p_);
+    add_normal(corner.q, by_q_);
+  }
+  const double along = glm::dot(plane_.normal, ray.direction), scale = plane_.offset / along;
+  for (std::size_t n = 0; n < by_corner_.size(); ++n) {
+    const glm::dvec3 direction = through_point ? velocities_[n](corner.point, ray.direction)
+                                               : glm::cross(by_p_[n], ray.q) + glm::cross(ray.p, by_q_[n]);
+    const NamedPoints::Plane& by = by_plane_[n];
+    const double by_scale =
+        (by.offset - scale * (glm::dot(by.normal, ray.direction) + glm::dot(plane_.normal, direction))) /
+        along;
+    by_corner_[n] = scale * direction + by_scale * ray.direction;
+  }
+  return by_corner_;
 }
 
-CornerVelocity::UnitPlane CornerVelocity::of_plane(FacetId facet) const {
-  const NamedPoints::Plane plane = points_.plane(facet), by = of_facet(facet);
-  const double length = glm::length(plane.normal), side = plane.offset < 0 ? -1 : 1;
-  const glm::dvec3 unit = plane.normal / length;
+CornerVelocities::UnitPlane CornerVelocities::of_plane(std::size_t number) const {
+  const NamedPoints::Plane& by = by_plane_[number];
+  const double length = glm::length(plane_.normal), side = plane_.offset < 0 ? -1 : 1;
+  const glm::dvec3 unit = plane_.normal / length;
   const double stretched = glm::dot(unit, by.normal);
   return {-side / length * (by.normal - stretched * unit),
-          side / length * (by.offset - plane.offset / length * stretched)};
+          side / length * (by.offset - plane_.offset / length * stretched)};
 }
 
 CornerAdjoint::CornerAdjoint(const NamedPoints& points)

@@ -42,28 +42,33 @@ class NamedPoints {
 /// vertices and the unit of the integers for rays.
 using PointVelocity = std::function<glm::dvec3(PointId id, glm::dvec3 at)>;
 
-/// Velocities of corners and planes for velocities of points.
-class CornerVelocity {
+/// Velocities of the plane of a facet and of corners on it, for several velocities of points at once.
+class CornerVelocities {
  public:
-  CornerVelocity(const NamedPoints& points, PointVelocity velocity)
-      : points_(points), velocity_(std::move(velocity)) {}
+  CornerVelocities(const NamedPoints& points, std::vector<PointVelocity> velocities)
+      : points_(points), velocities_(std::move(velocities)), by_plane_(velocities_.size()) {}
 
-  /// Returns the velocity of a corner on a facet.
-  glm::dvec3 of_corner(const CornerName& corner, FacetId facet) const;
+  /// Selects the facet of the following calls.
+  void select(FacetId facet);
   /// The velocity of a facet's plane: of its unit normal towards the apex, and of its distance from the apex.
   struct UnitPlane {
     glm::dvec3 normal{0};
     double distance = 0;
   };
-  UnitPlane of_plane(FacetId facet) const;
+  UnitPlane of_plane(std::size_t number) const;
+  /// Returns the velocities of a corner on the facet.
+  const std::vector<glm::dvec3>& of_corner(const CornerName& corner);
 
  private:
-  glm::dvec3 of_point(PointId id) const { return velocity_(id, points_.point(id)); }
-  NamedPoints::Plane of_facet(FacetId facet) const;
-  glm::dvec3 of_normal(const PlaneName& name) const;
+  void add_facet(FacetId facet, std::vector<NamedPoints::Plane>& by) const;
+  void add_normal(const PlaneName& name, std::vector<glm::dvec3>& by);
 
   const NamedPoints& points_;
-  PointVelocity velocity_;
+  std::vector<PointVelocity> velocities_;
+  FacetId facet_ = 0;
+  NamedPoints::Plane plane_;
+  std::vector<NamedPoints::Plane> by_plane_, by_one_, by_other_;
+  std::vector<glm::dvec3> by_corner_, by_p_, by_q_;
 };
 
 /// Derivatives of one value by the points of a mesh, per metre, and by the rays of a tube set, per unit of

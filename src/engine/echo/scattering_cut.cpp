@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/scattering/density.hpp"
 #include "engine/scattering/echo_model.hpp"
@@ -17,7 +18,13 @@ std::vector<double> corner_ranges_m(const ScatteringModel& model, double distanc
 }
 
 ScatteringCutter::ScatteringCutter(const RangeSamples& samples, double absorption_db_per_m)
-    : borders_(sample_borders_m(samples)), beta_(absorption_per_m(absorption_db_per_m)) {}
+    : ScatteringCutter(samples, [beta = absorption_per_m(absorption_db_per_m)](const ScatteringModel& model,
+                                                                               double distance_m, double r) {
+        return density(cross_section(model, distance_m, r), TwoWayRange<double>::of(r), beta);
+      }) {}
+
+ScatteringCutter::ScatteringCutter(const RangeSamples& samples, Density density)
+    : borders_(sample_borders_m(samples)), density_(std::move(density)) {}
 
 void ScatteringCutter::prepare(const ScatteringModel& model, double distance_m, std::size_t first,
                                std::size_t end) {
@@ -29,9 +36,7 @@ void ScatteringCutter::prepare(const ScatteringModel& model, double distance_m, 
   end_ = same ? borders_.size() - 1 : end;
   std::vector<double> corners = corner_ranges_m(model, distance_m);
   corners.insert(corners.begin(), distance_m);  // nearer ranges do not occur on this plane
-  const auto g = [&](double r) {
-    return density(cross_section(model, distance_m, r), TwoWayRange<double>::of(r), beta_);
-  };
+  const auto g = [&](double r) { return density_(model, distance_m, r); };
   cutter_.reset();
   radial_ = std::make_unique<RadialIntegral>(std::span(borders_).subspan(first_, end_ - first_ + 1), g,
                                              corners, 1 + model.steepest_exponent());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -22,6 +23,9 @@ std::vector<double> corner_ranges_m(const ScatteringModel& model, double distanc
 class ScatteringCutter {
  public:
   ScatteringCutter(const RangeSamples& samples, double absorption_db_per_m);
+  /// Another g for a model, with the same kinks.
+  using Density = std::function<double(const ScatteringModel& model, double distance_m, double range_m)>;
+  ScatteringCutter(const RangeSamples& samples, Density density);
 
   /// Adds `factor` times the integral over polygon and sample k to row[k]. Returns the samples to which
   /// values were added. All other samples are unchanged.
@@ -32,7 +36,7 @@ class ScatteringCutter {
   void prepare(const ScatteringModel& model, double distance_m, std::size_t first, std::size_t end);
 
   std::vector<double> borders_;
-  double beta_;
+  Density density_;
   const ScatteringModel* model_ = nullptr;
   double distance_m_ = 0;
   std::size_t first_ = 0, end_ = 0;  // samples that radial_ contains

@@ -11,10 +11,10 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
+#include "engine/gradient/beam_gains.hpp"
 #include "engine/gradient/polygon_gradient.hpp"
-#include "engine/scattering/density.hpp"
-#include "engine/scattering/radial_model.hpp"
 #include "geometry/steps/stop.hpp"
 
 // Differentiates each visible polygon by its corners and by its plane (polygon_gradient.hpp). Forward mode
@@ -32,63 +32,78 @@ void check_gradient(const History& history, const EchoModel& model) {
   if (set.corner_names.size() != set.corners_m.size())
     reject("the footprints have no names of corners: set VisibilityOptions::corner_names");
   if (!history.hits.empty()) reject("hits of rays have no borders: use the tube engine");
-  if (model.patterns != nullptr || !model.reflectivity.empty() || !model.scattering.empty() ||
-      model.path.over_mirrors() || model.path.rx || !model.path.facet_factor.empty())
-    reject("only Lambert's law without patterns, textures, mirrors and refraction is supported");
+  if (model.path.over_mirrors() || model.path.rx || !model.path.facet_factor.empty() ||
+      !model.path.tx.facet_map.empty())
+    reject("mirrors, two apexes and refraction are not supported");
 }
 
-/// A visible polygon with its energies and derivatives, for a Lambert parameter of 1.
-struct PolygonParts {
+void check_parameter(const MaterialParameter& parameter, const EchoModel& model) {
+  if (parameter.material >= model.material_mu.size())
+    reject(
+        fmt::format("there is no material {} (there are {})", parameter.material, model.material_mu.size()));
+  if (model.scattering.empty() || model.scattering[parameter.material] == nullptr)
+    reject(fmt::format("material {} has Lambert's law, which has no other parameter than mu",
+                       parameter.material));
+}
+
+/// Parameters of scattering models by material.
+struct ScatteringParameters {
+  std::vector<std::vector<const ScatteringDerivative*>> of_material;
+  std::vector<std::vector<std::size_t>> numbers;  ///< in the order of add()
+  std::size_t count = 0;
+
+  explicit ScatteringParameters(std::size_t materials) : of_material(materials), numbers(materials) {}
+  void add(const MaterialParameter& parameter) {
+    of_material[parameter.material].push_back(&parameter.derivative);
+    numbers[parameter.material].push_back(count++);
+  }
+};
+
+/// A visible polygon and its derivatives.
+struct DifferentiatedPolygon {
   const Footprint& footprint;
   std::uint32_t first_corner, corners;  ///< in the footprint set
-  FacetPlane plane;
-  PlaneFrame frame;
-  double mu;                        ///< Lambert parameter of the facet
-  std::span<const double> energy;   ///< by sample
-  std::span<const double> by_beta;  ///< by sample: derivative by the absorption per metre
-  std::span<const PolygonGradient::Part> parts;
-  /// Derivative of the energy of a sample by the distance of the plane, without the parts.
-  double by_distance(std::size_t sample) const { return 2 * energy[sample] / plane.distance_m; }
+  const FacetPlane& plane;
+  const PlaneFrame& frame;
+  /// Factor of the derivatives: Lambert's parameter, or 1 for another model.
+  double scale;
+  bool lambert;
+  std::uint16_t material;
+  const PolygonDerivatives& by;
   glm::dvec3 in_space(glm::dvec2 v) const { return v.x * frame.u + v.y * frame.v; }
   glm::dvec2 in_plane(glm::dvec3 v) const { return {glm::dot(v, frame.u), glm::dot(v, frame.v)}; }
 };
 
+glm::dvec3 vector_at(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
+
 /// Calls `use` for all polygons that return energy.
 template <class Use>
 void for_each_polygon(const History& history, const RangeSamples& samples, const EchoModel& model,
+                      BeamGains& gains, bool absorption, const ScatteringParameters& parameters,
                       const Use& use) {
   const FootprintSet& set = history.footprints;
-  const double beta = absorption_per_m(model.absorption_db_per_m);
-  const std::vector<double> borders = sample_borders_m(samples);
-  const auto lambert = [beta](double r) { return lambert_density(TwoWayRange<double>::of(r), beta); };
-  const RadialIntegral with_range(borders, [&](double r) { return r * lambert(r); });
-  const std::shared_ptr<const RadialIntegral> radial =
-      lambert_radial_integral(samples, model.absorption_db_per_m);
-  RangeCutter cutter(*radial), moment_cutter(with_range);
-  PolygonGradient gradient(borders);
-  std::vector<double> energy(std::size_t(samples.count)), by_beta(std::size_t(samples.count));
-  std::vector<PolygonGradient::Part> parts;
+  PolygonGradient gradient(samples, model, gains, absorption);
   PlanarPolygon polygon;
   for (const Footprint& footprint : set.footprints) {
     stop_if_wanted();
-    const double mu = model.seabed(footprint.facet).mu;
+    const SurfaceProperties surface = model.seabed(footprint.facet);
     if (!(footprint.plane_distance_m > 0)) continue;
+    const std::uint16_t material = model.material[footprint.facet];
     const FacetPlane plane{footprint.plane_normal, footprint.plane_distance_m};
     const PlaneFrame frame(plane);
-    const double factor = plane.distance_m * plane.distance_m;
+    const LyingPlane lies =
+        surface.texture != nullptr ? model.path.tx.lying(footprint.facet, plane, frame) : LyingPlane();
+    const bool lambert = surface.scattering == nullptr;
     for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
       const Piece& piece = set.pieces[footprint.first_piece + p];
       polygon.assign(std::span(set.corners_m).subspan(piece.first, piece.count), plane, frame);
       if (polygon.offsets.size() != piece.count) continue;
-      std::ranges::fill(energy, 0.0);
-      std::ranges::fill(by_beta, 0.0);
-      cutter.add(polygon, factor, energy);
-      moment_cutter.add(polygon, -2 * factor, by_beta);
-      parts.clear();
-      gradient.add(
-          polygon, [&](double r) { return factor * lambert(r); },
-          [&](const PolygonGradient::Part& part) { parts.push_back(part); });
-      use(PolygonParts{footprint, piece.first, piece.count, plane, frame, mu, energy, by_beta, parts});
+      gains.select(footprint.tube, std::span(set.corners_m).subspan(piece.first, piece.count));
+      const PolygonDerivatives* by =
+          gradient.of({polygon, plane, frame, surface, lies, parameters.of_material[material]});
+      if (by != nullptr)
+        use(DifferentiatedPolygon{footprint, piece.first, piece.count, plane, frame, lambert ? surface.mu : 1,
+                                  lambert, material, *by});
     }
   }
 }
@@ -121,18 +136,49 @@ EchoParameter turned(const EchoParameter::Turn& turn) {
 }  // namespace
 
 EchoParameter EchoParameter::sonar_translation(glm::dvec3 axis) {
-  return {[axis](PointId id, glm::dvec3) { return id & ray_bit ? glm::dvec3(0) : -axis; }};
+  EchoParameter parameter;
+  parameter.velocity = [axis](PointId id, glm::dvec3) { return id & ray_bit ? glm::dvec3(0) : -axis; };
+  parameter.apex_velocity = axis;
+  return parameter;
 }
 
 EchoParameter EchoParameter::sonar_rotation(glm::dvec3 axis) {
-  return turned({axis, glm::dvec3(0), [](PointId id) { return (id & ray_bit) != 0; }});
+  EchoParameter parameter = turned({axis, glm::dvec3(0), [](PointId id) { return (id & ray_bit) != 0; }});
+  parameter.pattern_rotation = axis;
+  return parameter;
+}
+
+EchoParameter EchoParameter::patterns_rotation(glm::dvec3 axis) {
+  EchoParameter parameter;
+  parameter.pattern_rotation = axis;
+  return parameter;
+}
+
+EchoParameter EchoParameter::material_scattering(MaterialParameter changed) {
+  EchoParameter parameter;
+  parameter.by_scattering.push_back(std::move(changed));
+  return parameter;
+}
+
+EchoParameter EchoParameter::absorption() {
+  EchoParameter parameter;
+  parameter.by_absorption = 1;
+  return parameter;
+}
+
+EchoParameter EchoParameter::sound_speed(double sound_speed_m_s) {
+  EchoParameter parameter;
+  parameter.by_range_scale = 1 / sound_speed_m_s;
+  return parameter;
 }
 
 EchoParameter EchoParameter::object_translation(const FacetMesh& mesh, std::uint16_t component,
                                                 glm::dvec3 axis) {
-  return {[own = vertices_of(mesh, component), axis](PointId id, glm::dvec3) {
+  EchoParameter parameter;
+  parameter.velocity = [own = vertices_of(mesh, component), axis](PointId id, glm::dvec3) {
     return !(id & ray_bit) && (*own)[id] ? axis : glm::dvec3(0);
-  }};
+  };
+  return parameter;
 }
 
 EchoParameter EchoParameter::object_rotation(const FacetMesh& mesh, std::uint16_t component, glm::dvec3 axis,
@@ -159,54 +205,101 @@ std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const H
   const auto count = std::size_t(samples.count);
   std::vector<std::vector<double>> all(parameters.size(),
                                        std::vector<double>(std::size_t(beams.count) * count));
-  // Energies scale as s^-2 if all lengths scale by s and the absorption by 1/s. Borders that move alone are
-  // equivalent to points that move in the opposite sense, and to changes of both.
-  std::vector<std::optional<CornerVelocity>> velocities;
+  // A rotation of the patterns is equivalent to two others. One is the opposite rotation of all points. The
+  // other one is a rotation of everything about the apex against the textures.
+  constexpr std::size_t at_rest = std::size_t(-1);
+  std::vector<PointVelocity> velocities;
+  std::vector<std::size_t> velocity_of;  // by parameter
+  std::vector<glm::dvec3> rotations;
+  ScatteringParameters scattering(model.material_mu.size());
+  std::vector<std::size_t> first_own;  // by parameter
+  bool absorption = false;
   for (const EchoParameter& parameter : parameters) {
-    std::optional<CornerVelocity>& velocity = velocities.emplace_back();
-    if (!parameter.velocity && parameter.by_range_scale == 0) continue;
-    velocity.emplace(points, [&parameter](PointId id, glm::dvec3 at) {
-      glm::dvec3 v = parameter.velocity ? parameter.velocity(id, at) : glm::dvec3(0);
-      if (!(id & ray_bit)) v -= parameter.by_range_scale * at;
-      return v;
-    });
-  }
-  std::vector<glm::dvec2> moved;
-  for_each_polygon(history, samples, model, [&](const PolygonParts& polygon) {
-    const Footprint& footprint = polygon.footprint;
-    const std::uint16_t material = model.material[footprint.facet];
-    for (std::size_t n = 0; n < parameters.size(); ++n) {
-      const EchoParameter& parameter = parameters[n];
-      const std::span<double> row = std::span(all[n]).subspan(beams.of_tube[footprint.tube] * count, count);
-      const double by_mu = parameter.by_mu.empty() ? 0 : parameter.by_mu[material];
-      const double by_energy = by_mu - 2 * polygon.mu * parameter.by_range_scale;
-      const double by_beta = polygon.mu * per_db *
-                             (parameter.by_absorption + parameter.by_range_scale * model.absorption_db_per_m);
-      double distance = 0;
-      if (velocities[n]) {
-        const CornerVelocity::UnitPlane plane = velocities[n]->of_plane(footprint.facet);
-        distance = plane.distance;
-        const glm::dvec2 turned = polygon.plane.distance_m * polygon.in_plane(plane.normal);
-        moved.clear();
-        for (std::uint32_t c = 0; c < polygon.corners; ++c)
-          moved.push_back(turned + polygon.in_plane(velocities[n]->of_corner(
-                                       set.corner_names[polygon.first_corner + c], footprint.facet)));
-        for (const PolygonGradient::Part& part : polygon.parts)
-          row[part.bin] += polygon.mu * (glm::dot(part.by_first, moved[part.edge]) +
-                                         glm::dot(part.by_second, moved[(part.edge + 1) % polygon.corners]) +
-                                         part.by_distance * distance);
-      }
-      for (std::size_t k = 0; k < count; ++k)
-        row[k] += by_energy * polygon.energy[k] + by_beta * polygon.by_beta[k] +
-                  polygon.mu * distance * polygon.by_distance(k);
+    absorption = absorption || parameter.by_absorption != 0;
+    first_own.push_back(scattering.count);
+    for (const MaterialParameter& own : parameter.by_scattering) {
+      check_parameter(own, model);
+      scattering.add(own);
     }
-  });
+    const glm::dvec3 turned = model.patterns != nullptr ? parameter.pattern_rotation : glm::dvec3(0);
+    rotations.push_back(turned);
+    velocity_of.push_back(at_rest);
+    if (!parameter.velocity && turned == glm::dvec3(0)) continue;
+    velocity_of.back() = velocities.size();
+    if (turned == glm::dvec3(0))
+      velocities.push_back(parameter.velocity);
+    else
+      velocities.push_back([&parameter, turned](PointId id, glm::dvec3 at) {
+        return (parameter.velocity ? parameter.velocity(id, at) : glm::dvec3(0)) - glm::cross(turned, at);
+      });
+  }
+  first_own.push_back(scattering.count);
+  CornerVelocities corners(points, velocities);
+  BeamGains gains(model.patterns, beams, {}, count, model.pattern_tolerance);
+  std::vector<RowSums> sums;
+  for (std::vector<double>& derivatives : all) sums.emplace_back(gains, derivatives);
+  std::vector<glm::dvec2> moved;  // [velocity][corner]
+  std::vector<double> factor;
+  for_each_polygon(
+      history, samples, model, gains, absorption, scattering, [&](const DifferentiatedPolygon& polygon) {
+        using Numbers = PolygonDerivatives;
+        const PolygonDerivatives& by = polygon.by;
+        if (!velocities.empty()) corners.select(polygon.footprint.facet);
+        moved.resize(velocities.size() * polygon.corners);
+        for (std::uint32_t c = 0; c < polygon.corners && !velocities.empty(); ++c) {
+          const std::vector<glm::dvec3>& of = corners.of_corner(set.corner_names[polygon.first_corner + c]);
+          for (std::size_t n = 0; n < of.size(); ++n)
+            moved[n * polygon.corners + c] = polygon.in_plane(of[n]);
+        }
+        for (std::size_t n = 0; n < parameters.size(); ++n) {
+          const EchoParameter& parameter = parameters[n];
+          factor.assign(by.count, 0);
+          factor[Numbers::by_absorption] = polygon.scale * per_db * parameter.by_absorption;
+          factor[Numbers::by_borders] = polygon.scale * parameter.by_range_scale;
+          const auto put = [&](std::size_t first, glm::dvec3 v) {
+            for (int k = 0; k < 3; ++k) factor[first + std::size_t(k)] = polygon.scale * v[k];
+          };
+          put(Numbers::by_place, parameter.apex_velocity);
+          put(Numbers::by_turn, rotations[n]);
+          if (polygon.lambert && !parameter.by_mu.empty())
+            factor[Numbers::energy] = parameter.by_mu[polygon.material];
+          const std::vector<std::size_t>& own = scattering.numbers[polygon.material];
+          for (std::size_t k = 0; k < own.size(); ++k)
+            if (own[k] >= first_own[n] && own[k] < first_own[n + 1]) factor[Numbers::own_parameters + k] = 1;
+          if (velocity_of[n] != at_rest) {
+            const CornerVelocities::UnitPlane plane = corners.of_plane(velocity_of[n]);
+            const glm::dvec2 tilt = polygon.in_plane(plane.normal);
+            factor[Numbers::by_distance] = polygon.scale * plane.distance;
+            factor[Numbers::by_tilt] = polygon.scale * tilt.x;
+            factor[Numbers::by_tilt + 1] = polygon.scale * tilt.y;
+            const std::span<glm::dvec2> own_moved =
+                std::span(moved).subspan(velocity_of[n] * polygon.corners, polygon.corners);
+            for (glm::dvec2& corner : own_moved)
+              corner = polygon.scale * (corner + polygon.plane.distance_m * tilt);
+            for (const PolygonDerivatives::Part& part : by.parts) {
+              const RowSums::Row row = sums[n].row(part.row);
+              row.at[part.bin * row.stride] +=
+                  glm::dot(part.by_first, own_moved[part.edge]) +
+                  glm::dot(part.by_second, own_moved[part.edge + 1 < polygon.corners ? part.edge + 1 : 0]);
+            }
+          }
+          const double* numbers = by.numbers.data();
+          for (std::size_t bin = by.first_bin; bin < by.end_bin; ++bin)
+            for (std::size_t r = 0; r < by.rows; ++r, numbers += by.count) {
+              double sum = 0;
+              for (std::size_t k = 0; k < by.count; ++k) sum += factor[k] * numbers[k];
+              const RowSums::Row row = sums[n].row(r);
+              row.at[bin * row.stride] += sum;
+            }
+        }
+      });
+  for (RowSums& each : sums) each.finish();
   return all;
 }
 
 EchoGradient echo_gradient(const FacetMesh& mesh, const History& history, const ReceiveBeams& beams,
                            const RangeSamples& samples, const EchoModel& model,
-                           std::span<const double> weights) {
+                           std::span<const double> weights, std::span<const MaterialParameter> scattering) {
   check_gradient(history, model);
   const auto count = std::size_t(samples.count);
   if (weights.size() != std::size_t(beams.count) * count)
@@ -215,40 +308,68 @@ EchoGradient echo_gradient(const FacetMesh& mesh, const History& history, const 
   if (const auto bad = std::ranges::find_if_not(weights, [](double w) { return std::isfinite(w); });
       bad != weights.end())
     reject(fmt::format("weight {} is {}, expected a finite number", bad - weights.begin(), *bad));
+  ScatteringParameters parameters(model.material_mu.size());
+  for (const MaterialParameter& parameter : scattering) {
+    check_parameter(parameter, model);
+    parameters.add(parameter);
+  }
   const FootprintSet& set = history.footprints;
   const NameContext context{mesh, history.tubes.apex, set.name_rays};
   const NamedPoints points(context, history.grid_unit_m);
   CornerAdjoint adjoint(points);
   EchoGradient gradient;
   gradient.by_material_mu.assign(model.material_mu.size(), 0);
+  gradient.by_scattering.assign(scattering.size(), 0);
+  BeamGains gains(model.patterns, beams, weights, count, model.pattern_tolerance);
+  glm::dvec3 turned(0);
   std::vector<glm::dvec2> by_corner;
-  for_each_polygon(history, samples, model, [&](const PolygonParts& polygon) {
-    const Footprint& footprint = polygon.footprint;
-    const std::span<const double> weight = weights.subspan(beams.of_tube[footprint.tube] * count, count);
-    double by_distance = 0, by_mu = 0, by_beta = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-      by_distance += weight[k] * polygon.by_distance(k);
-      by_mu += weight[k] * polygon.energy[k];
-      by_beta += weight[k] * polygon.by_beta[k];
-    }
-    gradient.by_material_mu[model.material[footprint.facet]] += by_mu;
-    gradient.by_absorption += polygon.mu * per_db * by_beta;
-    by_corner.assign(polygon.corners, glm::dvec2(0));
-    for (const PolygonGradient::Part& part : polygon.parts) {
-      by_corner[part.edge] += weight[part.bin] * part.by_first;
-      by_corner[(part.edge + 1) % polygon.corners] += weight[part.bin] * part.by_second;
-      by_distance += weight[part.bin] * part.by_distance;
-    }
-    glm::dvec3 by_normal(0);
-    for (std::uint32_t c = 0; c < polygon.corners; ++c) {
-      const glm::dvec3 by = polygon.mu * polygon.in_space(by_corner[c]);
-      by_normal += polygon.plane.distance_m * by;
-      adjoint.add_corner(set.corner_names[polygon.first_corner + c], footprint.facet, by);
-    }
-    adjoint.add_plane(footprint.facet, by_normal, polygon.mu * by_distance);
-  });
+  std::vector<double> sum;
+  for_each_polygon(
+      history, samples, model, gains, true, parameters, [&](const DifferentiatedPolygon& polygon) {
+        using Numbers = PolygonDerivatives;
+        const Footprint& footprint = polygon.footprint;
+        const PolygonDerivatives& by = polygon.by;
+        // Rows with weighted gains contain the weights.
+        const double* weight = by.weighted ? nullptr : &weights[gains.first_beam() * count];
+        const auto weight_of = [&](std::size_t bin) { return weight != nullptr ? weight[bin] : 1; };
+        sum.assign(by.count, 0);
+        const double* numbers = by.numbers.data();
+        for (std::size_t bin = by.first_bin; bin < by.end_bin; ++bin, numbers += by.count)
+          for (std::size_t k = 0; k < by.count; ++k) sum[k] += weight_of(bin) * numbers[k];
+        if (polygon.lambert) gradient.by_material_mu[polygon.material] += sum[Numbers::energy];
+        for (std::size_t k = Numbers::by_absorption; k < Numbers::own_parameters; ++k)
+          sum[k] *= polygon.scale;
+        gradient.by_absorption += per_db * sum[Numbers::by_absorption];
+        gradient.by_range_scale += sum[Numbers::by_borders];
+        gradient.by_apex += vector_at(&sum[Numbers::by_place]);
+        turned += vector_at(&sum[Numbers::by_turn]);
+        const std::vector<std::size_t>& own = parameters.numbers[polygon.material];
+        for (std::size_t k = 0; k < own.size(); ++k)
+          gradient.by_scattering[own[k]] += sum[Numbers::own_parameters + k];
+        by_corner.assign(polygon.corners, glm::dvec2(0));
+        for (const PolygonDerivatives::Part& part : by.parts) {
+          const double factor = polygon.scale * weight_of(part.bin);
+          by_corner[part.edge] += factor * part.by_first;
+          by_corner[(part.edge + 1) % polygon.corners] += factor * part.by_second;
+        }
+        glm::dvec3 by_normal = polygon.in_space({sum[Numbers::by_tilt], sum[Numbers::by_tilt + 1]});
+        for (std::uint32_t c = 0; c < polygon.corners; ++c) {
+          const glm::dvec3 by_point = polygon.in_space(by_corner[c]);
+          by_normal += polygon.plane.distance_m * by_point;
+          adjoint.add_corner(set.corner_names[polygon.first_corner + c], footprint.facet, by_point);
+        }
+        adjoint.add_plane(footprint.facet, by_normal, sum[Numbers::by_distance]);
+      });
   gradient.by_vertex = adjoint.by_vertex();
   gradient.by_ray = adjoint.by_ray();
+  if (model.patterns == nullptr) return gradient;
+  // See echo_derivatives().
+  gradient.by_pattern_rotation = turned;
+  const auto turn = [&](PointId id, glm::dvec3 by) {
+    gradient.by_pattern_rotation -= glm::cross(points.point(id), by);
+  };
+  for (std::size_t v = 0; v < gradient.by_vertex.size(); ++v) turn(PointId(v), gradient.by_vertex[v]);
+  for (std::size_t r = 0; r < gradient.by_ray.size(); ++r) turn(PointId(r) | ray_bit, gradient.by_ray[r]);
   return gradient;
 }
 

@@ -9,16 +9,25 @@
 #include <vector>
 
 #include "engine/echo/echo.hpp"
+#include "engine/scattering/scattering_derivative.hpp"
 #include "engine/visibility/history.hpp"
 #include "geometry/footprints/corner_derivatives.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
 // Derivatives of the energies of integrate_echo() at the integer coordinates of a scene, for fixed
 // combinatorics. They include the motion of all borders of visible polygons: edges, shadow borders, walls of
-// tubes, and intersections of facets. They hold for one apex, Lambert's law and exact binning, without
-// patterns and textures. Functions throw std::invalid_argument for other echo models, and for a history
-// without names of corners (VisibilityOptions::corner_names).
+// tubes, and intersections of facets. They hold for one apex and exact binning, with any scattering model,
+// beam patterns, and textures that are maps or Perlin noise. BeamPatterns::least limits fixed directions.
+// Textures stay at their place in the local frame if an object moves. Functions throw std::invalid_argument
+// for mirrors, refraction, receiver pairs and hits of rays, and for a history without names of corners
+// (VisibilityOptions::corner_names). EchoModel::pattern_tolerance bounds errors with patterns and textures.
 namespace tubefoot {
+
+/// A parameter of a material's scattering model.
+struct MaterialParameter {
+  std::size_t material = 0;
+  ScatteringDerivative derivative;
+};
 
 /// A parameter of a scene, by the velocities of what it moves. Velocities are per unit of the parameter.
 struct EchoParameter {
@@ -32,11 +41,17 @@ struct EchoParameter {
     std::function<bool(PointId)> moves{};
   };
   std::optional<Turn> turn{};  ///< empty: points move along straight lines, and `velocity` is exact
+  glm::dvec3 apex_velocity{0};  ///< of the apex in the local frame, to which textures are fixed
+  /// Rotation vector of the axes of beam patterns about the apex, in radians.
+  glm::dvec3 pattern_rotation{0};
+  std::vector<MaterialParameter> by_scattering{};  ///< parameters of models that change at the rate 1
 
-  /// Translation of the apex with its tubes, in metres along a unit vector.
+  /// Translation of the apex with its tubes and patterns, in metres along a unit vector.
   static EchoParameter sonar_translation(glm::dvec3 axis);
-  /// Rotation of the tubes about an axis through the apex, in radians.
+  /// Rotation of tubes and patterns about an axis through the apex, in radians.
   static EchoParameter sonar_rotation(glm::dvec3 axis);
+  /// Rotation of the patterns alone, for example a tilt of the transmit beam.
+  static EchoParameter patterns_rotation(glm::dvec3 axis);
   /// Translation along an axis and rotation about it of one component of a mesh. `origin_m`: a point of the
   /// axis of rotation, relative to the apex. Throws std::invalid_argument if the component shares a vertex
   /// with another one.
@@ -45,9 +60,11 @@ struct EchoParameter {
                                        glm::dvec3 origin_m);
   /// Lambert's parameter mu of a material.
   static EchoParameter material_mu(std::size_t material, std::size_t materials);
-  static EchoParameter absorption() { return {{}, {}, 1, 0}; }
+  /// A parameter of the scattering model of a material.
+  static EchoParameter material_scattering(MaterialParameter parameter);
+  static EchoParameter absorption();
   /// Sound speed in m/s of a sonar whose range bins are intervals of time.
-  static EchoParameter sound_speed(double sound_speed_m_s) { return {{}, {}, 0, 1 / sound_speed_m_s}; }
+  static EchoParameter sound_speed(double sound_speed_m_s);
 };
 
 /// Forward mode. Returns the derivatives of all energies, [parameter][beam][sample].
@@ -60,15 +77,22 @@ std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const H
 struct EchoGradient {
   std::vector<glm::dvec3> by_vertex;   ///< per metre
   std::vector<glm::dvec3> by_ray;      ///< of FootprintSet::name_rays, per unit of their integers
+  glm::dvec3 by_apex{0};               ///< by a motion of the apex in the local frame, with all points at
+                                       ///< rest relative to the apex, per metre: 0 without textures
+  glm::dvec3 by_pattern_rotation{0};   ///< by rotations of the patterns' axes about x, y and z, per radian
+  double by_range_scale = 0;           ///< by the relative change of all range borders
   std::vector<double> by_material_mu;  ///< by Lambert's parameter mu (linear), per material
   double by_absorption = 0;            ///< by the one-way absorption, per dB/m
+  std::vector<double> by_scattering;   ///< by the given parameters of scattering models
 };
 
 /// Reverse mode. Returns the gradient of the sum over beams and samples of weight times energy, in one pass
 /// for any number of points. `weights`: [beam][sample]. Throws std::invalid_argument for weights of another
 /// number and for a weight that is not finite.
+/// `scattering`: parameters of scattering models.
 EchoGradient echo_gradient(const FacetMesh& mesh, const History& history, const ReceiveBeams& beams,
                            const RangeSamples& samples, const EchoModel& model,
-                           std::span<const double> weights);
+                           std::span<const double> weights,
+                           std::span<const MaterialParameter> scattering = {});
 
 }  // namespace tubefoot

@@ -8,63 +8,16 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "engine/visibility/tube_engine.hpp"
-#include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/world/differentiated_scenes.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr double gradient_unit_m = 0x1p-22;
-
-GridPoint grid_point(double x, double y, double z) {
-  const auto snap = [](double m) { return std::int32_t(std::lround(m / gradient_unit_m)); };
-  return {snap(x), snap(y), snap(z)};
-}
-
-/// Derivative by a translation of the apex with its tubes.
-glm::dvec3 translation_of(const EchoGradient& gradient) {
-  glm::dvec3 sum(0);
-  for (const glm::dvec3& by : gradient.by_vertex) sum -= by;
-  return sum;
-}
-
-struct GradientScene {
-  FacetMesh mesh;
-  TubeSet tubes;
-  RangeSamples samples;
-  std::vector<double> mu{std::pow(10, -2.7)};
-  double absorption_db_per_m = 0;
-
-  std::vector<std::uint32_t> beam_of_tube() const {
-    std::vector<std::uint32_t> beams;
-    for (std::uint32_t k = 0; k < tubes.tubes.size(); ++k) beams.push_back(k);
-    return beams;
-  }
-  History history() const {
-    const SceneTree tree(mesh);
-    VisibilityOptions options;
-    options.corner_names = true;
-    return TubeEngine(mesh, tree, gradient_unit_m, options).trace(tubes);
-  }
-  EchoModel model() const { return {mu, mesh.material, absorption_db_per_m}; }
-  double energy() const {
-    const std::vector<std::uint32_t> beams = beam_of_tube();
-    double sum = 0;
-    for (const double e : integrate_echo(history(), {int(beams.size()), beams}, samples, model()).energy)
-      sum += e;
-    return sum;
-  }
-  EchoGradient gradient() const {
-    const std::vector<std::uint32_t> beams = beam_of_tube();
-    const std::vector<double> ones(beams.size() * std::size_t(samples.count), 1);
-    return echo_gradient(mesh, history(), {int(beams.size()), beams}, samples, model(), ones);
-  }
-  std::vector<glm::dvec3> rays() const {
-    std::vector<glm::dvec3> all;
-    for (const GridPoint r : history().footprints.name_rays) all.emplace_back(r.x, r.y, r.z);
-    return all;
-  }
-};
+using test::gradient_unit_m;
+using test::GradientScene;
+using test::grid_point;
+using test::rough_scene;
+using test::translation_of;
 
 /// Tangent of half the width of the tube in wall_scene(), times 2^28.
 constexpr std::int32_t half_width = 1342177;
@@ -137,23 +90,6 @@ TEST(EchoGradient, OfTheShadowOfAWallIsTheClosedForm) {
   EXPECT_NEAR(translation_of(gradient).z, expected.by_height, 1e-9 * scale);
   EXPECT_NEAR(gradient.by_material_mu[0], expected.energy / scene.mu[0],
               1e-9 * expected.energy / scene.mu[0]);
-}
-
-/// A rough terrain, and facets that intersect each other in front of it.
-GradientScene rough_scene(std::uint64_t seed) {
-  const auto units = [](double m) { return std::int32_t(m / gradient_unit_m); };
-  GradientScene scene;
-  test::Random random(seed);
-  scene.mesh = test::rough_terrain(random, 10, units(16), 0, units(0.4));
-  const FacetMesh solids = test::make_random_triangles(random, 8, units(5), units(2));
-  for (const auto& [a, b, c] : solids.facets)
-    test::add_facet(scene.mesh, test::add_vertex(scene.mesh, solids.vertices[a]),
-                    test::add_vertex(scene.mesh, solids.vertices[b]),
-                    test::add_vertex(scene.mesh, solids.vertices[c]));
-  scene.tubes = test::forward_tubes(grid_point(0.01, 0.02, 3), 3, 1, 36, 50, 30);
-  scene.samples = {2, 0.5, 14};
-  scene.absorption_db_per_m = 0.2;
-  return scene;
 }
 
 // Central differences move integer coordinates by far more than a grid unit.
