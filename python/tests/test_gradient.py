@@ -86,6 +86,67 @@ def test_derivatives_are_central_differences_of_whole_runs(echoes, name):
     assert np.abs(difference - derivative).max() < 1e-3 * np.abs(derivative).max()
 
 
+def of_all_factors():
+    """A scene with a scattering model, beam patterns and a micro-texture."""
+    keys = copy.deepcopy(KEYS)
+    keys["materials"][0] = {"name": "sand", "law": "gsab", "specular_db": -12, "specular_width_deg": 15, "oblique_db": -27,
+                            "reflectivity": [{"kind": "perlin", "wavelength_m": 1.5, "octaves": 1}]}
+    keys["sensors"][0] |= {"beams": 4, "samples": 12, "pings": 1, "transmit_pattern": "gaussian",
+                           "transmit_beam_width_deg": 20, "receive_pattern": "line", "receive_aperture_m": 0.02}
+    return keys
+
+
+def test_derivatives_include_models_patterns_and_textures():
+    names = ["camera.position.up", "camera.mounting.tilt", "block.position.north", "water.absorption", "water.sound_speed",
+             "material.steel.mu"]
+    keys = of_all_factors()
+    scene = tubefoot.Scene.from_dict(keys)
+    echoes = tubefoot.run(scene, gradient=names)["camera"]
+
+    def energies(section, index, key, change, component=None):
+        moved = copy.deepcopy(keys)
+        table = moved[section] if index is None else moved[section][index]
+        if component is None:
+            table[key] += change
+        else:
+            table[key][component] += change
+        return energy_of(moved)
+    for name, place, step in (("camera.position.up", ("trajectory", None, "position_m", STEP, 2), STEP),
+                              ("camera.mounting.tilt", ("sensors", 0, "tilt_deg", np.degrees(STEP), None), STEP),
+                              ("block.position.north", ("objects", 0, "position_m", STEP, 1), STEP)):
+        section, index, key, change, component = place
+        difference = (energies(section, index, key, change, component)
+                      - energies(section, index, key, -change, component)) / (2 * step)
+        derivative = echoes.gradient[name]
+        assert np.abs(difference - derivative).max() < 1e-2 * np.abs(derivative).max(), name
+    weights = np.random.default_rng(39).normal(size=echoes.energy.shape)
+    gradient = scene.gradient(weights)
+    for name in names:
+        parts = weights * echoes.gradient[name]
+        assert gradient[name] == pytest.approx(parts.sum(), rel=0, abs=1e-6 * np.abs(parts).sum()), name
+    with pytest.raises(tubefoot.UsageError, match="no parameter 'material.sand.mu'"):
+        tubefoot.run(scene, gradient=["material.sand.mu"])
+
+
+def test_references_enclose_derivatives(scene, echoes):
+    names = ["camera.position.up", "block.rotation.z", "material.sand.mu", "water.sound_speed"]
+    reference = tubefoot.reference(scene, gradient=names)["camera"]
+    for name in names:
+        derivative, bound = reference.gradient[name], reference.gradient_bound[name]
+        largest = np.abs(derivative).max()
+        assert 0 < bound.max() < 1e-13 * largest
+        assert np.abs(derivative - echoes.gradient[name]).max() < 1e-10 * largest
+    assert not echoes.gradient_bound
+
+
+@pytest.mark.parametrize("section, index, reason", [("materials", 0, "Lambert's law"), ("sensors", 0, "beam patterns")])
+def test_references_without_certified_derivatives_are_rejected(section, index, reason):
+    keys = copy.deepcopy(KEYS)
+    keys[section][index] = of_all_factors()[section][index]
+    with pytest.raises((tubefoot.UsageError, tubefoot.InputError), match=reason):
+        tubefoot.reference(tubefoot.Scene.from_dict(keys), gradient=["water.absorption"])
+
+
 def test_derivatives_do_not_change_energies(scene, echoes):
     assert list(echoes.gradient) == NAMES
     assert (tubefoot.run(scene)["camera"].energy == echoes.energy).all()

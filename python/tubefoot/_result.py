@@ -211,6 +211,12 @@ class SensorResult:
         return {name.removeprefix("gradient."): values for name, values in self._values.items() if name.startswith("gradient.")}
 
     @property
+    def gradient_bound(self) -> dict[str, np.ndarray]:
+        """(P, B, K) float64 by name of a parameter: certified bound of its derivative. Only references have bounds."""
+        return {name.removeprefix("gradient_bound."): values for name, values in self._values.items()
+                if name.startswith("gradient_bound.")}
+
+    @property
     def energy_lower(self) -> Optional[np.ndarray]:
         """(P, B, K) float64: energy density at the lower of two receivers in J/m²; None except for ``interferometric``.
 
@@ -500,10 +506,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
                     beams=None if beams is None else str(beams))
     if tolerance is not None:
         options["tolerance"] = tolerance if isinstance(tolerance, str) else repr(float(tolerance))
-    if isinstance(gradient, str):
-        raise UsageError(f"gradient: expected a list of names, not the text {gradient!r}")
-    if gradient is not None and len(gradient):
-        options["gradient"] = ",".join(gradient)
+    options |= _gradient_option(gradient)
     if coarsen:
         options["coarsen"] = repr(float(coarsen))
     if output is not None and not os.fspath(output):
@@ -516,16 +519,24 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
     return _run(scene, options, own, progress)
 
 
+def _gradient_option(gradient: Optional[Sequence[str]]) -> dict[str, str]:
+    if isinstance(gradient, str):
+        raise UsageError(f"gradient: expected a list of names, not the text {gradient!r}")
+    return {"gradient": ",".join(gradient)} if gradient is not None and len(gradient) else {}
+
+
 @with_named_arguments
 def reference(scene: Union[Scene, PathLike], tolerance: float = 1e-9, *, arithmetic: Optional[str] = None,
-              threads: Optional[int] = None, output: Optional[PathLike] = None,
-              progress: Optional[Progress] = None) -> Result:
+              threads: Optional[int] = None, gradient: Optional[Sequence[str]] = None,
+              output: Optional[PathLike] = None, progress: Optional[Progress] = None) -> Result:
     """Computes certified echoes, as ``tubefoot run --reference`` does: ``energy`` and ``energy_bound`` of each sensor.
 
     Args:
         scene: the scene, or the name of its file.
         tolerance: requested relative bound, 1e-12 to 0.1. :attr:`Result.stats` reports bins that exceed it.
         arithmetic, threads, output, progress: as for :func:`run`.
+        gradient: names of parameters: also compute enclosures of the derivatives of energies by them
+            (:attr:`SensorResult.gradient`, :attr:`SensorResult.gradient_bound`).
 
     The true energy of every ping, beam and sample lies within ``energy`` +- ``energy_bound``, in J/m² (docs/reference-results.md).
 
@@ -533,7 +544,7 @@ def reference(scene: Union[Scene, PathLike], tolerance: float = 1e-9, *, arithme
         InputError, UsageError: as for :func:`run`.
     """
     options = dict(arithmetic=arithmetic, threads=threads, reference=True, tolerance=repr(float(tolerance)),
-                   output=None if output is None else os.fspath(output))
+                   output=None if output is None else os.fspath(output)) | _gradient_option(gradient)
     return _run(scene, options, None, progress)
 
 

@@ -52,13 +52,15 @@ std::vector<ParameterFamily> families_of(const SceneDescription& description) {
     add(name, ".rotation", own, object_rotation, k, per_radian,
         "rotation of the object about its own axis through its origin [rad]");
   }
-  for (std::size_t m = 0; m < description.materials.size(); ++m)
+  for (std::size_t m = 0; m < description.materials.size(); ++m) {
+    if (description.materials[m].model != "lambert") continue;
     families.push_back({fmt::format("material.{}.mu", description.materials[m].name),
                         {},
                         mu,
                         m,
                         "J m-2",
                         "Lambert's parameter of the material, 10^(lambert_db / 10)"});
+  }
   families.push_back({"water.sound_speed",
                       {},
                       sound_speed,

@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "engine/gradient/certified_gradient.hpp"
 #include "files/usage_error.hpp"
 #include "run/survey.hpp"
 
@@ -24,8 +25,9 @@ glm::dvec3 axis_vector(int axis) {
   return unit;
 }
 
-std::string gradient_channel(const GradientParameter& parameter) {
-  std::string name = "gradient." + parameter.name;
+/// `kind`: "gradient" or "gradient_bound".
+std::string gradient_channel(const GradientParameter& parameter, const std::string& kind = "gradient") {
+  std::string name = kind + "." + parameter.name;
   std::ranges::replace(name, '/', '_');  // netCDF uses it to separate groups
   return name;
 }
@@ -72,6 +74,16 @@ std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter
   return std::nullopt;
 }
 
+/// Returns the model without lists that contain nothing, which certified_derivatives() rejects.
+EchoModel without_null_lists(EchoModel model) {
+  const auto clear = [](auto& list) {
+    if (std::ranges::all_of(list, [](const auto& one) { return one == nullptr; })) list = {};
+  };
+  clear(model.reflectivity);
+  clear(model.scattering);
+  return model;
+}
+
 }  // namespace
 
 glm::dvec3 mounting_axis(const Sensor& sensor, const glm::dquat& attitude, int angle) {
@@ -91,10 +103,12 @@ std::vector<OutputChannel> gradient_channels(const SceneDescription& description
   std::vector<OutputChannel> channels;
   for (const GradientParameter& parameter : gradient_parameters(description, request.gradient)) {
     const std::string name = gradient_channel(parameter);
-    channels.push_back({name,
-                        cells,
-                        1,
-                        {{name, parameter.units, "derivative of energy by the " + parameter.meaning, true}}});
+    const std::string meaning = "derivative of energy by the " + parameter.meaning;
+    channels.push_back({name, cells, 1, {{name, parameter.units, meaning, true}}});
+    if (!request.reference_tolerance) continue;
+    const std::string bound = gradient_channel(parameter, "gradient_bound");
+    channels.push_back(
+        {bound, cells, 1, {{bound, parameter.units, "certified bound of the " + meaning, true}}});
   }
   return channels;
 }
@@ -105,10 +119,10 @@ void require_gradients(const Survey& survey, const RunRequest& request) {
   if (parameters.empty()) return;
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
   for (std::size_t s = 0; s < chosen.size(); ++s)
-    if (chosen[s].pings > 0 && survey.sensors[s].sensor->has_patterns())
+    if (request.reference_tolerance && chosen[s].pings > 0 && survey.sensors[s].sensor->has_patterns())
       throw UsageError(fmt::format(
-          "--gradient: sensor '{}' has beam patterns, and derivatives of their energies are not supported: "
-          "select another sensor with --sensor, or leave out the patterns",
+          "--gradient: sensor '{}' has beam patterns, and there is no certified bound of the derivatives of "
+          "their energies: leave out --reference, or the patterns, or select another sensor with --sensor",
           description.sensors[s].name));
   if (survey.loaded_scene->is_tiled()) return;
   for (const GradientParameter& parameter : parameters) {
@@ -126,15 +140,6 @@ void require_gradients(const Survey& survey, const RunRequest& request) {
   }
 }
 
-EchoModel without_null_lists(EchoModel model) {
-  const auto clear = [](auto& list) {
-    if (std::ranges::all_of(list, [](const auto& one) { return one == nullptr; })) list = {};
-  };
-  clear(model.reflectivity);
-  clear(model.scattering);
-  return model;
-}
-
 void add_gradients(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
   const std::vector<GradientParameter> all =
       gradient_parameters(transmission.scene().description, transmission.request().gradient);
@@ -142,22 +147,33 @@ void add_gradients(const EchoContribution& plan, const Transmission& transmissio
   const FacetMesh& mesh = transmission.surface_mesh().mesh();
   for (const std::size_t s : plan.sensors) {
     if (sums.chosen(s).pings == 0) continue;
-    std::vector<std::string> channels;
+    std::vector<std::string> channels, bounds;
     std::vector<EchoParameter> parameters;
     for (const GradientParameter& parameter : all)
       if (auto own = engine_parameter(parameter, transmission, s, mesh)) {
         channels.push_back(gradient_channel(parameter));
+        bounds.push_back(gradient_channel(parameter, "gradient_bound"));
         parameters.push_back(std::move(*own));
       }
     sums.as_echo([&] {
       const SensorModel model = transmission.model(s);
       const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
       try {
-        const std::vector<std::vector<double>> derivatives =
-            echo_derivatives(mesh, history, transmission.beams_by_fans(s, fans),
-                             transmission.sensor(s).samples(), without_null_lists(model.model), parameters);
-        for (std::size_t k = 0; k < channels.size(); ++k)
-          sums.add_to_channel(transmission, s, channels[k], 0, derivatives[k]);
+        const EchoModel& echo_model = model.model;
+        const ReceiveBeams beams = transmission.beams_by_fans(s, fans);
+        const RangeSamples& samples = transmission.sensor(s).samples();
+        if (!plan.tolerance) {
+          const auto derivatives = echo_derivatives(mesh, history, beams, samples, echo_model, parameters);
+          for (std::size_t k = 0; k < channels.size(); ++k)
+            sums.add_to_channel(transmission, s, channels[k], 0, derivatives[k]);
+          return;
+        }
+        const CertifiedDerivatives derivatives =
+            certified_derivatives(mesh, history, beams, samples, without_null_lists(echo_model), parameters);
+        for (std::size_t k = 0; k < channels.size(); ++k) {
+          sums.add_to_channel(transmission, s, channels[k], 0, derivatives.value[k]);
+          sums.add_to_channel(transmission, s, bounds[k], 0, derivatives.bound[k]);
+        }
       } catch (const std::invalid_argument& error) {
         throw UsageError(fmt::format("--gradient: sensor '{}': {}", transmission.sensor(s).description().name,
                                      error.what()));

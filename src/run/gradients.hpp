@@ -10,7 +10,7 @@
 #include "run/transmission.hpp"
 
 // This header declares the derivatives of energies by parameters of the scene (docs/gradients.md). Each
-// parameter is an output channel of every sensor.
+// parameter is an output channel of every sensor. References also have a channel of bounds.
 namespace tubefoot {
 
 /// Returns the output channels of the derivatives that a run requests, with `cells` values per ping.
@@ -24,9 +24,6 @@ void require_gradients(const Survey& survey, const RunRequest& request);
 /// Rotation vector of the sonar, in the local frame, for a change of one mounting angle: 0 yaw, 1 tilt,
 /// 2 roll. `attitude`: of the sonar.
 glm::dvec3 mounting_axis(const Sensor& sensor, const glm::dquat& attitude, int angle);
-
-/// Returns the model without lists of scattering models and textures that contain only null pointers.
-EchoModel without_null_lists(EchoModel model);
 
 /// Adds the derivatives of a transmission's energies.
 void add_gradients(const EchoContribution& plan, const Transmission& transmission, PingSums& sums);

@@ -54,34 +54,26 @@ std::vector<double> weights_of(const Transmission& transmission, std::size_t s, 
 
 /// Adds the gradient of a transmission's energies to those of its sensor and scene.
 void add_echo_gradient(const Transmission& transmission, std::size_t s, const History& history,
-                       const EchoModel& model, const EchoGradient& echo, WeightedGradient& sum) {
+                       const EchoGradient& echo, WeightedGradient& sum) {
   const Scene& scene = transmission.scene();
   const FacetMesh& mesh = transmission.surface_mesh().mesh();
-  const glm::dvec3 apex_m = scene.grid.to_metres(history.tubes.apex);
-  glm::dvec3 by_all_vertices(0), by_rotation(0);
-  double by_scale = 0;
+  glm::dvec3 by_all_vertices(0), by_rotation = echo.by_pattern_rotation;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (echo.by_vertex[v] == glm::dvec3(0)) continue;
     sum.by_vertex[v] += echo.by_vertex[v];
     by_all_vertices += echo.by_vertex[v];
-    by_scale -= glm::dot(scene.grid.to_metres(mesh.vertices[v]) - apex_m, echo.by_vertex[v]);
   }
   for (std::size_t k = 0; k < echo.by_ray.size(); ++k) {
     const GridPoint ray = history.footprints.name_rays[k];
     by_rotation += glm::cross(glm::dvec3(ray.x, ray.y, ray.z), echo.by_ray[k]);
   }
-  // Euler's theorem for energies, which scale as the power -2 of all lengths.
-  for (std::size_t m = 0; m < echo.by_material_mu.size(); ++m) {
-    sum.by_mu[m] += echo.by_material_mu[m];
-    by_scale -= 2 * scene.material_mu[m] * echo.by_material_mu[m];
-  }
-  by_scale += model.absorption_db_per_m * echo.by_absorption;
-  sum.by_sound_speed += by_scale / scene.sound_speed_m_s;
+  for (std::size_t m = 0; m < echo.by_material_mu.size(); ++m) sum.by_mu[m] += echo.by_material_mu[m];
+  sum.by_sound_speed += echo.by_range_scale / scene.sound_speed_m_s;
   sum.by_absorption += echo.by_absorption / 1000;
   const Sensor& sensor = transmission.sensor(s);
   const glm::dquat& attitude = transmission.pose().attitude;
   WeightedGradient::OfSonar& sonar = sum.sonars[s];
-  sonar.by_position[transmission.ping()] -= by_all_vertices;
+  sonar.by_position[transmission.ping()] += echo.by_apex - by_all_vertices;
   for (int k = 0; k < 3; ++k) {
     glm::dvec3 unit(0);
     unit[k] = 1;
@@ -150,11 +142,10 @@ WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
           if (!history) history = transmission.trace(nullptr, false);
           const SensorModel model = transmission.model(s);
           const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(number);
-          const EchoGradient echo =
-              echo_gradient(transmission.surface_mesh().mesh(), *history, transmission.beams_by_fans(s, fans),
-                            transmission.sensor(s).samples(), without_null_lists(model.model),
-                            weights_of(transmission, s, weights[s]));
-          add_echo_gradient(transmission, s, *history, model.model, echo, sum);
+          const EchoGradient echo = echo_gradient(
+              transmission.surface_mesh().mesh(), *history, transmission.beams_by_fans(s, fans),
+              transmission.sensor(s).samples(), model.model, weights_of(transmission, s, weights[s]));
+          add_echo_gradient(transmission, s, *history, echo, sum);
         }
       }
   add_objects(survey.scene, mesh, sum);
