@@ -22,6 +22,7 @@
 #   make refraction-study  soundings of a flat seabed in stratified water: out/refraction.png
 #   make track-study  the track of a camera, estimated from its frames: out/track.png, out/drift.png
 #   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, validation/performance.md (a quarter of an hour)
+#   make gradients  exact gradients beside finite differences of rays: validation/gradients.md (minutes)
 #   make long-run  memory of 10 000 pings of a sidescan and a multibeam: validation/pictures/long-run.svg (minutes)
 #   make reference reference-sums  certify the echoes of validation/reference/v1 anew and write its checksums (half a minute)
 #   make reference-sums  checksums of the benchmark suite v2, as tubefoot suite writes it (a minute)
@@ -34,7 +35,7 @@ JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
 .PHONY: demo python test test-slow one-test install package wheel program whole build configured sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
-  rays engines scaling long-run reference reference-sums docs figures format tidy clean
+  rays engines scaling gradients long-run reference reference-sums docs figures format tidy clean
 
 demo: program
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -197,6 +198,9 @@ SCALING_ROUNDS := 3
 scaling: build
 	@rm -f build/scaling.json
 	/usr/bin/python3 -B validation/scaling/study.py $(PROGRAM) validation/scaling.md validation/pictures build/scaling.json --rounds $(SCALING_ROUNDS)
+
+gradients: build
+	PYTHONPATH=build/release/python /usr/bin/python3 -B validation/gradients/study.py validation/gradients.md validation/pictures
 
 LONG_RUN_PINGS := 10000
 

@@ -40,7 +40,7 @@ struct EchoParameter {
     glm::dvec3 axis{0}, origin_m{0};
     std::function<bool(PointId)> moves{};
   };
-  std::optional<Turn> turn{};  ///< empty: points move along straight lines, and `velocity` is exact
+  std::optional<Turn> turn{};   ///< empty: points move along straight lines, and `velocity` is exact
   glm::dvec3 apex_velocity{0};  ///< of the apex in the local frame, to which textures are fixed
   /// Rotation vector of the axes of beam patterns about the apex, in radians.
   glm::dvec3 pattern_rotation{0};
