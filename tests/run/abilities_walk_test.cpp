@@ -117,7 +117,9 @@ struct AbilitiesWalk : testing::Test {
       }
       if (features.contains(Feature::labels)) add_up(file, here);
       if (features.contains(Feature::gradient)) {
-        if (!features.contains(Feature::reference)) EXPECT_EQ(here, sure);
+        if (!features.contains(Feature::reference)) {
+          EXPECT_EQ(here, sure);
+        }
         // Absorption reduces each energy.
         const std::vector<double> derivatives = file.values("/", "gradient.water.absorption");
         for (std::size_t k = 0; k < sure.size(); ++k) EXPECT_EQ(derivatives[k]<0, sure[k]> 0) << k;
