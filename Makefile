@@ -22,7 +22,7 @@
 #   make refraction-study  soundings of a flat seabed in stratified water: out/refraction.png
 #   make track-study  the track of a camera, estimated from its frames: out/track.png, out/drift.png
 #   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, validation/performance.md (a quarter of an hour)
-#   make gradients  exact gradients beside finite differences of rays: validation/gradients.md (minutes)
+#   make gradients  compare exact gradients with finite differences of rays: validation/gradients.md (minutes)
 #   make long-run  memory of 10 000 pings of a sidescan and a multibeam: validation/pictures/long-run.svg (minutes)
 #   make reference reference-sums  certify the echoes of validation/reference/v1 anew and write its checksums (half a minute)
 #   make reference-sums  checksums of the benchmark suite v2, as tubefoot suite writes it (a minute)

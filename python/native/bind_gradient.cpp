@@ -41,7 +41,7 @@ py::dict gradient(const std::shared_ptr<NativeScene>& scene,
   run_apart(watch, progress, [&] {
     const ThreadLimit limit(threads.value_or(scene->description().run.threads));
     survey = scene->survey();
-    sum = weighted_gradient(*survey, request_of(scene->description().run), values);
+    sum = weighted_gradient(*survey, request_of(scene->description().run), values, &watch);
   });
   py::dict all;
   const Scene& loaded = survey->scene;

@@ -3,6 +3,7 @@
 
 import copy
 import subprocess
+import warnings
 
 import netCDF4
 import numpy as np
@@ -97,8 +98,7 @@ def of_all_factors():
 
 
 def test_derivatives_include_models_patterns_and_textures():
-    names = ["camera.position.up", "camera.mounting.tilt", "block.position.north", "water.absorption", "water.sound_speed",
-             "material.steel.mu"]
+    names = ["camera.position.up", "camera.mounting.tilt", "block.position.north", "water.absorption", "material.steel.mu"]
     keys = of_all_factors()
     scene = tubefoot.Scene.from_dict(keys)
     echoes = tubefoot.run(scene, gradient=names)["camera"]
@@ -126,6 +126,34 @@ def test_derivatives_include_models_patterns_and_textures():
         assert gradient[name] == pytest.approx(parts.sum(), rel=0, abs=1e-6 * np.abs(parts).sum()), name
     with pytest.raises(tubefoot.UsageError, match="no parameter 'material.sand.mu'"):
         tubefoot.run(scene, gradient=["material.sand.mu"])
+
+
+def test_a_scene_without_lambert_materials_has_derivatives():
+    keys = of_all_factors()
+    keys["materials"][1] = {**keys["materials"][0], "name": "steel"}
+    scene = tubefoot.Scene.from_dict(keys)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", tubefoot.SilenceWarning)
+        gradient = scene.gradient(np.ones((1, 4, 12)))
+    assert not gradient.mu and gradient["water.absorption"] < 0
+    with pytest.raises(tubefoot.UsageError, match='"line" of sensor \'camera\' depends on the wavelength'):
+        tubefoot.run(scene, gradient=["water.sound_speed"])
+
+
+def test_ambiguous_names_are_rejected():
+    keys = copy.deepcopy(KEYS)
+    keys["objects"][0]["name"] = "camera"
+    with pytest.raises(tubefoot.UsageError, match="parameter of a sensor and of an object"):
+        tubefoot.run(tubefoot.Scene.from_dict(keys), gradient=["camera.position.up"])
+    keys["objects"][0]["name"] = "a/b"
+    with pytest.raises(tubefoot.UsageError, match="cannot contain '/'"):
+        tubefoot.run(tubefoot.Scene.from_dict(keys), gradient=["a/b.position.up"])
+
+
+def test_reverse_mode_reports_progress(scene):
+    said = []
+    scene.gradient(np.ones((2, 8, 30)), progress=lambda done, all_: said.append((done, all_)))
+    assert said and said[-1][1] == 2
 
 
 def test_references_enclose_derivatives(scene, echoes):
@@ -300,6 +328,12 @@ def test_fits_say_what_they_cannot_set():
         tubefoot.EnergyFit(KEYS, ["water.absorption"], measured).residuals([1, 2])
     with pytest.raises(tubefoot.UsageError, match=r"\(2, 8, 29\), expected \(2, 8, 30\)"):
         tubefoot.EnergyFit(KEYS, ["water.absorption"], measured[..., 1:]).residuals([120])
-    own = tubefoot.EnergyFit(KEYS, ["block.rotation.z"], measured, initial=[0],
-                             update=lambda x: changed("objects", 0, "heading_deg", -np.degrees(x[0])))
+    upright = copy.deepcopy(KEYS)
+    upright["objects"][0] |= {"pitch_deg": 0, "roll_deg": 0}
+
+    def turned(x):
+        keys = copy.deepcopy(upright)
+        keys["objects"][0]["heading_deg"] -= np.degrees(x[0])
+        return keys
+    own = tubefoot.EnergyFit(upright, ["block.rotation.z"], measured, initial=[0], update=turned)
     assert own.jacobian([0]).shape == (480, 1)

@@ -38,7 +38,9 @@ class EnergyFit:
         measured: energies to fit, as an array of shape (pings, beams, range bins), or such arrays by sensor.
         sigma: standard deviation of the measured energies, a number or arrays like ``measured``. Residuals are
             divided by it.
-        update: function that returns the keys of the scene for the values; by default, the values replace keys.
+        update: function that returns the keys of the scene for the values; by default, the values replace keys. A change
+            of a value must change the scene as the parameter of this name does, in its unit. For
+            ``OBJECT.rotation.z``, ``heading_deg`` does so only without pitch and roll, and in the opposite sense.
         initial: first values of the parameters; by default those of the keys. Required with ``update``.
         base: folder to which file names are relative.
         threads: number of threads.
@@ -76,7 +78,7 @@ class EnergyFit:
             if not (of > 0).all() or of.shape not in ((), values.shape):
                 raise UsageError(f"sigma of {name!r}: expected numbers above 0 of shape {values.shape}")
             self._sigma[name] = of
-        self._known: tuple[bytes, bool, Any] = (b"", False, None)
+        self._known: tuple[bytes, bool, Any, Any] = (b"", False, None, None)
 
     def scene(self, x: npt.ArrayLike) -> Scene:
         """Returns the scene for the values of the parameters."""
@@ -105,7 +107,7 @@ class EnergyFit:
         result = self._result(x, False)
         errors = {name: (self._energy(result, name) - values) / self._sigma[name] for name, values in self.measured.items()}
         weights = {name: e / self._sigma[name] for name, e in errors.items()}
-        gradient = gradient_of(self.scene(x), weights, self._threads, None)
+        gradient = gradient_of(self._known[3], weights, self._threads, None)
         return (0.5 * sum(float((e * e).sum()) for e in errors.values()),
                 np.array([gradient[name] for name in self.parameters]))
 
@@ -126,11 +128,12 @@ class EnergyFit:
         values = self._values(x)
         if self._known[0] == values.tobytes() and self._known[1] >= with_gradient:
             return self._known[2]
-        result = run(self.scene(values), gradient=self.parameters if with_gradient else None, threads=self._threads)
+        scene = self.scene(values)
+        result = run(scene, gradient=self.parameters if with_gradient else None, threads=self._threads)
         for name in self.measured:
             if name not in result:
                 raise UsageError(f"measured: there is no sensor {name!r}: expected {one_of(result)}")
-        self._known = (values.tobytes(), with_gradient, result)
+        self._known = (values.tobytes(), with_gradient, result, scene)
         return result
 
 
@@ -196,7 +199,8 @@ class _Place:
                 if key in sensor:
                     sensor[key] = float(sensor[key]) * factor
                 else:
-                    raise UsageError(f"parameters: water.sound_speed needs the key {key!r} of each sensor")
+                    raise UsageError(f"parameters: water.sound_speed needs the key {key!r} of each sensor: add it, or give "
+                                     "'update'")
 
 
 def _place(keys: Mapping[str, Any], name: str) -> _Place:
@@ -205,6 +209,10 @@ def _place(keys: Mapping[str, Any], name: str) -> _Place:
         entries = keys.get(section, [])
         names = [entry.get("name") for entry in ([entries] if isinstance(entries, Mapping) else entries)]
         return names.index(owner) if owner in names else -1
+
+    def entry(section: str, number: int) -> Mapping[str, Any]:
+        entries = keys[section]
+        return entries if isinstance(entries, Mapping) else entries[number]
 
     if name == "water.sound_speed":
         return _Place(keys, "water", None, "sound_speed_m_s")
@@ -217,12 +225,12 @@ def _place(keys: Mapping[str, Any], name: str) -> _Place:
     if kind == "mounting" and sensor >= 0:
         return _Place(keys, "sensors", sensor, axis + "_deg", default=0.0)
     number = AXES[kind].index(axis)
-    if kind == "position" and object_ >= 0:
+    if kind == "position" and object_ >= 0 and not {"on_terrain_m", "position_lat_lon_deg"} & set(entry("objects", object_)):
         return _Place(keys, "objects", object_, "position_m", number, default=0.0)
     trajectory, sensors = keys.get("trajectory"), keys.get("sensors")
-    if kind == "position" and sensor >= 0 and isinstance(trajectory, Mapping) and trajectory.get("kind") == "fixed" \
+    if kind == "position" and sensor >= 0 and "look_at_m" not in entry("sensors", sensor) and isinstance(trajectory, Mapping) and trajectory.get("kind") == "fixed" \
             and (isinstance(sensors, Mapping) or len(sensors) == 1):  # type: ignore[arg-type]
         return _Place(keys, "trajectory", None, "position_m", number, default=0.0)
     raise UsageError(f"parameters: {name!r} is no key of the scene: give 'update', which returns the keys for the values. "
-                     "Mounting angles, positions of objects, the position of a single sensor on a fixed trajectory, "
-                     "mu and water need no 'update'")
+                     "Mounting angles, positions of objects without 'on_terrain_m', the position of a single sensor "
+                     "without 'look_at_m' on a fixed trajectory, mu and water need no 'update'")

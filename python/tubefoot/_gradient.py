@@ -50,8 +50,8 @@ class Gradient:
 
     sonars: dict[str, SonarGradient]
     components: dict[str, ComponentGradient]  #: terrains, then objects
-    mu: dict[str, float]  #: by Lambert's parameter of each material, which is 10 ** (lambert_db / 10)
-    sound_speed: float  #: per m/s, for range bins that are intervals of time
+    mu: dict[str, float]  #: by Lambert's parameter 10 ** (lambert_db / 10) of each material that has this law
+    sound_speed: float  #: per m/s, for range bins that are intervals of time, at fixed beam patterns
     absorption: float  #: one-way absorption, per dB/km
 
     def __getitem__(self, name: str) -> float:
@@ -93,7 +93,7 @@ def gradient_of(scene: Scene, weights: Union[npt.ArrayLike, Mapping[str, npt.Arr
                              f"{scene.pings(name)} pings, not {values.shape}")
     with scene._explained():
         native = _native.gradient(scene._native, [given.get(name) for name in sensors], threads, progress)
-    if not any(native["mu"]) and any(values.any() for values in given.values()):
+    if not (any(native["mu"]) or native["absorption"] or native["by_vertex"].any()) and any(values.any() for values in given.values()):
         warn("gradient: all derivatives are 0, because no range bin with a weight receives energy", True)
     return _from_native(scene, native)
 
@@ -109,9 +109,8 @@ def _from_native(scene: Scene, native: dict[str, Any]) -> Gradient:
             position, rotation = (values[0] for values in native["objects"][number - terrains][:2])
         components[name] = ComponentGradient(native["vertices_m"][vertices], renumbered.reshape(-1, 3).astype(np.uint32),
                                              native["by_vertex"][vertices], position, rotation)
-    with_mounting = {name.rsplit(".mounting.", 1)[0] for name, _, _ in _native.gradient_parameters(scene._native)
-                     if ".mounting." in name}
-    sonars = {name: SonarGradient(position, rotation, mounting if name in with_mounting else None)
+    known = {name for name, _, _ in _native.gradient_parameters(scene._native)}
+    sonars = {name: SonarGradient(position, rotation, mounting if f"{name}.mounting.yaw" in known else None)
               for name, (position, rotation, mounting) in zip(scene.sensors, native["sonars"])}
-    return Gradient(sonars, components, dict(zip(scene.materials, map(float, native["mu"]))),
-                    float(native["sound_speed"]), float(native["absorption"]))
+    mu = {name: float(value) for name, value in zip(scene.materials, native["mu"]) if f"material.{name}.mu" in known}
+    return Gradient(sonars, components, mu, float(native["sound_speed"]), float(native["absorption"]))

@@ -326,10 +326,8 @@ const History& traced(const Transmission& transmission, PingSums& sums) {
 
 RunRequest with_needs(RunRequest request, std::span<const std::vector<EchoContribution>> plan) {
   for (const std::vector<EchoContribution>& of_group : plan)
-    for (const EchoContribution& contribution : of_group) {
+    for (const EchoContribution& contribution : of_group)
       request.visibility.corner_names |= contribution.needs_corner_names;
-      request.visibility.open_water |= contribution.needs_unobstructed;
-    }
   return request;
 }
 

@@ -20,9 +20,7 @@ struct EchoContribution {
   std::optional<double> tolerance;   ///< relative tolerance of a reference; empty for energies without bounds
   bool by_rays = false;              ///< true if rays sample the visibility
   bool has_surface_per_end = false;  ///< true if transmitter and receiver see different apparent surfaces
-  /// Needs of a transmission's history in addition to footprints: names of their corners, and unobstructed
-  /// regions.
-  bool needs_corner_names = false, needs_unobstructed = false;
+  bool needs_corner_names = false;   ///< true if the history must contain the names of corners
 };
 
 /// Returns the plan of a group's contributions, in the order of summation. This function alone chooses them,

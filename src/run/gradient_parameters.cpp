@@ -119,7 +119,16 @@ std::vector<GradientParameter> gradient_parameters(const SceneDescription& descr
     }
     if (std::ranges::find(chosen, name, &GradientParameter::name) != chosen.end())
       throw UsageError(
-          fmt::format("--gradient: the parameter '{}' is there twice: name it once", shown(name)));
+          fmt::format("--gradient: the list contains the parameter '{}' twice: name it once", shown(name)));
+    if (std::ranges::count(all, name, &GradientParameter::name) > 1)
+      throw UsageError(fmt::format(
+          "--gradient: '{}' is a parameter of a sensor and of an object: rename one of them", shown(name)));
+    if (name.find('/') != std::string::npos)
+      throw UsageError(
+          fmt::format("--gradient: the names of variables in echoes.nc cannot contain '/' as in '{}': rename "
+                      "the owner of "
+                      "the parameter",
+                      shown(name)));
     chosen.push_back(*found);
   }
   return chosen;

@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 
 #include "engine/gradient/certified_gradient.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "run/survey.hpp"
 
 // This file converts parameters of a scene to parameters of the engine (engine/gradient/echo_gradient.hpp),
@@ -27,9 +26,7 @@ glm::dvec3 axis_vector(int axis) {
 
 /// `kind`: "gradient" or "gradient_bound".
 std::string gradient_channel(const GradientParameter& parameter, const std::string& kind = "gradient") {
-  std::string name = kind + "." + parameter.name;
-  std::ranges::replace(name, '/', '_');  // netCDF uses it to separate groups
-  return name;
+  return kind + "." + parameter.name;
 }
 
 std::uint16_t gradient_component(const SceneDescription& description, const GradientParameter& parameter) {
@@ -89,9 +86,8 @@ EchoModel without_null_lists(EchoModel model) {
 glm::dvec3 mounting_axis(const Sensor& sensor, const glm::dquat& attitude, int angle) {
   // attitude = carrier * turn(-yaw, z) turn(-tilt, x) turn(roll, y): see attitude_from_angles().
   const SensorDescription& d = sensor.description();
-  const double rad = std::numbers::pi / 180;
-  const glm::dquat yaw = attitude_from_angles(d.yaw_deg * rad, 0, 0),
-                   tilted = attitude_from_angles(d.yaw_deg * rad, -d.tilt_deg * rad, 0);
+  const glm::dquat yaw = attitude_from_angles(d.yaw_deg * degree, 0, 0),
+                   tilted = attitude_from_angles(d.yaw_deg * degree, -d.tilt_deg * degree, 0);
   const glm::dvec3 of_carrier = angle == 0   ? glm::dvec3(0, 0, -1)
                                 : angle == 1 ? yaw * glm::dvec3(-1, 0, 0)
                                              : tilted * glm::dvec3(0, 1, 0);
@@ -121,9 +117,19 @@ void require_gradients(const Survey& survey, const RunRequest& request) {
   for (std::size_t s = 0; s < chosen.size(); ++s)
     if (request.reference_tolerance && chosen[s].pings > 0 && survey.sensors[s].sensor->has_patterns())
       throw UsageError(fmt::format(
-          "--gradient: sensor '{}' has beam patterns, and there is no certified bound of the derivatives of "
-          "their energies: leave out --reference, or the patterns, or select another sensor with --sensor",
+          "--gradient: sensor '{}' has beam patterns, and certified derivatives need ideal beams: leave out "
+          "--reference or the patterns, or select another sensor with --sensor",
           description.sensors[s].name));
+  const bool by_sound_speed = std::ranges::find(parameters, GradientParameter::Kind::sound_speed,
+                                                &GradientParameter::kind) != parameters.end();
+  for (std::size_t s = 0; s < chosen.size(); ++s)
+    for (const PatternDescription* one : {&description.sensors[s].transmit, &description.sensors[s].receive})
+      if (by_sound_speed && chosen[s].pings > 0 && (one->pattern == "line" || one->pattern == "piston"))
+        throw UsageError(fmt::format(
+            "--gradient water.sound_speed: the pattern \"{}\" of sensor '{}' depends on the wavelength, and "
+            "there is no derivative of it: leave out this parameter, or use a pattern of the kind "
+            "gaussian or table",
+            one->pattern, description.sensors[s].name));
   if (survey.loaded_scene->is_tiled()) return;
   for (const GradientParameter& parameter : parameters) {
     if (!parameter.is_of_object()) continue;
@@ -158,25 +164,20 @@ void add_gradients(const EchoContribution& plan, const Transmission& transmissio
     sums.as_echo([&] {
       const SensorModel model = transmission.model(s);
       const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
-      try {
-        const EchoModel& echo_model = model.model;
-        const ReceiveBeams beams = transmission.beams_by_fans(s, fans);
-        const RangeSamples& samples = transmission.sensor(s).samples();
-        if (!plan.tolerance) {
-          const auto derivatives = echo_derivatives(mesh, history, beams, samples, echo_model, parameters);
-          for (std::size_t k = 0; k < channels.size(); ++k)
-            sums.add_to_channel(transmission, s, channels[k], 0, derivatives[k]);
-          return;
-        }
-        const CertifiedDerivatives derivatives =
-            certified_derivatives(mesh, history, beams, samples, without_null_lists(echo_model), parameters);
-        for (std::size_t k = 0; k < channels.size(); ++k) {
-          sums.add_to_channel(transmission, s, channels[k], 0, derivatives.value[k]);
-          sums.add_to_channel(transmission, s, bounds[k], 0, derivatives.bound[k]);
-        }
-      } catch (const std::invalid_argument& error) {
-        throw UsageError(fmt::format("--gradient: sensor '{}': {}", transmission.sensor(s).description().name,
-                                     error.what()));
+      const EchoModel& echo_model = model.model;
+      const ReceiveBeams beams = transmission.beams_by_fans(s, fans);
+      const RangeSamples& samples = transmission.sensor(s).samples();
+      if (!plan.tolerance) {
+        const auto derivatives = echo_derivatives(mesh, history, beams, samples, echo_model, parameters);
+        for (std::size_t k = 0; k < channels.size(); ++k)
+          sums.add_to_channel(transmission, s, channels[k], 0, derivatives[k]);
+        return;
+      }
+      const CertifiedDerivatives derivatives =
+          certified_derivatives(mesh, history, beams, samples, without_null_lists(echo_model), parameters);
+      for (std::size_t k = 0; k < channels.size(); ++k) {
+        sums.add_to_channel(transmission, s, channels[k], 0, derivatives.value[k]);
+        sums.add_to_channel(transmission, s, bounds[k], 0, derivatives.bound[k]);
       }
     });
   }

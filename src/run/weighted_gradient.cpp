@@ -74,10 +74,8 @@ void add_echo_gradient(const Transmission& transmission, std::size_t s, const Hi
   const glm::dquat& attitude = transmission.pose().attitude;
   WeightedGradient::OfSonar& sonar = sum.sonars[s];
   sonar.by_position[transmission.ping()] += echo.by_apex - by_all_vertices;
+  sonar.by_rotation[transmission.ping()] += glm::conjugate(attitude) * by_rotation;
   for (int k = 0; k < 3; ++k) {
-    glm::dvec3 unit(0);
-    unit[k] = 1;
-    sonar.by_rotation[transmission.ping()][k] += glm::dot(attitude * unit, by_rotation);
     if (!sensor.description().look_at_m)
       sonar.by_mounting[transmission.ping()][k] += glm::dot(mounting_axis(sensor, attitude, k), by_rotation);
   }
@@ -110,7 +108,7 @@ void add_objects(const Scene& scene, const FacetMesh& mesh, WeightedGradient& su
 }  // namespace
 
 WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
-                                   const std::vector<std::span<const double>>& weights) {
+                                   const std::vector<std::span<const double>>& weights, RunWatch* watch) {
   request.gradient = {"water.absorption"};  // marks the request for the checks below
   request.visibility.corner_names = true;
   require_able_to_run(survey, request);
@@ -131,8 +129,11 @@ WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
   }
   // Transmissions are summed in their order, so that the result does not depend on the number of threads. The
   // tubes of each one are traced in parallel.
+  if (watch != nullptr)
+    for (const SharedTransmissions& group : survey.transmissions)
+      watch->total += survey.sensor_set->pings(group);
   for (const SharedTransmissions& group : survey.transmissions)
-    for (std::size_t ping = 0; ping < survey.sensor_set->pings(group); ++ping)
+    for (std::size_t ping = 0; ping < survey.sensor_set->pings(group); ++ping) {
       for (std::size_t number = 0; number < survey.sensor_set->transmissions_per_ping(group); ++number) {
         stop_if_wanted();
         const Transmission transmission = transmissions.of(group, ping, number);
@@ -148,6 +149,8 @@ WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
           add_echo_gradient(transmission, s, *history, echo, sum);
         }
       }
+      if (watch != nullptr) ++watch->pings;
+    }
   add_objects(survey.scene, mesh, sum);
   return sum;
 }

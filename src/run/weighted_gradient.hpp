@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "run/console/progress.hpp"
 #include "run/run_request.hpp"
 #include "run/survey.hpp"
 
@@ -15,9 +16,9 @@ namespace tubefoot {
 /// Derivatives of the sum of weight times energy over all pings, beams and range bins of all sensors.
 struct WeightedGradient {
   std::vector<glm::dvec3> by_vertex;  ///< of the scene's mesh, per metre; shared by all components
-  std::vector<double> by_mu;  ///< by Lambert's parameter of each material
-  double by_sound_speed = 0;          ///< per m/s, for range bins that are intervals of time
-  double by_absorption = 0;           ///< by the one-way absorption, per dB/km
+  std::vector<double> by_mu;          ///< by Lambert's parameter of each material
+  double by_sound_speed = 0;  ///< per m/s, for range bins that are intervals of time, at fixed beam patterns
+  double by_absorption = 0;   ///< by the one-way absorption, per dB/km
   struct OfSonar {
     std::vector<glm::dvec3> by_position;  ///< by ping, per metre
     std::vector<glm::dvec3> by_rotation;  ///< by ping, per radian about the sonar's own axes
@@ -33,10 +34,11 @@ struct WeightedGradient {
 };
 
 /// Computes the derivatives in reverse mode, in one pass over all transmissions. `weights`: by sensor,
-/// [ping][beam][range bin]; empty for a sensor without weights. Requires the facets of the scene as they are
-/// given. Throws UsageError for weights of another number or that are not finite, and for features without
-/// derivatives.
+/// [ping][beam][range bin]; empty for a sensor without weights. Requires facets that are neither merged nor
+/// loaded in tiles. `watch`: counts finished pings. Throws UsageError for a wrong number of weights, for a
+/// weight that is not finite, and for features without derivatives.
 WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
-                                   const std::vector<std::span<const double>>& weights);
+                                   const std::vector<std::span<const double>>& weights,
+                                   RunWatch* watch = nullptr);
 
 }  // namespace tubefoot

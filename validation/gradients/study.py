@@ -7,8 +7,11 @@ with central differences of the ray engine, and with derivatives that omit the m
 the Python module (make python). --quick: fewer rays and draws.
 """
 import argparse
+import datetime
 import math
+import os
 import pathlib
+import subprocess
 import sys
 import time
 
@@ -108,25 +111,29 @@ def at_equal_time(rows, seconds):
     return " ".join(f"At the time of the exact gradient, the error by the {row[0]} is {row[2]:.2g}." for row in best if row)
 
 
+def revision():
+    return subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True,
+                          cwd=pathlib.Path(__file__).parent).stdout.strip() or "unknown"
+
+
 def page(exact_values, exact_seconds, rows, draws):
     energy, truth, without = closed_form()
     lines = ["# Gradients: the shadow of a wall", "",
              "This page compares derivatives of one range bin with their closed form. It is for users of gradients and developers of",
              "differentiable simulators. `make gradients` repeats the study.", "",
+             f"Date: {datetime.date.today()}, revision: {revision()}, {os.cpu_count()} cores, one thread.", "",
              f"A sonar at a height of {HEIGHT_M:g} m views a flat seabed. A thin wall of {WALL_M:g} m at a distance of {DISTANCE_M:g} m casts a shadow. The range bin",
              f"contains the end of the shadow and ends at {END_M:g} m. Its energy is {energy:.6e} J/m². The fan is {WIDTH_RAD:g} rad wide.", "",
              "## Boundary terms", "",
              "A derivative of an integral over the visible surface contains the motion of the border. Estimates that differentiate only",
              "the integrand have the wrong sign here:", "",
-             "| estimate of the derivative by the height of the sonar | J m⁻² m⁻¹ |", "|---|---|",
-             f"| closed form | {truth['height of the sonar']:.6e} |",
-             f"| tubefoot | {exact_values['height of the sonar']:.6e} |"]
-    lines += [f"| without the border, {name} | {value:+.2e} |" for name, value in without.items()]
-    lines += ["", f"By the distance of the wall, the closed form is {truth['distance of the wall']:.6e} and tubefoot's derivative is",
-              f"{exact_values['distance of the wall']:.6e}. The closed form is for a narrow fan. Its relative error is about the square of the",
-              "fan's width.", "",
+             "| estimate | by the height of the sonar [J m⁻² m⁻¹] | by the distance of the wall [J m⁻² m⁻¹] |", "|---|---|---|",
+             *(f"| {name} | {values['height of the sonar']:.6e} | {values['distance of the wall']:.6e} |"
+               for name, values in (("closed form", truth), ("tubefoot", exact_values)))]
+    lines += [f"| without the border, {name} | {value:+.2e} | 0 |" for name, value in without.items()]
+    lines += ["", "The closed form is for a narrow fan. Its relative error is about the square of the fan's width.", "",
               "## Finite differences of rays", "",
-              f"The ray engine computes energies at two positions that differ by {2 * STEP_M * 100:g} cm. Both runs use the same seed. The error is the root",
+              f"The ray engine computes energies for two values of the height or distance that differ by {2 * STEP_M * 100:g} cm. Both runs use the same seed. The error is the root",
               f"mean square of {draws} seeds, relative to the exact derivative. It includes the error of the step.", "",
               "![Error of central differences of the ray engine over the number of rays](pictures/gradients-rays.svg)", "",
               "| derivative by | rays | relative error | wrong signs | processor time / exact gradient |", "|---|---|---|---|---|"]

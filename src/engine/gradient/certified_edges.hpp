@@ -11,10 +11,10 @@
 
 namespace tubefoot {
 
-/// Encloses the derivatives of PolygonGradient in balls, for the density f(r) = e^(-2 beta r) / r^6. Edges
-/// are cut at enclosed crossings with the range circles. Each part is integrated by a Gauss rule with its
-/// error bound (certified_rule.hpp). A place whose range bin is not certain has an enclosure that contains 0
-/// in each of the possible bins.
+/// Encloses the derivatives of the integral of f(r) = e^(-2 beta r) / r^6 over a polygon in balls. They are
+/// those by the corners and by the distance. Edges are cut at enclosed crossings with the range circles. Each
+/// part is integrated by a Gauss rule with its error bound (certified_rule.hpp). A place whose range bin is
+/// not certain has an enclosure that contains 0 in each of the possible bins.
 class CertifiedEdges {
  public:
   /// `borders_m`: increasing, one more than bins. `beta_per_m`: one-way absorption.

@@ -39,8 +39,9 @@ void check_certified(const History& history, const EchoModel& model) {
     reject_certified("only Lambert's law without patterns, textures, mirrors and refraction is supported");
 }
 
-/// The velocity of a point by a parameter, with the motion that is equivalent to that of range borders
-/// (echo_gradient.cpp). In grid units for vertices, and in units of their integers for rays.
+/// The velocity of a point by a parameter. A relative change s of range borders is replaced by a change -s of
+/// all lengths and s of the absorption. Energies then scale by (1 + s)^-2. In grid units for vertices, and in
+/// units of their integers for rays.
 BallVector velocity_of(const EchoParameter& parameter, const NamedPoints& points, double unit_m, PointId id) {
   const glm::dvec3 at = points.point(id);
   BallVector v;
@@ -135,6 +136,8 @@ CertifiedDerivatives certified_derivatives(const FacetMesh& mesh, const History&
   std::vector<Ball> by_absorption;
   bool needs_absorption = false;
   for (const EchoParameter& parameter : parameters) {
+    if (!parameter.by_scattering.empty())
+      throw std::invalid_argument("certified gradient: parameters of scattering models are not supported");
     by_absorption.push_back(per_db * (Ball(parameter.by_absorption) +
                                       Ball(parameter.by_range_scale) * Ball(model.absorption_db_per_m)));
     needs_absorption = needs_absorption || !by_absorption.back().may_be_zero();

@@ -108,7 +108,8 @@ void for_each_polygon(const History& history, const RangeSamples& samples, const
   }
 }
 
-/// Components by vertex of a mesh. Throws std::invalid_argument if the component shares a vertex.
+/// Returns by vertex whether it belongs to a component. Throws std::invalid_argument if another component
+/// shares one of these vertices.
 std::shared_ptr<const std::vector<bool>> vertices_of(const FacetMesh& mesh, std::uint16_t component) {
   auto own = std::make_shared<std::vector<bool>>(mesh.vertices.size());
   for (std::size_t f = 0; f < mesh.facets.size(); ++f)

@@ -17,10 +17,12 @@
 // Derivatives of the energies of integrate_echo() at the integer coordinates of a scene, for fixed
 // combinatorics. They include the motion of all borders of visible polygons: edges, shadow borders, walls of
 // tubes, and intersections of facets. They hold for one apex and exact binning, with any scattering model,
-// beam patterns, and textures that are maps or Perlin noise. BeamPatterns::least limits fixed directions.
+// beam patterns, and textures that are maps or Perlin noise. The directions that BeamPatterns::least selects
+// turn with the patterns.
 // Textures stay at their place in the local frame if an object moves. Functions throw std::invalid_argument
 // for mirrors, refraction, receiver pairs and hits of rays, and for a history without names of corners
-// (VisibilityOptions::corner_names). EchoModel::pattern_tolerance bounds errors with patterns and textures.
+// (VisibilityOptions::corner_names). EchoModel::pattern_tolerance is the tolerance
+// of quadratures with patterns and textures.
 namespace tubefoot {
 
 /// A parameter of a material's scattering model.

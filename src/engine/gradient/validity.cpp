@@ -33,8 +33,8 @@ double proven_step(VisibilityCertificate& certificate, double sign, double most)
       step *= 2;
       continue;
     }
+    if (step <= (reached > 0 ? finest_step * reached : smallest_first_step * most)) break;
     step /= 2;
-    if (step < (reached > 0 ? finest_step * reached : smallest_first_step * most)) break;
   }
   return reached;
 }
