@@ -1,20 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the study of gradients (make gradients) with few rays, and checks its closed form."""
+"""Runs the study of gradients (make gradients) with few rays, and checks its closed form and the stored certified answers."""
 
 import importlib.util
+import json
 import sys
 
+import numpy as np
 import pytest
 
 from conftest import SOURCES
 
 
-@pytest.fixture(scope="module")
-def study():
-    spec = importlib.util.spec_from_file_location("study", SOURCES / "validation/gradients/study.py")
+def module_of(name):
+    spec = importlib.util.spec_from_file_location(name, SOURCES / f"validation/gradients/{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture(scope="module")
+def study():
+    return module_of("study")
 
 
 def test_closed_form_is_that_of_the_wall(study):
@@ -36,3 +42,19 @@ def test_page_compares_all_estimates(study, tmp_path, monkeypatch):
     page = (tmp_path / "page.md").read_text()
     assert page.count("| height of the sonar |") == page.count("| distance of the wall |") == 2
     assert (tmp_path / "gradients-rays.svg").read_text().startswith("<svg")
+
+
+def test_stored_answers_agree_with_certified_derivatives():
+    answers = module_of("answers")
+    stored = json.loads((SOURCES / "validation/gradients/answers.json").read_text())
+    assert set(stored) == set(answers.SCENES)
+    for name, parameters in stored.items():
+        today = answers.answers(name)
+        assert set(parameters) == set(today)
+        for key, answer in parameters.items():
+            value, bound = np.array(answer["value"]), np.array(answer["bound"])
+            largest = np.abs(value).max()
+            assert value.shape == (4, 8) and largest > 0 and 0 < bound.max() < 1e-13 * largest
+            assert (np.abs(value - today[key]["value"]) <= bound + today[key]["bound"]).all(), (name, key)
+            # an answer that is moved by twice its width does not agree
+            assert (np.abs(value + 2 * (bound + today[key]["bound"]) - today[key]["value"]) >= bound).all()

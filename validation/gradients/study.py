@@ -139,7 +139,9 @@ def page(exact_values, exact_seconds, rows, draws):
               "| derivative by | rays | relative error | wrong signs | processor time / exact gradient |", "|---|---|---|---|---|"]
     for name, count, error, wrong, seconds in rows:
         lines.append(f"| {name} | {count} | {error:.2g} | {wrong} of {draws} | {seconds / exact_seconds:.2f} |")
-    lines += ["", at_equal_time(rows, exact_seconds)]
+    lines += ["", at_equal_time(rows, exact_seconds), "", "## Certified answers", "",
+              "[answers.json](gradients/answers.json) contains certified derivatives of two small scenes, which `answers.py` writes. Engines",
+              "with derivatives can be compared with them."]
     return "\n".join(lines) + "\n"
 
 
