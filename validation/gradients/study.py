@@ -133,8 +133,8 @@ def page(exact_values, exact_seconds, rows, draws):
     lines += [f"| without the border, {name} | {value:+.2e} | 0 |" for name, value in without.items()]
     lines += ["", "The closed form is for a narrow fan. Its relative error is about the square of the fan's width.", "",
               "## Finite differences of rays", "",
-              f"The ray engine computes energies for two values of the height or distance that differ by {2 * STEP_M * 100:g} cm. Both runs use the same seed. The error is the root",
-              f"mean square of {draws} seeds, relative to the exact derivative. It includes the error of the step.", "",
+              f"The ray engine computes energies for two values of the height or distance that differ by {2 * STEP_M * 100:g} cm. Both runs use",
+              f"the same seed. The error is the root mean square of {draws} seeds, relative to the exact derivative. It includes the error of the step.", "",
               "![Error of central differences of the ray engine over the number of rays](pictures/gradients-rays.svg)", "",
               "| derivative by | rays | relative error | wrong signs | processor time / exact gradient |", "|---|---|---|---|---|"]
     for name, count, error, wrong, seconds in rows:
