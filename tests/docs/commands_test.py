@@ -166,7 +166,8 @@ class Follower:
         self.changed = shortened_scenes(scratch / "scenes")
         self.made = {}  # command that needs nothing but scenes -> (folder where it ran, its output)
         self.used = set()
-        self.environment = dict(os.environ, PATH=f"{scratch / 'bin'}:{os.environ['PATH']}")
+        self.environment = dict(os.environ, PATH=f"{scratch / 'bin'}:{os.environ['PATH']}",
+                                PYTHONPATH=str(program.resolve().parent / "python"))  # as after make python
         (scratch / "bin").mkdir()
         (scratch / "bin/tubefoot").symlink_to(program)
 
