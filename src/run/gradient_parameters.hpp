@@ -26,7 +26,7 @@ struct GradientParameter {
   std::size_t owner = 0;  ///< number of the sensor, object or material in the description
   int axis = 0;           ///< east, north, up; or x, y, z; or yaw, tilt, roll
   std::string units;      ///< of a derivative, without decibels, which UDUNITS does not know
-  std::string meaning;  ///< of the parameter, with its unit
+  std::string meaning;    ///< of the parameter, with its unit
 
   bool is_of_sonar() const { return kind <= Kind::mounting; }
   bool is_of_object() const { return kind == Kind::object_position || kind == Kind::object_rotation; }
