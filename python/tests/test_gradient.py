@@ -29,8 +29,8 @@ STEP = 2.0**-13
 NAMES = list(tubefoot.Scene.from_dict(KEYS).gradient_parameters())
 
 
-def changed(section, index, key, change, component=None):
-    keys = copy.deepcopy(KEYS)
+def changed(section, index, key, change, component=None, keys=None):
+    keys = copy.deepcopy(keys or KEYS)
     table = keys[section] if index is None else keys[section][index]
     if component is None:
         table[key] += change
@@ -84,7 +84,9 @@ def test_derivatives_are_central_differences_of_whole_runs(echoes, name):
     difference = (energy_of(scene_of(step)) - energy_of(scene_of(-step))) / (2 * step)
     derivative = echoes.gradient[name]
     assert np.abs(derivative).max() > 0
-    assert np.abs(difference - derivative).max() < 1e-3 * np.abs(derivative).max()
+    # Directions of tubes are rounded to a grid, so that differences by angles have errors of their own.
+    tolerance = 5e-4 if ".mounting." in name else 1e-6
+    assert np.abs(difference - derivative).max() < tolerance * np.abs(derivative).max()
 
 
 def of_all_factors():
@@ -103,22 +105,15 @@ def test_derivatives_include_models_patterns_and_textures():
     scene = tubefoot.Scene.from_dict(keys)
     echoes = tubefoot.run(scene, gradient=names)["camera"]
 
-    def energies(section, index, key, change, component=None):
-        moved = copy.deepcopy(keys)
-        table = moved[section] if index is None else moved[section][index]
-        if component is None:
-            table[key] += change
-        else:
-            table[key][component] += change
-        return energy_of(moved)
     for name, place, step in (("camera.position.up", ("trajectory", None, "position_m", STEP, 2), STEP),
                               ("camera.mounting.tilt", ("sensors", 0, "tilt_deg", np.degrees(STEP), None), STEP),
                               ("block.position.north", ("objects", 0, "position_m", STEP, 1), STEP)):
         section, index, key, change, component = place
-        difference = (energies(section, index, key, change, component)
-                      - energies(section, index, key, -change, component)) / (2 * step)
+        difference = (energy_of(changed(section, index, key, change, component, keys))
+                      - energy_of(changed(section, index, key, -change, component, keys))) / (2 * step)
         derivative = echoes.gradient[name]
-        assert np.abs(difference - derivative).max() < 1e-2 * np.abs(derivative).max(), name
+        tolerance = 3e-5 if ".mounting." in name else 1e-6
+        assert np.abs(difference - derivative).max() < tolerance * np.abs(derivative).max(), name
     weights = np.random.default_rng(39).normal(size=echoes.energy.shape)
     gradient = scene.gradient(weights)
     for name in names:
