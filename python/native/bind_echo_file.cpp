@@ -111,8 +111,9 @@ py::dict dimensions_of(const NativeResult& self, std::size_t sensor) {
       all[v.name.c_str()] = py::make_tuple(py::tuple(py::cast(v.dimensions)), v.units, v.long_name);
   else
     for (const RecordedVariable& v : self.recordings.at(sensor).variables())
-      all[v.meaning.name.c_str()] =
-          py::make_tuple(py::make_tuple("ping", "beam", "sample"), v.meaning.units, v.meaning.long_name);
+      all[v.meaning.name.c_str()] = py::make_tuple(
+          v.meaning.is_by_beam ? py::make_tuple("ping", "beam") : py::make_tuple("ping", "beam", "sample"),
+          v.meaning.units, v.meaning.long_name);
   return all;
 }
 

@@ -54,12 +54,13 @@ py::dict gradient(const std::shared_ptr<NativeScene>& scene,
   all["facets"] = array_of(facets, 3);
   all["component"] = array_of(loaded.mesh.component);
   all["mu"] = array_of(sum.by_mu);
+  all["scattering"] = sum.by_scattering;
   all["sound_speed"] = sum.by_sound_speed;
   all["absorption"] = sum.by_absorption;
   py::list sonars, objects;
   for (const WeightedGradient::OfSonar& sonar : sum.sonars)
-    sonars.append(
-        py::make_tuple(vectors(sonar.by_position), vectors(sonar.by_rotation), vectors(sonar.by_mounting)));
+    sonars.append(py::make_tuple(vectors(sonar.by_position), vectors(sonar.by_rotation),
+                                 vectors(sonar.by_mounting), vectors(sonar.by_patterns)));
   for (const WeightedGradient::OfObject& object : sum.objects)
     objects.append(
         py::make_tuple(vectors({object.by_position}), vectors({object.by_rotation}), object.moves_alone));

@@ -155,6 +155,7 @@ std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& opti
   requested.tolerance = option<std::string>(options, "tolerance");
   requested.coarsen = option<std::string>(options, "coarsen");
   requested.gradient = option<std::string>(options, "gradient");
+  requested.gradient_steps = option<bool>(options, "gradient_steps").value_or(false);
   const auto engine = own_name ? own_engine(*own_name, own) : nullptr;
   RunWatch watch;
   std::shared_ptr<NativeResult> result;
@@ -171,10 +172,13 @@ py::dict arrays_of(const py::object& self, std::size_t sensor) {
   py::dict arrays;
   const auto beams = py::ssize_t(r.sensor->beams().size()), samples = py::ssize_t(r.sensor->samples().count);
   constexpr auto size = py::ssize_t(sizeof(double));
-  for (const RecordedVariable& of : r.variables())
+  for (const RecordedVariable& of : r.variables()) {
+    const double* first = of.channel.values.data() + of.part * of.cells;
+    const py::ssize_t pings = py::ssize_t(r.pings()), of_ping = py::ssize_t(of.cells * of.parts) * size;
     arrays[of.meaning.name.c_str()] =
-        view(of.channel.values.data() + of.part * of.cells, {py::ssize_t(r.pings()), beams, samples},
-             {py::ssize_t(of.cells * of.parts) * size, samples * size, size}, self);
+        of.meaning.is_by_beam ? view(first, {pings, beams}, {of_ping, size}, self)
+                              : view(first, {pings, beams, samples}, {of_ping, samples * size, size}, self);
+  }
   arrays["ping_time"] = view_of<double>(r.ping_time_s, self);
   arrays["sensor_position"] = view_of<double>(r.ping_pose, &Pose::position_m, self, 3);
   std::vector<double> attitude, heading, pitch, roll;

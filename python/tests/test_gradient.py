@@ -123,6 +123,92 @@ def test_derivatives_include_models_patterns_and_textures():
         tubefoot.run(scene, gradient=["material.sand.mu"])
 
 
+MODELS = [{"name": "sand", "law": "gsab", "specular_db": -14.0, "specular_width_deg": 12.0, "oblique_db": -25.0,
+           "oblique_exponent": 1.7, "transition_db": -21.0, "transition_width_deg": 25.0},
+          {"name": "steel", "law": "table", "table_grazing_deg": [8.0, 31.0, 66.0], "table_db": [-30.0, -22.0, -19.0]}]
+
+
+def test_derivatives_by_the_keys_of_scattering_models():
+    keys = {**KEYS, "materials": MODELS}
+    scene = tubefoot.Scene.from_dict(keys)
+    names = [name for name in scene.gradient_parameters() if name.startswith("material.")]
+    assert len(names) == 6 + 2 * 3
+    echoes = tubefoot.run(scene, gradient=names)["camera"]
+    reverse = scene.gradient(np.ones_like(echoes.energy))
+    for name in names:
+        _, material, key, *number = name.split(".")
+        m, step = [of["name"] for of in MODELS].index(material), 1e-4
+        both = [energy_of(changed("materials", m, key, h, int(number[0]) if number else None, keys)) for h in (step, -step)]
+        derivative = echoes.gradient[name]
+        assert np.abs(derivative).max() > 0, name
+        assert np.abs((both[0] - both[1]) / (2 * step) - derivative).max() < 1e-6 * np.abs(derivative).max(), name
+        assert reverse[name] == pytest.approx(derivative.sum(), rel=1e-10), name
+
+
+def test_rotations_of_patterns_alone():
+    names = [f"camera.patterns.{axis}" for axis in "xyz"]
+    ideal = tubefoot.run(tubefoot.Scene.from_dict(KEYS), gradient=names)["camera"]
+    assert all(not ideal.gradient[name].any() for name in names)
+    sensor = {**KEYS["sensors"][0], "transmit_pattern": "gaussian", "transmit_pattern_angle": "elevation",
+              "transmit_beam_width_deg": 9.0}
+    scene = tubefoot.Scene.from_dict({**KEYS, "sensors": [sensor]})
+    echoes = tubefoot.run(scene, gradient=names)["camera"]
+    reverse = scene.gradient(np.ones_like(echoes.energy))
+    for name in names:
+        assert reverse[name] == pytest.approx(echoes.gradient[name].sum(), rel=1e-8, abs=1e-12 * echoes.energy.sum())
+    assert echoes.gradient["camera.patterns.x"].any()
+    assert reverse["camera.patterns.x"] == pytest.approx(reverse.sonars["camera"].patterns.sum(axis=0)[0])
+
+
+def box_below(distance):
+    """A level box whose top is this distance below the sonar."""
+    box = {"name": "block", "shape": "box", "size_m": [0.9, 0.5, 0.5], "position_m": [0.31, 3.07, 1.75 - distance], "material": "steel"}
+    keys = changed("trajectory", None, "position_m", -0.51, 2, {**KEYS, "objects": [box]})
+    keys["trajectory"] |= {"pitch_deg": 0, "roll_deg": 0}
+    keys["sensors"][0] |= {"tilt_deg": 5, "roll_deg": 0, "range_min_m": 1}
+    return tubefoot.Scene.from_dict(keys)
+
+
+def test_steps_end_where_a_facet_is_seen_from_its_side():
+    distance = 2.0**-8
+    names = ["camera.position.up", "block.position.up", "water.absorption"]
+    result = tubefoot.run(box_below(distance), gradient=names, gradient_steps=True)
+    steps = result["camera"].gradient_step
+    assert set(steps) == set(names[:2])  # absorption moves no point
+    down, up = steps["camera.position.up"]
+    assert down.shape == up.shape == (2, 8)
+    assert (down > 0).all() and (up > 0).all()
+    # Beams see the top as long as the sonar is above it. The certificate may end earlier.
+    assert 0.01 * distance < down.min() <= distance * (1 + 1e-12)
+    assert steps["block.position.up"][1].min() <= distance * (1 + 1e-12)
+    assert not any("one-sided" in warning for warning in result.stats["warnings"])
+
+
+def test_one_sided_derivatives_are_reported():
+    with pytest.warns(tubefoot.SceneWarning, match="camera.position.up: the pose may lie on a change"):
+        result = tubefoot.run(box_below(0), gradient=["camera.position.up"], gradient_steps=True)
+    down, up = result["camera"].gradient_step["camera.position.up"]
+    assert (down == 0).any() and (up[down == 0] == 0).all()
+    assert any("one-sided" in warning for warning in result.stats["warnings"])
+
+
+def test_steps_need_parameters(scene):
+    with pytest.raises(tubefoot.UsageError, match="gradient_steps needs gradient"):
+        tubefoot.run(scene, gradient_steps=True)
+
+
+def test_steps_are_in_files(tmp_path):
+    scene = box_below(2.0**-8)
+    result = tubefoot.run(scene, gradient=["camera.position.up"], gradient_steps=True, output=tmp_path / "out")
+    with netCDF4.Dataset(tmp_path / "out/echoes.nc") as file:
+        for k, sense in enumerate(("backward", "forward")):
+            variable = file[f"gradient_{sense}_step.camera.position.up"]
+            assert variable.dimensions == ("ping", "beam") and variable.units == "m"
+            assert (variable[:] == result["camera"].gradient_step["camera.position.up"][k]).all()
+    read = tubefoot.open(tmp_path / "out/echoes.nc")["camera"]
+    assert (read.gradient_step["camera.position.up"][1] == result["camera"].gradient_step["camera.position.up"][1]).all()
+
+
 def test_a_scene_without_lambert_materials_has_derivatives():
     keys = of_all_factors()
     keys["materials"][1] = {**keys["materials"][0], "name": "steel"}
@@ -311,6 +397,19 @@ def test_scipy_recovers_parameters():
     residuals = fit.residuals(fit.initial)
     assert value == pytest.approx(residuals @ residuals / 2)
     assert gradient == pytest.approx(fit.jacobian(fit.initial).T @ residuals, rel=1e-8)
+
+
+def test_fits_set_keys_of_scattering_models():
+    keys = {**KEYS, "materials": MODELS}
+    names = ["material.sand.specular_width_deg", "material.steel.table_db.1", "material.sand.oblique_exponent"]
+    fit = tubefoot.EnergyFit(keys, names, np.zeros((2, 8, 30)))
+    assert list(fit.initial) == [12.0, -22.0, 1.7]
+    moved = tubefoot.EnergyFit({**keys, "materials": [{**MODELS[0], "specular_width_deg": 12.5, "oblique_exponent": 1.8},
+                                                      {**MODELS[1], "table_db": [-30.0, -21.5, -19.0]}]}, names,
+                               np.zeros((2, 8, 30)))
+    assert (fit.residuals([12.5, -21.5, 1.8]) == moved.residuals(moved.initial)).all()
+    assert MODELS[1]["table_db"] == [-30.0, -22.0, -19.0]
+    assert fit.half_squares(fit.initial)[1] == pytest.approx(fit.jacobian(fit.initial).T @ fit.residuals(fit.initial), rel=1e-8)
 
 
 def test_fits_say_what_they_cannot_set():

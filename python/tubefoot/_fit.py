@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Optional, Union
 
@@ -26,7 +27,8 @@ class EnergyFit:
     >>> scipy.optimize.least_squares(fit.residuals, fit.initial, fit.jacobian, x_scale="jac")
     >>> scipy.optimize.minimize(fit.half_squares, fit.initial, jac=True)
 
-    The values ``x`` of the parameters are absolute, in metres, radians, m/s and dB/km; mu has no unit. A change of
+    The values ``x`` of the parameters are absolute, in metres, radians, m/s and dB/km; mu has no unit, and a key of a
+    scattering model (``material.NAME.KEY``) has the unit of the key. A change of
     ``water.sound_speed`` also changes the keys ``range_min_m`` and ``range_max_m`` of all sensors in proportion, because
     range bins are intervals of time.
 
@@ -158,14 +160,14 @@ def _to_key(key: str, value: float) -> float:
 
 
 class _Place:
-    """A number in the keys of a scene."""
+    """A number in the keys of a scene. ``is_key``: the parameter is the key itself, in its unit."""
 
     def __init__(self, keys: Mapping[str, Any], section: str, index: Optional[int], key: str, component: Optional[int] = None,
-                 default: Optional[float] = None) -> None:
-        self._keys, self._path = keys, (section, index, key, component, default)
+                 default: Optional[float] = None, is_key: bool = False) -> None:
+        self._keys, self._path, self._is_key = keys, (section, index, key, component, default), is_key
 
     def on(self, keys: Mapping[str, Any]) -> _Place:
-        return _Place(keys, *self._path)
+        return _Place(keys, *self._path, self._is_key)
 
     def _table(self) -> Any:
         section, index = self._path[:2]
@@ -178,13 +180,13 @@ class _Place:
         value = value if component is None else value[component]
         if value is None:
             raise UsageError(f"parameters: the scene has no {section}.{key}: add this key, or use 'update'")
-        return _from_key(key, float(value))
+        return float(value) if self._is_key else _from_key(key, float(value))
 
     def set(self, value: float) -> None:
         _, _, key, component, _ = self._path
         if key == "sound_speed_m_s":
             self._scale_ranges(value / self.value())
-        value = _to_key(key, value)
+        value = value if self._is_key else _to_key(key, value)
         table = self._table()
         if component is None:
             table[key] = value
@@ -218,8 +220,12 @@ def _place(keys: Mapping[str, Any], name: str) -> _Place:
         return _Place(keys, "water", None, "sound_speed_m_s")
     if name == "water.absorption":
         return _Place(keys, "water", None, "absorption_db_per_km")
-    if name.startswith("material.") and name.endswith(".mu"):
-        return _Place(keys, "materials", index("materials", name[9:-3]), "lambert_db")
+    if of_material := re.fullmatch(r"material\.(.+?)\.([a-z_]+)(?:\.(\d+))?", name):
+        material, key, number_in_table = of_material.groups()
+        if key == "mu":
+            return _Place(keys, "materials", index("materials", material), "lambert_db")
+        return _Place(keys, "materials", index("materials", material), key, int(number_in_table) if number_in_table else None,
+                      default=2.0 if key == "oblique_exponent" else None, is_key=True)
     owner, kind, axis = name.rsplit(".", 2)
     sensor, object_ = index("sensors", owner), index("objects", owner)
     if kind == "mounting" and sensor >= 0:
@@ -233,4 +239,4 @@ def _place(keys: Mapping[str, Any], name: str) -> _Place:
         return _Place(keys, "trajectory", None, "position_m", number, default=0.0)
     raise UsageError(f"parameters: {name!r} is no key of the scene: give 'update', which returns the keys for the values. "
                      "Mounting angles, positions of objects without 'on_terrain_m', the position of a single sensor "
-                     "without 'look_at_m' on a fixed trajectory, mu and water need no 'update'")
+                     "without 'look_at_m' on a fixed trajectory, materials and water need no 'update'")

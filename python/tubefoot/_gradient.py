@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ._scene import Scene
 
 Array = npt.NDArray[np.float64]
-AXES = {"position": ("east", "north", "up"), "rotation": ("x", "y", "z"), "mounting": ("yaw", "tilt", "roll")}
+AXES = {"position": ("east", "north", "up"), "rotation": ("x", "y", "z"), "mounting": ("yaw", "tilt", "roll"), "patterns": ("x", "y", "z")}
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,7 @@ class SonarGradient:
     position: Array  #: (P, 3) per metre of east, north, up
     rotation: Array  #: (P, 3) per radian about the sonar's own axes: x starboard, y forward, z up
     mounting: Optional[Array]  #: (P, 3) per radian of yaw, tilt and roll; None for a sonar with ``look_at_m``
+    patterns: Array  #: (P, 3) per radian of a rotation of the beam patterns alone about the sonar's own axes
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,7 @@ class Gradient:
     sonars: dict[str, SonarGradient]
     components: dict[str, ComponentGradient]  #: terrains, then objects
     mu: dict[str, float]  #: by Lambert's parameter 10 ** (lambert_db / 10) of each material that has this law
+    scattering: dict[str, float]  #: by the parameters of other scattering models, by name: ``material.NAME.KEY``
     sound_speed: float  #: per m/s, for range bins that are intervals of time, at fixed beam patterns
     absorption: float  #: one-way absorption, per dB/km
 
@@ -62,7 +64,7 @@ class Gradient:
 
     def _named(self) -> dict[str, float]:
         named = {"water.sound_speed": self.sound_speed, "water.absorption": self.absorption}
-        named |= {f"material.{name}.mu": value for name, value in self.mu.items()}
+        named |= {f"material.{name}.mu": value for name, value in self.mu.items()} | self.scattering
         for name, parts in (*self.components.items(), *self.sonars.items()):
             for kind, axes in AXES.items():
                 values = getattr(parts, kind, None)
@@ -110,7 +112,7 @@ def _from_native(scene: Scene, native: dict[str, Any]) -> Gradient:
         components[name] = ComponentGradient(native["vertices_m"][vertices], renumbered.reshape(-1, 3).astype(np.uint32),
                                              native["by_vertex"][vertices], position, rotation)
     known = {name for name, _, _ in _native.gradient_parameters(scene._native)}
-    sonars = {name: SonarGradient(position, rotation, mounting if f"{name}.mounting.yaw" in known else None)
-              for name, (position, rotation, mounting) in zip(scene.sensors, native["sonars"])}
+    sonars = {name: SonarGradient(position, rotation, mounting if f"{name}.mounting.yaw" in known else None, patterns)
+              for name, (position, rotation, mounting, patterns) in zip(scene.sensors, native["sonars"])}
     mu = {name: float(value) for name, value in zip(scene.materials, native["mu"]) if f"material.{name}.mu" in known}
-    return Gradient(sonars, components, mu, float(native["sound_speed"]), float(native["absorption"]))
+    return Gradient(sonars, components, mu, native["scattering"], float(native["sound_speed"]), float(native["absorption"]))

@@ -217,6 +217,14 @@ class SensorResult:
                 if name.startswith("gradient_bound.")}
 
     @property
+    def gradient_step(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Two arrays (P, B) float64 by name of a parameter: its proven decrease and increase without a change of visible edges
+        and corners, in metres or radians (docs/gradients.md). The dict is empty unless the run had ``gradient_steps``."""
+        forward = "gradient_forward_step."
+        return {name.removeprefix(forward): (self._values["gradient_backward_step." + name.removeprefix(forward)], values)
+                for name, values in self._values.items() if name.startswith(forward)}
+
+    @property
     def energy_lower(self) -> Optional[np.ndarray]:
         """(P, B, K) float64: energy density at the lower of two receivers in J/m²; None except for ``interferometric``.
 
@@ -453,7 +461,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         sampling: Optional[str] = None, rays: Optional[int] = None, rays_per_beam: Optional[int] = None,
         seed: Optional[int] = None, sensor: Optional[str] = None, pings: Union[int, str, None] = None,
         beams: Union[int, str, None] = None, coarsen: float = 0, labels: bool = False, label_level: Optional[float] = None,
-        gradient: Optional[Sequence[str]] = None,
+        gradient: Optional[Sequence[str]] = None, gradient_steps: bool = False,
         output: Optional[PathLike] = None, progress: Optional[Progress] = None) -> Result:
     """Simulates all pings of a scene in memory, as ``tubefoot run`` does.
 
@@ -483,6 +491,8 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
             through contributions above this level; by default 20.
         gradient: names of parameters (:meth:`Scene.gradient_parameters`): also compute the derivatives of energies by them
             (:attr:`SensorResult.gradient`).
+        gradient_steps: with ``gradient``: also prove how far each parameter may move before the visible edges change
+            (:attr:`SensorResult.gradient_step`).
         output: folder for the files of ``tubefoot run -o``. The files appear only when complete.
         progress: function that is called occasionally with the number of finished pings and of all pings. An exception
             from this function stops the run.
@@ -507,6 +517,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
     if tolerance is not None:
         options["tolerance"] = tolerance if isinstance(tolerance, str) else repr(float(tolerance))
     options |= _gradient_option(gradient)
+    options["gradient_steps"] = bool(gradient_steps)
     if coarsen:
         options["coarsen"] = repr(float(coarsen))
     if output is not None and not os.fspath(output):

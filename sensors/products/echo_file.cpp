@@ -109,12 +109,20 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
   const int wxyz = group.dimension("wxyz", 4);
 
   for (const FileVariable& of_pings : ping_variables(recording, received)) {
-    const auto& [name, units, long_name, has_coordinates] = of_pings.meaning;
-    const int variable = group.define(name, {ping, beam, sample}, units, long_name);
+    const auto& [name, units, long_name, has_coordinates, is_by_beam] = of_pings.meaning;
+    std::vector<int> dimensions{ping, beam};
+    std::vector<std::size_t> chunk{1, beams.size()};
+    if (!is_by_beam) {
+      dimensions.push_back(sample);
+      chunk.push_back(static_cast<std::size_t>(samples.count));
+    }
+    const int variable = group.define(name, dimensions, units, long_name);
     if (has_coordinates)
-      group.attribute(variable, "coordinates", "ping_time beam_azimuth beam_elevation slant_range");
+      group.attribute(variable, "coordinates",
+                      is_by_beam ? "ping_time beam_azimuth beam_elevation"
+                                 : "ping_time beam_azimuth beam_elevation slant_range");
     if (name.starts_with("received")) describe_received(group, variable, *received);
-    group.chunk(variable, name, {1, beams.size(), static_cast<std::size_t>(samples.count)});
+    group.chunk(variable, name, chunk);
   }
 
   group.variable("ping_time", {ping}, "s", "time of the transmission on the clock of the scene",

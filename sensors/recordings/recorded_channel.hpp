@@ -15,6 +15,7 @@ namespace tubefoot {
 struct ChannelVariable {
   std::string name, units, long_name;
   bool has_coordinates = false;  ///< whether echoes.nc refers to its coordinates
+  bool is_by_beam = false;       ///< if true, the array is over ping and beam
 };
 
 /// Returns the variables of a sensor's energies, or of their certified bounds. A receiver pair has four

@@ -77,6 +77,12 @@ void add_run(CLI::App& app, CommandOptions& requested) {
       ->option_text("PARAM")
       ->group(what);
   command
+      ->add_flag(
+          "--gradient-steps", run.gradient_steps,
+          "with --gradient: also prove for each beam how far each parameter may move before the visible "
+          "edges change")
+      ->group(what);
+  command
       ->add_option(
           "--tolerance", run.tolerance,
           "permitted error: 0.1dB (RMS over bins with an echo), 1e-3 or 0.1% (relative L1). tubefoot "

@@ -11,6 +11,7 @@
 #include "files/usage_error.hpp"
 #include "files/words.hpp"
 #include "scene/description/scene_description.hpp"
+#include "scene/surfaces/scattering.hpp"
 
 // This file derives the names of the parameters of derivatives from a scene.
 
@@ -23,8 +24,25 @@ struct ParameterFamily {
   std::vector<std::string> axes;
   GradientParameter::Kind kind;
   std::size_t owner;
-  std::string units, meaning;
+  std::string units, meaning, key{};
 };
+
+/// Adds the parameters of a scattering model: the keys of the material that contain numbers.
+void add_scattering(const MaterialDescription& material, std::size_t number,
+                    std::vector<ParameterFamily>& families) {
+  for (const ScatteringKey& key : scattering_keys(material)) {
+    std::vector<std::string> numbers;
+    for (std::size_t k = 0; key.is_table && k < material.table_db.size(); ++k)
+      numbers.push_back(std::to_string(k));
+    families.push_back({fmt::format("material.{}.{}", material.name, key.name), std::move(numbers),
+                        GradientParameter::Kind::scattering, number,
+                        key.unit == "degrees" ? "J m-2 degree-1" : "J m-2",
+                        fmt::format("key {} of the material{}{}", key.name,
+                                    key.is_table ? ", by the number of the angle, counted from 0" : "",
+                                    key.unit.empty() ? "" : fmt::format(" [{}]", key.unit)),
+                        std::string(key.name)});
+  }
+}
 
 std::vector<ParameterFamily> families_of(const SceneDescription& description) {
   using enum GradientParameter::Kind;
@@ -45,6 +63,8 @@ std::vector<ParameterFamily> families_of(const SceneDescription& description) {
     if (!sensor.look_at_m)
       add(sensor.name, ".mounting", angles, mounting, s, per_radian,
           "mounting angle of the sonar, in the sense of yaw_deg, tilt_deg and roll_deg [rad]");
+    add(sensor.name, ".patterns", own, patterns, s, per_radian,
+        "rotation of the beam patterns alone about the sonar's own axis [rad]");
   }
   for (std::size_t k = 0; k < description.objects.size(); ++k) {
     const std::string& name = description.objects[k].name;
@@ -53,13 +73,15 @@ std::vector<ParameterFamily> families_of(const SceneDescription& description) {
         "rotation of the object about its own axis through its origin [rad]");
   }
   for (std::size_t m = 0; m < description.materials.size(); ++m) {
-    if (description.materials[m].model != "lambert") continue;
-    families.push_back({fmt::format("material.{}.mu", description.materials[m].name),
-                        {},
-                        mu,
-                        m,
-                        "J m-2",
-                        "Lambert's parameter of the material, 10^(lambert_db / 10)"});
+    if (description.materials[m].model == "lambert")
+      families.push_back({fmt::format("material.{}.mu", description.materials[m].name),
+                          {},
+                          mu,
+                          m,
+                          "J m-2",
+                          "Lambert's parameter of the material, 10^(lambert_db / 10)"});
+    else
+      add_scattering(description.materials[m], m, families);
   }
   families.push_back({"water.sound_speed",
                       {},
@@ -72,7 +94,11 @@ std::vector<ParameterFamily> families_of(const SceneDescription& description) {
 }
 
 std::string family_text(const ParameterFamily& family) {
-  return family.axes.empty() ? family.stem : fmt::format("{}.{}", family.stem, fmt::join(family.axes, "|"));
+  if (family.axes.empty()) return family.stem;
+  constexpr std::size_t most = 6;
+  return family.axes.size() <= most
+             ? fmt::format("{}.{}", family.stem, fmt::join(family.axes, "|"))
+             : fmt::format("{}.{}|...|{}", family.stem, family.axes.front(), family.axes.back());
 }
 
 std::string all_names(const SceneDescription& description) {
@@ -92,7 +118,7 @@ std::vector<GradientParameter> gradient_parameters(const SceneDescription& descr
   for (const ParameterFamily& family : families_of(description)) {
     const auto add = [&](const std::string& axis, int number) {
       parameters.push_back(
-          {family.stem + axis, family.kind, family.owner, number, family.units, family.meaning});
+          {family.stem + axis, family.kind, family.owner, number, family.units, family.meaning, family.key});
     };
     if (family.axes.empty()) add("", 0);
     for (std::size_t axis = 0; axis < family.axes.size(); ++axis)

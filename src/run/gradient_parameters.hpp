@@ -15,21 +15,27 @@ struct GradientParameter {
     sonar_position,
     sonar_rotation,
     mounting,
+    patterns,
     object_position,
     object_rotation,
     mu,
+    scattering,
     sound_speed,
     absorption
   };
   std::string name;
   Kind kind{};
   std::size_t owner = 0;  ///< number of the sensor, object or material in the description
-  int axis = 0;           ///< east, north, up; or x, y, z; or yaw, tilt, roll
+  int axis = 0;           ///< east, north, up; or x, y, z; or yaw, tilt, roll; or number in a table
   std::string units;      ///< of a derivative, without decibels, which UDUNITS does not know
   std::string meaning;    ///< of the parameter, with its unit
+  std::string key{};      ///< scattering: key of the material
 
-  bool is_of_sonar() const { return kind <= Kind::mounting; }
+  bool is_of_sonar() const { return kind <= Kind::patterns; }
   bool is_of_object() const { return kind == Kind::object_position || kind == Kind::object_rotation; }
+  bool is_translation() const { return kind == Kind::sonar_position || kind == Kind::object_position; }
+  /// Whether the parameter moves walls of tubes or facets, so that visible polygons depend on it.
+  bool moves_points() const { return kind <= Kind::mounting || is_of_object(); }
 };
 
 /// Returns all parameters of a scene.

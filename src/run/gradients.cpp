@@ -8,9 +8,11 @@
 #include <stdexcept>
 
 #include "engine/gradient/certified_gradient.hpp"
+#include "engine/gradient/validity.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/numbers/scalars.hpp"
 #include "run/survey.hpp"
+#include "scene/surfaces/scattering.hpp"
 
 // This file converts parameters of a scene to parameters of the engine (engine/gradient/echo_gradient.hpp),
 // for each transmission and sensor.
@@ -24,7 +26,9 @@ glm::dvec3 axis_vector(int axis) {
   return unit;
 }
 
-/// `kind`: "gradient" or "gradient_bound".
+constexpr const char *forward_step = "gradient_forward_step", *backward_step = "gradient_backward_step";
+
+/// `kind`: "gradient", "gradient_bound", or one of the steps.
 std::string gradient_channel(const GradientParameter& parameter, const std::string& kind = "gradient") {
   return kind + "." + parameter.name;
 }
@@ -50,6 +54,8 @@ std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter
       return EchoParameter::sonar_rotation(pose.attitude * axis);
     case GradientParameter::Kind::mounting:
       return EchoParameter::sonar_rotation(mounting_axis(sensor, pose.attitude, parameter.axis));
+    case GradientParameter::Kind::patterns:
+      return EchoParameter::patterns_rotation(pose.attitude * axis);
     case GradientParameter::Kind::object_position:
       return EchoParameter::object_translation(mesh, component, axis);
     case GradientParameter::Kind::object_rotation: {
@@ -60,6 +66,8 @@ std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter
     }
     case GradientParameter::Kind::mu:
       return EchoParameter::material_mu(parameter.owner, scene.material_mu.size());
+    case GradientParameter::Kind::scattering:
+      return EchoParameter::material_scattering(scattering_parameter(scene.description, parameter));
     case GradientParameter::Kind::sound_speed:
       return EchoParameter::sound_speed(scene.sound_speed_m_s);
     case GradientParameter::Kind::absorption: {
@@ -69,6 +77,46 @@ std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter
     }
   }
   return std::nullopt;
+}
+
+/// Returns the largest step for which the run proves that the visible polygons keep their corners.
+double largest_step(const GradientParameter& parameter, const Transmission& transmission, std::size_t s) {
+  return parameter.is_translation() ? transmission.tubes_of(s).reach * transmission.scene().grid.unit_m() : 1;
+}
+
+/// Adds the valid steps of parameters by beam. `engine`: the parameters of the engine in the same order.
+void add_steps(const Transmission& transmission, std::size_t s,
+               const std::vector<const GradientParameter*>& parameters,
+               const std::vector<EchoParameter>& engine, PingSums& sums) {
+  std::vector<EchoParameter> moving;
+  std::vector<const GradientParameter*> names;
+  std::vector<double> largest;
+  for (std::size_t k = 0; k < engine.size(); ++k) {
+    if (!parameters[k]->moves_points()) continue;
+    moving.push_back(engine[k]);
+    names.push_back(parameters[k]);
+    largest.push_back(largest_step(*parameters[k], transmission, s));
+  }
+  const TransmissionSurface& surface = transmission.surface_mesh();
+  const SensorModel model = transmission.model(s);
+  const std::vector<std::uint32_t>& beam_of_tube = transmission.sensor(s).beam_of_tube(transmission.number());
+  const auto steps =
+      valid_steps(surface.mesh(), surface.tree(), transmission.tubes_of(s),
+                  transmission.scene().grid.unit_m(), transmission.request().visibility, moving, largest);
+  for (std::size_t k = 0; k < moving.size(); ++k) {
+    std::vector<double> forward(std::size_t(transmission.beams(s)), infinite), backward = forward;
+    for (std::uint32_t tube = 0; tube < steps[k].size(); ++tube) {
+      const auto [first, end] = model.model.patterns != nullptr
+                                    ? model.patterns.beams_of_tube[tube]
+                                    : std::pair(beam_of_tube[tube], beam_of_tube[tube] + 1);
+      for (std::uint32_t beam = first; beam < end; ++beam) {
+        forward[beam] = std::min(forward[beam], steps[k][tube].forward);
+        backward[beam] = std::min(backward[beam], steps[k][tube].backward);
+      }
+    }
+    sums.add_to_beams(transmission, s, gradient_channel(*names[k], forward_step), forward);
+    sums.add_to_beams(transmission, s, gradient_channel(*names[k], backward_step), backward);
+  }
 }
 
 /// Returns the model without lists that contain nothing, which certified_derivatives() rejects.
@@ -83,6 +131,12 @@ EchoModel without_null_lists(EchoModel model) {
 
 }  // namespace
 
+MaterialParameter scattering_parameter(const SceneDescription& description,
+                                       const GradientParameter& parameter) {
+  return {parameter.owner,
+          scattering_derivative(description.materials[parameter.owner], parameter.key, parameter.axis)};
+}
+
 glm::dvec3 mounting_axis(const Sensor& sensor, const glm::dquat& attitude, int angle) {
   // attitude = carrier * turn(-yaw, z) turn(-tilt, x) turn(roll, y): see attitude_from_angles().
   const SensorDescription& d = sensor.description();
@@ -95,16 +149,26 @@ glm::dvec3 mounting_axis(const Sensor& sensor, const glm::dquat& attitude, int a
 }
 
 std::vector<OutputChannel> gradient_channels(const SceneDescription& description, const RunRequest& request,
-                                             std::size_t cells) {
+                                             std::size_t beams, std::size_t samples) {
   std::vector<OutputChannel> channels;
   for (const GradientParameter& parameter : gradient_parameters(description, request.gradient)) {
-    const std::string name = gradient_channel(parameter);
     const std::string meaning = "derivative of energy by the " + parameter.meaning;
-    channels.push_back({name, cells, 1, {{name, parameter.units, meaning, true}}});
-    if (!request.reference_tolerance) continue;
-    const std::string bound = gradient_channel(parameter, "gradient_bound");
-    channels.push_back(
-        {bound, cells, 1, {{bound, parameter.units, "certified bound of the " + meaning, true}}});
+    const auto add = [&](const std::string& channel, bool is_by_beam, const std::string& units,
+                         const std::string& text) {
+      channels.push_back(
+          {channel, is_by_beam ? beams : beams * samples, 1, {{channel, units, text, true, is_by_beam}}});
+    };
+    add(gradient_channel(parameter), false, parameter.units, meaning);
+    if (request.reference_tolerance)
+      add(gradient_channel(parameter, "gradient_bound"), false, parameter.units,
+          "certified bound of the " + meaning);
+    if (request.gradient_steps && parameter.moves_points())
+      for (const auto& [kind, sense] : {std::pair(forward_step, "increase"), {backward_step, "decrease"}})
+        add(gradient_channel(parameter, kind), true, parameter.is_translation() ? "m" : "rad",
+            fmt::format(
+                "proven {} of the {} without a change of visible edges and corners; 0: the derivative "
+                "may be one-sided",
+                sense, parameter.meaning));
   }
   return channels;
 }
@@ -146,6 +210,30 @@ void require_gradients(const Survey& survey, const RunRequest& request) {
   }
 }
 
+std::vector<std::string> one_sided_derivatives(const std::vector<Recording>& recordings) {
+  std::vector<std::string> warnings;
+  for (const Recording& recording : recordings)
+    for (const RecordedVariable& forward : recording.further) {
+      const std::string prefix = std::string(forward_step) + ".";
+      if (!forward.meaning.name.starts_with(prefix)) continue;
+      const std::string parameter = forward.meaning.name.substr(prefix.size());
+      const auto backward = std::ranges::find(recording.further, backward_step + ("." + parameter),
+                                              [](const RecordedVariable& of) { return of.meaning.name; });
+      std::size_t zeros = 0;
+      for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+        const PingEnergies ahead = forward.of(ping), behind = backward->of(ping);
+        for (std::size_t beam = 0; beam < forward.cells; ++beam)
+          zeros += ahead[beam] == 0 || behind[beam] == 0;
+      }
+      if (zeros > 0)
+        warnings.push_back(fmt::format(
+            "sensor '{}', derivative by {}: the pose may lie on a change of visible edges for {} of {} pings "
+            "and beams, which have a step of 0. These derivatives may be one-sided",
+            recording.sensor->description().name, parameter, zeros, recording.pings() * forward.cells));
+    }
+  return warnings;
+}
+
 void add_gradients(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
   const std::vector<GradientParameter> all =
       gradient_parameters(transmission.scene().description, transmission.request().gradient);
@@ -153,10 +241,12 @@ void add_gradients(const EchoContribution& plan, const Transmission& transmissio
   const FacetMesh& mesh = transmission.surface_mesh().mesh();
   for (const std::size_t s : plan.sensors) {
     if (sums.chosen(s).pings == 0) continue;
+    std::vector<const GradientParameter*> own_parameters;
     std::vector<std::string> channels, bounds;
     std::vector<EchoParameter> parameters;
     for (const GradientParameter& parameter : all)
       if (auto own = engine_parameter(parameter, transmission, s, mesh)) {
+        own_parameters.push_back(&parameter);
         channels.push_back(gradient_channel(parameter));
         bounds.push_back(gradient_channel(parameter, "gradient_bound"));
         parameters.push_back(std::move(*own));
@@ -167,6 +257,7 @@ void add_gradients(const EchoContribution& plan, const Transmission& transmissio
       const EchoModel& echo_model = model.model;
       const ReceiveBeams beams = transmission.beams_by_fans(s, fans);
       const RangeSamples& samples = transmission.sensor(s).samples();
+      if (transmission.request().gradient_steps) add_steps(transmission, s, own_parameters, parameters, sums);
       if (!plan.tolerance) {
         const auto derivatives = echo_derivatives(mesh, history, beams, samples, echo_model, parameters);
         for (std::size_t k = 0; k < channels.size(); ++k)

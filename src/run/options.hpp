@@ -44,6 +44,7 @@ struct RunOptions : CommonOptions {
   bool labels = false;
   std::optional<double> label_level_db;  ///< see RunRequest::label_level_db; only with `labels`
   std::optional<std::string> gradient;   ///< names of parameters, between commas; see RunRequest::gradient
+  bool gradient_steps = false;           ///< see RunRequest::gradient_steps; only with `gradient`
   bool resume = false;
   std::optional<std::string> part;  ///< shard "2/8": only this part of the pings, in a file of its own
   /// With `reference`: relative bound of the energies, 1e-9 if unset. Otherwise a tolerance for

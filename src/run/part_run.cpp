@@ -90,6 +90,7 @@ void each_word(auto& options, const auto& each) {
   each("labels", options.labels);
   each("label_level_db", options.label_level_db);
   each("gradient", options.gradient);
+  each("gradient_steps", options.gradient_steps);
 }
 
 Json words_of(const RunOptions& options) {

@@ -93,6 +93,13 @@ void PingSums::add_to_channel(const Transmission& transmission, std::size_t s, s
            values_.of(s, channel).subspan(array * all, all));
 }
 
+void PingSums::add_to_beams(const Transmission& transmission, std::size_t s, std::string_view channel,
+                            std::span<const double> values) {
+  if (chosen(s).pings == 0) return;
+  add_rows(values, transmission.sensor(s).beams_of_transmission(transmission.number()), 1, chosen(s),
+           values_.of(s, channel));
+}
+
 void PingSums::add_signals(std::size_t s, std::span<const double> values, std::span<const double> bounds) {
   add_to(values_.of(s, "signals"), values);
   if (!bounds.empty()) add_to(values_.of(s, "signals_bound"), bounds);

@@ -42,6 +42,9 @@ class PingSums {
   /// transmission][sample]. Further values are ignored.
   void add_to_channel(const Transmission& transmission, std::size_t sensor, std::string_view channel,
                       std::size_t array, std::span<const double> values);
+  /// Adds values to an output channel over beams: one per beam of the transmission.
+  void add_to_beams(const Transmission& transmission, std::size_t sensor, std::string_view channel,
+                    std::span<const double> values);
   /// Adds values to the signals that a sensor's elements record: [receiver][sample][real, imaginary].
   /// `bounds`: bounds of the values, or empty.
   void add_signals(std::size_t sensor, std::span<const double> values, std::span<const double> bounds);

@@ -63,6 +63,7 @@ nlohmann::ordered_json json_of(const RunRequest& request) {
   }
   if (request.coarseness > 0) json["coarsen"] = request.coarseness;
   if (!request.gradient.empty()) json["gradient"] = request.gradient;
+  if (request.gradient_steps) json["gradient_steps"] = true;
   return json;
 }
 
@@ -83,6 +84,7 @@ RunRequest request_of(const nlohmann::ordered_json& settings, RunRequest otherwi
     request.label_level_db = settings.value("label_level_db", request.label_level_db);
     request.coarseness = settings.value("coarsen", 0.0);
     request.gradient = settings.value("gradient", std::vector<std::string>());
+    request.gradient_steps = settings.value("gradient_steps", false);
     return request;
   });
 }

@@ -40,6 +40,8 @@ struct RunRequest {
   double label_level_db = 20;
   /// Parameters by which the run also differentiates energies (gradient_parameters.hpp).
   std::vector<std::string> gradient{};
+  /// With `gradient`: the run also proves steps of the parameters without a change of visible polygons.
+  bool gradient_steps = false;
 };
 
 /// Converts the texts of [run] to a request. Throws UsageError for an unknown text.

@@ -132,6 +132,9 @@ RunRequest requested(const RunOptions& options, SceneDescription& description) {
     gradient_parameters(description, request.gradient);
     require_able(request, Feature::gradient);
   }
+  request.gradient_steps = options.gradient_steps;
+  if (options.gradient_steps && !options.gradient)
+    throw UsageError("--gradient-steps needs --gradient: add --gradient, or leave out --gradient-steps");
   if (options.coarsen) request.coarseness = coarseness_requested(*options.coarsen);
   request.selection = options.selection;
   if (!options.tolerance || options.reference) refuse_unused_settings(options, request.engine);

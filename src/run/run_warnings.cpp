@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "run/gradients.hpp"
 #include "run/open_signals.hpp"
 #include "run/placement.hpp"
 #include "run/refraction.hpp"
@@ -21,6 +22,7 @@ void RunWarnings::look_back(const Survey& survey, const RunRequest& request, con
                             const std::vector<Recording>& recordings) {
   add(refraction_warnings(survey, request.reference_tolerance.has_value(), stats));
   add(met_no_returns(survey, request, recordings));
+  add(one_sided_derivatives(recordings));
 }
 
 void RunWarnings::add(const std::vector<std::string>& warnings) {

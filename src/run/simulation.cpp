@@ -30,7 +30,8 @@ namespace {
 /// stored beams. `labels`: number of label channels (LabelChannels), or 0.
 std::vector<OutputChannel> output_channels(const SceneDescription& scene, const Sensor& sensor,
                                            std::size_t beams, const RunRequest& request, std::size_t labels) {
-  const std::size_t cells = beams * static_cast<std::size_t>(sensor.samples().count);
+  const auto samples = static_cast<std::size_t>(sensor.samples().count);
+  const std::size_t cells = beams * samples;
   const auto rows = static_cast<std::size_t>(sensor.channels());
   std::vector<OutputChannel> channels;
   const auto add = [&](const std::string& name, std::size_t values, std::size_t chunks,
@@ -43,7 +44,7 @@ std::vector<OutputChannel> output_channels(const SceneDescription& scene, const 
     add("signals", 2 * model->array.receivers_m.size() * model->sampling.samples, 1,
         [](bool) { return std::vector<ChannelVariable>(); });
   if (labels > 0) channels.push_back({"labels", labels * cells});
-  std::ranges::move(gradient_channels(scene, request, cells), std::back_inserter(channels));
+  std::ranges::move(gradient_channels(scene, request, beams, samples), std::back_inserter(channels));
   return channels;
 }
 

@@ -73,6 +73,7 @@ void add_echo_gradient(const Transmission& transmission, std::size_t s, const Hi
   const Sensor& sensor = transmission.sensor(s);
   const glm::dquat& attitude = transmission.pose().attitude;
   WeightedGradient::OfSonar& sonar = sum.sonars[s];
+  sonar.by_patterns[transmission.ping()] += glm::conjugate(attitude) * echo.by_pattern_rotation;
   sonar.by_position[transmission.ping()] += echo.by_apex - by_all_vertices;
   sonar.by_rotation[transmission.ping()] += glm::conjugate(attitude) * by_rotation;
   for (int k = 0; k < 3; ++k) {
@@ -125,8 +126,16 @@ WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
   sum.by_mu.assign(survey.scene.material_mu.size(), 0);
   for (const SensorPings& pings : survey.sensors) {
     const std::vector<glm::dvec3> zeros(pings.times_s.size(), glm::dvec3(0));
-    sum.sonars.push_back({zeros, zeros, zeros});
+    sum.sonars.push_back({zeros, zeros, zeros, zeros});
   }
+  std::vector<std::string> names;
+  std::vector<MaterialParameter> scattering;
+  for (const GradientParameter& parameter : gradient_parameters(survey.scene.description))
+    if (parameter.kind == GradientParameter::Kind::scattering) {
+      names.push_back(parameter.name);
+      scattering.push_back(scattering_parameter(survey.scene.description, parameter));
+      sum.by_scattering[parameter.name] = 0;
+    }
   // Transmissions are summed in their order, so that the result does not depend on the number of threads. The
   // tubes of each one are traced in parallel.
   if (watch != nullptr)
@@ -143,9 +152,11 @@ WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
           if (!history) history = transmission.trace(nullptr, false);
           const SensorModel model = transmission.model(s);
           const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(number);
-          const EchoGradient echo = echo_gradient(
-              transmission.surface_mesh().mesh(), *history, transmission.beams_by_fans(s, fans),
-              transmission.sensor(s).samples(), model.model, weights_of(transmission, s, weights[s]));
+          const EchoGradient echo =
+              echo_gradient(transmission.surface_mesh().mesh(), *history, transmission.beams_by_fans(s, fans),
+                            transmission.sensor(s).samples(), model.model,
+                            weights_of(transmission, s, weights[s]), scattering);
+          for (std::size_t k = 0; k < names.size(); ++k) sum.by_scattering[names[k]] += echo.by_scattering[k];
           add_echo_gradient(transmission, s, *history, echo, sum);
         }
       }

@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <glm/vec3.hpp>
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "run/console/progress.hpp"
@@ -15,14 +17,16 @@ namespace tubefoot {
 
 /// Derivatives of the sum of weight times energy over all pings, beams and range bins of all sensors.
 struct WeightedGradient {
-  std::vector<glm::dvec3> by_vertex;  ///< of the scene's mesh, per metre; shared by all components
-  std::vector<double> by_mu;          ///< by Lambert's parameter of each material
+  std::vector<glm::dvec3> by_vertex;            ///< of the scene's mesh, per metre; shared by all components
+  std::vector<double> by_mu;                    ///< by Lambert's parameter of each material
+  std::map<std::string, double> by_scattering;  ///< by parameters of other scattering models, by name
   double by_sound_speed = 0;  ///< per m/s, for range bins that are intervals of time, at fixed beam patterns
   double by_absorption = 0;   ///< by the one-way absorption, per dB/km
   struct OfSonar {
     std::vector<glm::dvec3> by_position;  ///< by ping, per metre
     std::vector<glm::dvec3> by_rotation;  ///< by ping, per radian about the sonar's own axes
     std::vector<glm::dvec3> by_mounting;  ///< by ping, per radian of yaw, tilt and roll; 0 with `look_at_m`
+    std::vector<glm::dvec3> by_patterns;  ///< by ping, per radian of the patterns alone about the own axes
   };
   std::vector<OfSonar> sonars;  ///< by sensor
   struct OfObject {

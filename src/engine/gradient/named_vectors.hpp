@@ -3,32 +3,36 @@
 
 #include <array>
 #include <functional>
-#include <map>
+#include <unordered_map>
 #include <utility>
 
 #include "geometry/arithmetic/exact_corner.hpp"
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/numbers/ball.hpp"
+#include "geometry/numbers/interval.hpp"
 #include "geometry/numbers/vector_products.hpp"
 
-// Vectors that names denote, for points that move. The number type is a ball, a ball with its derivative, or
-// a rational. Heavy: include only in .cpp files.
+// Vectors that names denote, for points that move. The number type is a ball, a rational, or
+// an enclosure with its derivative. Heavy: include only in .cpp files.
 namespace tubefoot {
 
-/// A ball that carries the enclosure of its derivative through every operation.
-struct MovingBall {
-  Ball at, by;
+/// An enclosure that carries the enclosure of its derivative through every operation.
+template <class Enclosure>
+struct Moving {
+  Enclosure at, by;
 
-  friend MovingBall operator+(const MovingBall& a, const MovingBall& b) { return {a.at + b.at, a.by + b.by}; }
-  friend MovingBall operator-(const MovingBall& a, const MovingBall& b) { return {a.at - b.at, a.by - b.by}; }
-  friend MovingBall operator*(const MovingBall& a, const MovingBall& b) {
+  friend Moving operator+(const Moving& a, const Moving& b) { return {a.at + b.at, a.by + b.by}; }
+  friend Moving operator-(const Moving& a, const Moving& b) { return {a.at - b.at, a.by - b.by}; }
+  friend Moving operator*(const Moving& a, const Moving& b) {
     return {a.at * b.at, a.by * b.at + a.at * b.by};
   }
-  friend MovingBall operator/(const MovingBall& a, const MovingBall& b) {
-    const Ball quotient = a.at / b.at;
+  friend Moving operator/(const Moving& a, const Moving& b) {
+    const Enclosure quotient = a.at / b.at;
     return {quotient, (a.by - quotient * b.by) / b.at};
   }
 };
+using MovingBall = Moving<Ball>;
+using MovingInterval = Moving<Interval>;
 /// Returns the square root of a positive number.
 inline MovingBall root(const MovingBall& x) {
   const Ball value = root(x.at);
@@ -97,9 +101,15 @@ class NamedVectors {
  private:
   const NameContext& context_;
   std::function<Vector(PointId)> position_;
-  std::map<PointId, Vector> points_;
-  std::map<FacetId, Plane> planes_;
-  std::map<std::array<std::uint32_t, 3>, Vector> normals_;
+  struct WordsHash {
+    std::size_t operator()(const std::array<std::uint32_t, 3>& words) const {
+      return std::size_t(words[0]) * 0x9e3779b97f4a7c15u ^ std::size_t(words[1]) * 0xc2b2ae3d27d4eb4fu ^
+             words[2];
+    }
+  };
+  std::unordered_map<PointId, Vector> points_;
+  std::unordered_map<FacetId, Plane> planes_;
+  std::unordered_map<std::array<std::uint32_t, 3>, Vector, WordsHash> normals_;
 };
 
 }  // namespace tubefoot

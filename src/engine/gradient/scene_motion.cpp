@@ -20,7 +20,7 @@ bool SceneMotion::move_alike(PointId a, PointId b) const {
 }
 
 double SceneMotion::reach(PointId id, double step) const {
-  if (!moves(id)) return 0;
+  if (parameter_.turn && !moves(id)) return 0;
   const glm::dvec3 at = points_.point(id);
   const double speed = parameter_.turn
                            ? glm::length(parameter_.turn->axis) * glm::length(at - parameter_.turn->origin_m)

@@ -41,10 +41,15 @@ double proven_step(VisibilityCertificate& certificate, double sign, double most)
 
 }  // namespace
 
-std::vector<ValidSteps> valid_steps(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
-                                    double grid_unit_m, const VisibilityOptions& options,
-                                    std::span<const EchoParameter> parameters,
-                                    std::span<const double> largest) {
+ValidSteps common_steps(const ValidSteps& a, const ValidSteps& b) {
+  return {std::min(a.forward, b.forward), std::min(a.backward, b.backward), a.on_change || b.on_change};
+}
+
+std::vector<std::vector<ValidSteps>> valid_steps(const FacetMesh& mesh, const SceneTree& tree,
+                                                 const TubeSet& tubes, double grid_unit_m,
+                                                 const VisibilityOptions& options,
+                                                 std::span<const EchoParameter> parameters,
+                                                 std::span<const double> largest) {
   require_exact(options);
   if (largest.size() != parameters.size() ||
       !std::ranges::all_of(largest, [](double step) { return step > 0 && std::isfinite(step); }))
@@ -52,28 +57,31 @@ std::vector<ValidSteps> valid_steps(const FacetMesh& mesh, const SceneTree& tree
         "valid steps: expected a finite positive largest step for each of {} parameters", parameters.size()));
   VisibilityOptions whole = options;
   whole.open_water = true;
-  const auto enclose = [&](std::uint32_t, const NameContext& context, const TubeVisibility& seen,
-                           std::vector<ValidSteps>& steps) {
-    for (std::size_t n = 0; n < parameters.size(); ++n) {
-      ValidSteps& valid = steps.emplace_back(ValidSteps{infinite, infinite, false});
-      if (!parameters[n].velocity) continue;
-      const SceneMotion motion(context, parameters[n], grid_unit_m);
-      VisibilityCertificate certificate(context, seen, tubes.reach, motion);
-      valid.on_change = !certificate.holds(0, 0);
-      valid.forward = valid.on_change ? 0 : proven_step(certificate, 1, largest[n]);
-      valid.backward = valid.on_change ? 0 : proven_step(certificate, -1, largest[n]);
-    }
-  };
-  std::vector<ValidSteps> all(parameters.size(), ValidSteps{infinite, infinite, false});
-  for (const std::vector<ValidSteps>& of_tube :
-       enclose_tubes<std::vector<ValidSteps>>(mesh, tree, tubes, whole, enclose))
-    for (std::size_t n = 0; n < of_tube.size(); ++n) {
-      all[n].forward = std::min(all[n].forward, of_tube[n].forward);
-      all[n].backward = std::min(all[n].backward, of_tube[n].backward);
-      all[n].on_change = all[n].on_change || of_tube[n].on_change;
-    }
-  for (ValidSteps& steps : all)
-    if (steps.on_change) steps.forward = steps.backward = 0;
+  const std::vector<ValidSteps> unlimited(tubes.tubes.size(), ValidSteps{infinite, infinite, false});
+  std::vector<std::vector<ValidSteps>> all(parameters.size(), unlimited);
+  std::vector<double> speed;
+  const std::vector<GridPoint> no_rays;
+  const NameContext vertices{mesh, tubes.apex, no_rays};
+  for (const EchoParameter& parameter : parameters) {
+    const SceneMotion motion(vertices, parameter, grid_unit_m);
+    speed.push_back(0);
+    for (VertexId v = 0; parameter.velocity && v < mesh.vertices.size(); ++v)
+      speed.back() = std::max(speed.back(), motion.reach(v, 1));
+  }
+  struct Nothing {};
+  enclose_tubes<Nothing>(
+      mesh, tree, tubes, whole,
+      [&](std::uint32_t tube, const NameContext& context, const TubeVisibility& seen, Nothing&) {
+        for (std::size_t n = 0; n < parameters.size(); ++n) {
+          if (!parameters[n].velocity) continue;
+          ValidSteps& valid = all[n][tube];
+          const SceneMotion motion(context, parameters[n], grid_unit_m);
+          VisibilityCertificate certificate(context, seen, tree, tubes.reach, motion, speed[n]);
+          valid.on_change = !certificate.holds(0, 0);
+          valid.forward = valid.on_change ? 0 : proven_step(certificate, 1, largest[n]);
+          valid.backward = valid.on_change ? 0 : proven_step(certificate, -1, largest[n]);
+        }
+      });
   return all;
 }
 

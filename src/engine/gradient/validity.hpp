@@ -18,14 +18,19 @@ struct ValidSteps {
   bool on_change = false;
 };
 
-/// Computes proven lower bounds of the steps to the first change of the visible polygons, up to `largest`
-/// per parameter (docs/notes/gradients.md, section 6). Each bound is within 2 % of the step at which the
-/// certificate fails. Points move along straight lines, and turned points on circles. Parameters that move
-/// no point have infinite steps. `options`: as for the history; the arithmetic must be exact. Throws
-/// std::invalid_argument for another arithmetic, and unless `largest` has one positive number per parameter.
-std::vector<ValidSteps> valid_steps(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
-                                    double grid_unit_m, const VisibilityOptions& options,
-                                    std::span<const EchoParameter> parameters,
-                                    std::span<const double> largest);
+/// Returns the smaller steps of both.
+ValidSteps common_steps(const ValidSteps& a, const ValidSteps& b);
+
+/// Computes proven lower bounds of the steps to the first change of the visible polygons of each tube:
+/// [parameter][tube] (docs/notes/gradients.md, section 6). Steps are at most `largest` per parameter. Each
+/// bound is within 2 % of the step at which the certificate fails. Points move along straight lines, and
+/// turned points on circles. Parameters that move no point have infinite steps. `options`: as for the
+/// history; the arithmetic must be exact. Throws std::invalid_argument for another arithmetic, and unless
+/// `largest` has one positive number per parameter.
+std::vector<std::vector<ValidSteps>> valid_steps(const FacetMesh& mesh, const SceneTree& tree,
+                                                 const TubeSet& tubes, double grid_unit_m,
+                                                 const VisibilityOptions& options,
+                                                 std::span<const EchoParameter> parameters,
+                                                 std::span<const double> largest);
 
 }  // namespace tubefoot

@@ -48,16 +48,33 @@ std::optional<PlaneName> common_plane(const CornerName& a, const CornerName& b) 
   return std::nullopt;
 }
 
+/// Encloses the product of a vector and the position of a moving one.
+template <class Enclosure>
+Enclosure along(glm::dvec3 direction, const std::array<Moving<Enclosure>, 3>& v) {
+  return Enclosure(direction.x) * v[0].at + Enclosure(direction.y) * v[1].at +
+         Enclosure(direction.z) * v[2].at;
+}
+
+std::array<MovingInterval, 3> intervals(const std::array<MovingBall, 3>& v) {
+  std::array<MovingInterval, 3> of;
+  for (std::size_t k = 0; k < 3; ++k) of[k] = {interval_of(v[k].at), interval_of(v[k].by)};
+  return of;
+}
+
 }  // namespace
 
 VisibilityCertificate::VisibilityCertificate(const NameContext& context, const TubeVisibility& seen,
-                                             double reach, const SceneMotion& motion)
-    : context_(context), reach_(reach), motion_(motion) {
+                                             const SceneTree& tree, double reach, const SceneMotion& motion,
+                                             double vertex_speed)
+    : context_(context), tree_(tree), reach_(reach), motion_(motion), vertex_speed_(vertex_speed) {
   for (std::uint32_t k = 0; k < 4; ++k) {
     const GridPoint ray = seen.rays[k];
     rays_[k] = glm::normalize(glm::dvec3(ray.x, ray.y, ray.z));
     walls_[k] = through(ray_bit | k, ray_bit | (k + 1) % 4);
   }
+  const glm::dvec3 ahead = glm::normalize(rays_[0] + rays_[1] + rays_[2] + rays_[3]);
+  const glm::dvec3 right = glm::normalize(rays_[1] - rays_[0]);
+  chart_ = {right, glm::cross(ahead, right), ahead};
   exact_.resize(identity_samples);
   for (const NamedPiece& piece : seen.pieces) is_certain_ = is_certain_ && add_polygon(seen, piece, false);
   for (const NamedPiece& piece : seen.open) is_certain_ = is_certain_ && add_polygon(seen, piece, true);
@@ -208,6 +225,11 @@ Ball VisibilityCertificate::enclosure_of(const Value& value) {
 
 template <class Value>
 auto VisibilityCertificate::sign_of(const Key& key, const Value& value) -> Sign {
+  // Intervals of doubles decide nearly all signs.
+  const MovingInterval over = value(*quick_all_);
+  Interval quick = over.at;
+  if (quick.may_be_zero()) quick = MovingInterval(value(*quick_middle_)).at + over.by * interval_of(half_);
+  if (!quick.may_be_zero()) return quick.surely_positive() ? Sign::positive : Sign::negative;
   const auto [place, is_new] = signs_.try_emplace(key, Sign::unknown);
   if (!is_new) return place->second;
   const Ball found = enclosure_of(value);
@@ -295,7 +317,10 @@ PlaneName VisibilityCertificate::edge_of(FacetId facet, int k, int& sign) const 
   return through(a, b);
 }
 
-std::vector<FacetId> VisibilityCertificate::facets_that_may_hide(double from, double to) {
+const std::vector<FacetId>& VisibilityCertificate::facets_that_may_hide(double from, double to) {
+  // A facet that hides nothing in an interval hides nothing in a part of it.
+  while (!may_hide_.empty() && !(may_hide_.back().from <= from && to <= may_hide_.back().to))
+    may_hide_.pop_back();
   std::array<std::array<Interval, 3>, 4> inwards;
   for (std::size_t k = 0; k < 4; ++k) {
     const auto& normal = all_->normal(walls_[k]);
@@ -304,8 +329,8 @@ std::vector<FacetId> VisibilityCertificate::facets_that_may_hide(double from, do
       inwards[k][c] = turned ? -interval_of(normal[c].at) : interval_of(normal[c].at);
   }
   const double step = std::max(std::abs(from), std::abs(to));
-  std::vector<FacetId> all;
-  for (FacetId facet = 0; facet < context_.mesh.facets.size(); ++facet) {
+  std::vector<FacetId> found;
+  const auto test = [&](FacetId facet) {
     std::array<std::array<Interval, 3>, 3> point;
     for (std::size_t v = 0; v < 3; ++v) {
       const VertexId id = context_.mesh.facets[facet][v];
@@ -321,17 +346,39 @@ std::vector<FacetId> VisibilityCertificate::facets_that_may_hide(double from, do
     Interval distance2;
     for (std::size_t c = 0; c < 3; ++c)
       distance2 += squared(hull(hull(point[0][c], point[1][c]), point[2][c]));
-    if (!outside && !(std::sqrt(distance2.lo) * (1 - 1e-15) > reach_)) all.push_back(facet);
+    if (!outside && !(std::sqrt(distance2.lo) * (1 - 1e-15) > reach_)) found.push_back(facet);
+  };
+  if (may_hide_.empty()) {
+    const double margin = vertex_speed_ * step * (1 + 1e-12);
+    const GridPoint apex = context_.apex;
+    std::vector<FacetId> near;
+    const auto around = [margin](std::int64_t low, std::int64_t high, std::int64_t origin) {
+      return outwards(double(low - origin) - margin, double(high - origin) + margin);
+    };
+    tree_.query(
+        [&](const GridPoint& lowest, const GridPoint& highest) {
+          const std::array<Interval, 3> box{around(lowest.x, highest.x, apex.x),
+                                            around(lowest.y, highest.y, apex.y),
+                                            around(lowest.z, highest.z, apex.z)};
+          return std::ranges::none_of(
+              inwards, [&](const auto& n) { return (n[0] * box[0] + n[1] * box[1] + n[2] * box[2]).hi < 0; });
+        },
+        near);
+    std::ranges::for_each(near, test);
+  } else {
+    std::ranges::for_each(may_hide_.back().facets, test);
   }
-  return all;
+  return may_hide_.emplace_back(from, to, std::move(found)).facets;
+}
+
+template <class Value>
+bool VisibilityCertificate::is_positive(const Value& value) {
+  return value(*quick_all_, *quick_middle_).surely_positive() || value(*all_, *middle_).surely_positive();
 }
 
 bool VisibilityCertificate::is_proper(const Polygon& polygon) {
-  const glm::dvec3 ahead = rays_[0] + rays_[1] + rays_[2] + rays_[3];
-  const BallVector front = balls(ahead);
   const auto in_front = [&](const CornerName& corner) {
-    const Moving::Vector ray = all_->ray(corner);
-    return dot(front, BallVector{ray[0].at, ray[1].at, ray[2].at}).surely_positive();
+    return is_positive([&](auto& all, auto&) { return along(chart_[2], all.ray(corner)); });
   };
   for (const CornerName& corner : polygon.corners)
     if (!in_front(corner)) return false;
@@ -346,10 +393,37 @@ bool VisibilityCertificate::is_proper(const Polygon& polygon) {
     if (beside == nullptr) return false;
     // The direction of the edge does not change in the interval, because no corner passes another one.
     const CornerName& next = polygon.corners[(k + 1) % polygon.corners.size()];
-    const Moving::Vector turn = cross(middle_->ray(polygon.corners[k]), middle_->ray(next));
-    if (!dot(turn, middle_->ray(*beside)).at.surely_positive()) return false;
+    if (!is_positive([&](auto&, auto& middle) {
+          return dot(cross(middle.ray(polygon.corners[k]), middle.ray(next)), middle.ray(*beside)).at;
+        }))
+      return false;
   }
   return true;
+}
+
+auto VisibilityCertificate::box_of(const Polygon& polygon) -> ChartBox {
+  ChartBox box;
+  for (const CornerName& corner : polygon.corners) {
+    const auto ray = quick_all_->ray(corner);
+    Interval depth = infinite;
+    if (polygon.facet != none) {
+      const auto& plane = quick_all_->plane(polygon.facet);
+      const Interval share = plane.offset.at / dot(plane.normal, ray).at;
+      depth = share * along(chart_[2], ray);
+    }
+    box.add(along(chart_[0], ray), along(chart_[1], ray), along(chart_[2], ray), depth);
+  }
+  return box;
+}
+
+auto VisibilityCertificate::box_of(FacetId facet) -> ChartBox {
+  ChartBox box;
+  for (const VertexId vertex : context_.mesh.facets[facet]) {
+    const auto& point = quick_all_->point(vertex);
+    const Interval depth = along(chart_[2], point);
+    box.add(along(chart_[0], point), along(chart_[1], point), depth, depth);
+  }
+  return box;
 }
 
 bool VisibilityCertificate::is_in_facet(const Polygon& polygon) {
@@ -428,11 +502,20 @@ bool VisibilityCertificate::holds(double from, double to) {
   half_ = over - middle;
   middle_.emplace(context_, [this, middle](PointId id) { return motion_.enclosure(id, middle); });
   all_.emplace(context_, [this, over](PointId id) { return motion_.enclosure(id, over); });
-  for (const Polygon& polygon : polygons_)
+  quick_middle_.emplace(context_, [this](PointId id) { return intervals(middle_->point(id)); });
+  quick_all_.emplace(context_, [this](PointId id) { return intervals(all_->point(id)); });
+  std::vector<ChartBox> boxes;
+  for (const Polygon& polygon : polygons_) {
     if (!is_proper(polygon) || (polygon.facet != none && !is_in_facet(polygon))) return false;
-  for (const FacetId facet : facets_that_may_hide(from, to))
-    for (Polygon& polygon : polygons_)
-      if (facet != polygon.facet && !is_separate(polygon, facet)) return false;
+    boxes.push_back(box_of(polygon));
+  }
+  for (const FacetId facet : facets_that_may_hide(from, to)) {
+    const ChartBox box = box_of(facet);
+    for (std::size_t k = 0; k < polygons_.size(); ++k)
+      if (facet != polygons_[k].facet && !box.is_beside_or_behind(boxes[k]) &&
+          !is_separate(polygons_[k], facet))
+        return false;
+  }
   return true;
 }
 

@@ -9,6 +9,7 @@
 
 #include "engine/gradient/scene_motion.hpp"
 #include "geometry/numbers/interval.hpp"
+#include "geometry/numbers/scalars.hpp"
 #include "geometry/visibility/visibility.hpp"
 
 namespace tubefoot {
@@ -26,16 +27,17 @@ namespace tubefoot {
 /// the enclosure contains 0, the predicate is 0 only by its names, or if it vanishes identically.
 class VisibilityCertificate {
  public:
-  /// `seen`: the tube with its unobstructed region, by an exact arithmetic. The arguments must outlive this
-  /// object.
-  VisibilityCertificate(const NameContext& context, const TubeVisibility& seen, double reach,
-                        const SceneMotion& motion);
+  /// `seen`: the tube with its unobstructed region, by an exact arithmetic. `vertex_speed`: largest
+  /// SceneMotion::reach of a vertex for the step 1. The arguments must outlive this object.
+  VisibilityCertificate(const NameContext& context, const TubeVisibility& seen, const SceneTree& tree,
+                        double reach, const SceneMotion& motion, double vertex_speed);
 
   /// Returns whether the proof succeeds for the values from `from` to `to`.
   bool holds(double from, double to);
 
  private:
-  using Moving = NamedVectors<MovingBall>;
+  using Slow = NamedVectors<MovingBall>;
+  using Quick = NamedVectors<MovingInterval>;
   using Exact = NamedVectors<ExactNumber>;
   enum class Sign { negative = -1, zero = 0, positive = 1, unknown = 2 };
   using Key = std::array<std::uint32_t, 12>;
@@ -57,21 +59,44 @@ class VisibilityCertificate {
     FacetId plane = none;
     bool may_be_far = false;  ///< the vertex too, so that the point may not exist
   };
+  /// Bounds of a polygon or facet in the interval: the tangents of the angles across the tube, and the depth
+  /// along its axis.
+  struct ChartBox {
+    Interval x{infinite, -infinite}, y = x, depth = x;
+    bool is_in_front = true;
+
+    void add(const Interval& right, const Interval& up, const Interval& ahead, const Interval& at_depth) {
+      is_in_front = is_in_front && ahead.surely_positive();
+      x = hull(x, right / ahead);
+      y = hull(y, up / ahead);
+      depth = hull(depth, at_depth);
+    }
+    /// Returns whether no direction meets both, or whether this box is behind the other one.
+    bool is_beside_or_behind(const ChartBox& other) const {
+      return is_in_front && (x.lo > other.x.hi || x.hi < other.x.lo || y.lo > other.y.hi ||
+                             y.hi < other.y.lo || depth.lo > other.depth.hi);
+    }
+  };
   static constexpr FacetId none = 0xffffffffu;
 
   bool add_polygon(const TubeVisibility& seen, const NamedPiece& piece, bool is_open);
   bool borders_add_up();
   void merge_polygons();
   bool merge(Polygon& one, const Polygon& other);
-  std::vector<FacetId> facets_that_may_hide(double from, double to);
+  const std::vector<FacetId>& facets_that_may_hide(double from, double to);
   bool is_proper(const Polygon& polygon);
   bool is_in_facet(const Polygon& polygon);
+  ChartBox box_of(const Polygon& polygon);
+  ChartBox box_of(FacetId facet);
   bool is_separate(Polygon& polygon, FacetId facet);
 
   template <class Value>
   Ball enclosure_of(const Value& value);
   template <class Value>
   Sign sign_of(const Key& key, const Value& value);
+  /// Returns whether value(vectors in all of the interval, vectors in its middle) is certainly positive.
+  template <class Value>
+  bool is_positive(const Value& value);
   template <class Value>
   bool vanishes(const Key& key, const Value& value);
   Sign side(const PlaneName& plane, PointId point);
@@ -84,13 +109,23 @@ class VisibilityCertificate {
   Exact& exact(int sample);
 
   const NameContext& context_;
+  const SceneTree& tree_;
   double reach_;
   const SceneMotion& motion_;
+  double vertex_speed_;
   std::array<glm::dvec3, 4> rays_;
   std::array<PlaneName, 4> walls_;
   bool is_certain_ = true;  ///< whether part 1 of the proof succeeded
+  /// Facets that may hide something for the values of an interval. Each interval contains the next one.
+  struct MayHide {
+    double from, to;
+    std::vector<FacetId> facets;
+  };
+  std::vector<MayHide> may_hide_;
   std::vector<Polygon> polygons_;
-  std::optional<Moving> middle_, all_;         ///< in the middle of the current interval, and in all of it
+  std::optional<Slow> middle_, all_;  ///< in the middle of the current interval, and in all of it
+  std::optional<Quick> quick_middle_, quick_all_;
+  std::array<glm::dvec3, 3> chart_;            ///< two directions across the tube and one along it
   Ball half_;                                  ///< half the length of the interval
   std::vector<std::unique_ptr<Exact>> exact_;  ///< by sample
   std::map<Key, bool> vanishes_;

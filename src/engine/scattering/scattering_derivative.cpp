@@ -127,6 +127,14 @@ ScatteringDerivative ScatteringDerivative::table_angle(std::span<const double> g
   return table(grazing_deg, strength_db, which, true);
 }
 
+ScatteringDerivative ScatteringDerivative::scaled(double scale) const {
+  ScatteringDerivative derivative = *this;
+  for (std::vector<Factor>& of_piece : derivative.factors_)
+    for (Factor& factor : of_piece)
+      for (double* part : {&factor.constant, &factor.linear, &factor.square, &factor.log}) *part *= scale;
+  return derivative;
+}
+
 double ScatteringDerivative::cross_section(double sine, double cosine) const {
   const double incidence = std::atan2(cosine, sine);
   const std::size_t p = model_.piece_at(incidence);

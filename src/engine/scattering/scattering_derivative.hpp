@@ -43,6 +43,9 @@ class ScatteringDerivative {
   static ScatteringDerivative table_angle(std::span<const double> grazing_deg,
                                           std::span<const double> strength_db, std::size_t which);
 
+  /// Returns this derivative times a factor, for a parameter in another unit.
+  ScatteringDerivative scaled(double factor) const;
+
   /// The arguments are those of ScatteringModel::cross_section().
   double cross_section(double sine, double cosine) const;
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -81,16 +82,38 @@ Table read_table(const std::filesystem::path& file) {
   return table;
 }
 
+ScatteringModel::Gsab gsab_of(const MaterialDescription& m) {
+  const auto level = [](const std::optional<double>& db) { return db ? from_db(*db) : 0.0; };
+  return {.specular = level(m.specular_db),
+          .specular_width_rad = m.specular_width_deg.value_or(1) * degree,
+          .oblique = level(m.oblique_db),
+          .oblique_exponent = m.oblique_exponent.value_or(2),
+          .transition = level(m.transition_db),
+          .transition_width_rad = m.transition_width_deg.value_or(1) * degree};
+}
+
+/// A key of a GSAB model.
+struct GsabKey {
+  ScatteringKey key;
+  ScatteringDerivative::Gsab parameter;
+  std::optional<double> MaterialDescription::*value;
+};
+constexpr std::array<GsabKey, 6> gsab_keys{
+    {{{"specular_db", "dB"}, ScatteringDerivative::Gsab::specular, &MaterialDescription::specular_db},
+     {{"specular_width_deg", "degrees"},
+      ScatteringDerivative::Gsab::specular_width_rad,
+      &MaterialDescription::specular_width_deg},
+     {{"oblique_db", "dB"}, ScatteringDerivative::Gsab::oblique, &MaterialDescription::oblique_db},
+     {{"oblique_exponent", ""},
+      ScatteringDerivative::Gsab::oblique_exponent,
+      &MaterialDescription::oblique_exponent},
+     {{"transition_db", "dB"}, ScatteringDerivative::Gsab::transition, &MaterialDescription::transition_db},
+     {{"transition_width_deg", "degrees"},
+      ScatteringDerivative::Gsab::transition_width_rad,
+      &MaterialDescription::transition_width_deg}}};
+
 ScatteringModel make_model(const MaterialDescription& m) {
-  if (m.model == "gsab") {
-    const auto level = [](const std::optional<double>& db) { return db ? from_db(*db) : 0.0; };
-    return ScatteringModel::gsab({.specular = level(m.specular_db),
-                                  .specular_width_rad = m.specular_width_deg.value_or(1) * degree,
-                                  .oblique = level(m.oblique_db),
-                                  .oblique_exponent = m.oblique_exponent.value_or(2),
-                                  .transition = level(m.transition_db),
-                                  .transition_width_rad = m.transition_width_deg.value_or(1) * degree});
-  }
+  if (m.model == "gsab") return ScatteringModel::gsab(gsab_of(m));
   if (m.model == "sediment")
     return ScatteringModel::table(sediment_grazing_deg,
                                   sediment_backscatter(*m.sediment, m.sediment_khz).strength_db);
@@ -142,6 +165,31 @@ std::vector<std::shared_ptr<const ScatteringModel>> load_scattering(const SceneD
             m.sediment_khz / sediment_frequency_ratio, m.sediment_khz * sediment_frequency_ratio));
   }
   return models;
+}
+
+std::vector<ScatteringKey> scattering_keys(const MaterialDescription& m) {
+  std::vector<ScatteringKey> keys;
+  if (m.model == "gsab")
+    for (const GsabKey& of : gsab_keys)
+      if (m.*of.value || (of.key.name == "oblique_exponent" && m.oblique_db)) keys.push_back(of.key);
+  if (m.model == "table" && !m.table_file)
+    keys = {{"table_db", "dB", true}, {"table_grazing_deg", "degrees", true}};
+  return keys;
+}
+
+ScatteringDerivative scattering_derivative(const MaterialDescription& m, std::string_view key,
+                                           std::size_t number) {
+  if (key == "table_db") return ScatteringDerivative::table_strength(m.table_grazing_deg, m.table_db, number);
+  if (key == "table_grazing_deg")
+    return ScatteringDerivative::table_angle(m.table_grazing_deg, m.table_db, number);
+  const auto found = std::ranges::find(gsab_keys, key, [](const GsabKey& of) { return of.key.name; });
+  if (found == gsab_keys.end())
+    throw std::invalid_argument(fmt::format("material '{}' has no derivative by '{}'", m.name, key));
+  const double level = from_db((m.*found->value).value_or(0));
+  const double scale = found->key.unit == "dB"        ? level * std::numbers::ln10 / 10
+                       : found->key.unit == "degrees" ? degree
+                                                      : 1;
+  return ScatteringDerivative::gsab(gsab_of(m), found->parameter).scaled(scale);
 }
 
 }  // namespace tubefoot

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <tuple>
 
 #include "certified_scenes.hpp"
@@ -24,8 +25,12 @@ using test::CertifiedScene;
 std::vector<ValidSteps> steps_of(const CertifiedScene& scene, std::span<const EchoParameter> parameters,
                                  double largest) {
   const SceneTree tree(scene.mesh);
-  return valid_steps(scene.mesh, tree, scene.tubes, certified_unit_m, {}, parameters,
-                     std::vector<double>(parameters.size(), largest));
+  std::vector<ValidSteps> common;
+  for (const std::vector<ValidSteps>& by_tube :
+       valid_steps(scene.mesh, tree, scene.tubes, certified_unit_m, {}, parameters,
+                   std::vector<double>(parameters.size(), largest)))
+    common.push_back(std::accumulate(by_tube.begin() + 1, by_tube.end(), by_tube.front(), common_steps));
+  return common;
 }
 
 /// The borders of each facet's visible part by names, without the borders between its polygons. For each
@@ -209,7 +214,7 @@ TEST(ValidSteps, OfARotatingBoxArePositive) {
 TEST(VisibilityCertificate, FailsForWrongPolygons) {
   for (const std::uint64_t seed : {31, 32, 33}) {
     CertifiedScene scene = test::few_facets(seed, 0);
-    const SceneTree tree(scene.mesh);
+    SceneTree tree(scene.mesh);
     VisibilityOptions options;
     options.open_water = true;
     VisibilityScratch scratch;
@@ -219,7 +224,7 @@ TEST(VisibilityCertificate, FailsForWrongPolygons) {
     const EchoParameter rises = EchoParameter::sonar_translation({0, 0, 1});
     const SceneMotion motion(context, rises, certified_unit_m);
     const auto holds = [&](const TubeVisibility& claimed) {
-      return VisibilityCertificate(context, claimed, scene.tubes.reach, motion).holds(0, 0);
+      return VisibilityCertificate(context, claimed, tree, scene.tubes.reach, motion, 1e9).holds(0, 0);
     };
     EXPECT_TRUE(holds(seen));
     ASSERT_GT(seen.pieces.size(), 3u);
@@ -255,6 +260,7 @@ TEST(VisibilityCertificate, FailsForWrongPolygons) {
       test::add_vertex(scene.mesh, p);
     const auto last = VertexId(scene.mesh.vertices.size() - 1);
     test::add_facet(scene.mesh, last - 2, last - 1, last);
+    tree = SceneTree(scene.mesh);
     EXPECT_FALSE(holds(seen));
   }
 }
