@@ -8,17 +8,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "certified_scenes.hpp"
+#include "fixtures/world/differentiated_scenes.hpp"
 #include "gradient_oracle.hpp"
+#include "wall_closed_form.hpp"
 
 namespace tubefoot {
 namespace {
 
-using test::certified_half_width;
-using test::certified_point;
-using test::certified_unit_m;
-using test::CertifiedScene;
 using test::few_facets;
+using test::gradient_unit_m;
+using test::GradientScene;
+using test::grid_point;
 using test::Real;
 using test::RealMotion;
 using test::RealVector;
@@ -33,7 +33,7 @@ struct KnownParameter {
 
 RealVector real_vector(glm::dvec3 v) { return {Real(v.x), Real(v.y), Real(v.z)}; }
 
-std::vector<KnownParameter> known_parameters(const CertifiedScene& scene) {
+std::vector<KnownParameter> known_parameters(const GradientScene& scene) {
   const FacetMesh& mesh = scene.mesh;
   const glm::dvec3 axis = {0.25, -0.8125, 0.6}, origin(0.5, 5.25, 0.125);
   const RealVector exact = real_vector(axis), still{0, 0, 0};
@@ -73,7 +73,7 @@ std::vector<KnownParameter> known_parameters(const CertifiedScene& scene) {
 
 /// Expects that every enclosure contains the oracle's value. After a shift by twice its width, no enclosure
 /// does so. Widths are relative to the largest derivative.
-void expect_oracle(const CertifiedScene& scene, const std::vector<KnownParameter>& known) {
+void expect_oracle(const GradientScene& scene, const std::vector<KnownParameter>& known) {
   const History history = scene.history();
   std::vector<EchoParameter> parameters;
   for (const KnownParameter& k : known) parameters.push_back(k.parameter);
@@ -102,7 +102,7 @@ TEST(CertifiedDerivatives, ContainTheOracle) {
   int intersections = 0;
   for (const std::uint64_t seed : {1, 2}) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const CertifiedScene scene = few_facets(seed, 0);
+    const GradientScene scene = few_facets(seed, 0);
     std::vector<KnownParameter> known = known_parameters(scene);
     known.pop_back();  // the oracle has no absorption below 0
     expect_oracle(scene, known);
@@ -113,43 +113,31 @@ TEST(CertifiedDerivatives, ContainTheOracle) {
 }
 
 TEST(CertifiedDerivatives, ContainTheOracleWithAbsorption) {
-  const CertifiedScene scene = few_facets(3, 0.375);
+  const GradientScene scene = few_facets(3, 0.375);
   const std::vector<KnownParameter> all = known_parameters(scene);
   expect_oracle(scene, {all[0], all[5], all[7]});
 }
 
-// The closed form in range is mu H^2 / 4 (r_s^-4 - r_1^-4), with the shadow border x = d H / (H - h).
 TEST(CertifiedDerivatives, OfTheShadowOfAWallContainTheClosedForm) {
-  const CertifiedScene scene = wall_before_seabed();
-  const Real H = 3, h = 0.5, d = 4, far = 6, x = d * H / (H - h), factor = Real(scene.mu[0]) * H * H / 4;
-  const Real half = atan(Real(certified_half_width) / Real(1 << 28));
-  const auto integral = [&](const auto& f) { return test::real_rule()(-half, half, f); };
-  const auto stretch = [](const Real& phi) { return 1 / (cos(phi) * cos(phi)); };
-  const auto r2 = [&](const Real& phi) { return H * H + x * x * stretch(phi); };
-  const Real energy = factor * integral([&](const Real& phi) { return pow(r2(phi), -2) - pow(far, -4); });
-  const Real by_x =
-      factor * integral([&](const Real& phi) { return -4 * pow(r2(phi), -3) * x * stretch(phi); });
-  const Real by_wall = by_x * d * H / ((H - h) * (H - h)), by_distance = by_x * H / (H - h);
-  const Real by_height = 2 * energy / H - by_x * d * h / ((H - h) * (H - h)) +
-                         factor * integral([&](const Real& phi) { return -4 * H * pow(r2(phi), -3); });
-  const std::vector<EchoParameter> parameters{
-      {[](PointId id, glm::dvec3) { return glm::dvec3(0, 0, id == 6 || id == 7); }},
-      EchoParameter::object_translation(scene.mesh, 1, {1, 0, 0}),
-      EchoParameter::sonar_translation({0, 0, 1})};
-  const CertifiedDerivatives found = scene.certified(scene.history(), parameters);
-  const Real expected[] = {by_wall, by_distance, by_height};
-  const double sheet[] = {-5.031615580812e-8, -3.144759738007e-8, -1.931701426985e-9};
-  for (std::size_t n = 0; n < 3; ++n) {
-    const double value = found.value[n].at(0), bound = found.bound[n].at(0);
-    EXPECT_LE(abs(Real(value) - expected[n]), bound) << n;
-    EXPECT_NEAR(value, double(expected[n]), 1e-9 * std::abs(double(expected[n])));
-    EXPECT_NEAR(value, sheet[n], 1e-4 * 5e-8);  // gradients.md, for a fan of 0.01 rad
-    EXPECT_LT(bound, 1e-15 * 5e-8);
+  for (const std::int32_t half_width : {test::wall_half_width, test::narrow_wall_half_width}) {
+    SCOPED_TRACE(half_width);
+    const GradientScene scene = wall_before_seabed(half_width);
+    const test::WallDerivatives wall = test::wall_derivatives(half_width, scene.mu[0]);
+    const CertifiedDerivatives found = scene.certified(scene.history(), test::wall_parameters(scene.mesh));
+    const Real expected[] = {wall.by_wall, wall.by_distance, wall.by_height};
+    for (std::size_t n = 0; n < 3; ++n) {
+      const Real value = found.value[n].at(0), bound = found.bound[n].at(0);
+      EXPECT_LE(abs(value - expected[n]), bound) << n;
+      EXPECT_GT(abs(value + 4 * bound - expected[n]), bound) << n;
+      EXPECT_GT(abs(value - 4 * bound - expected[n]), bound) << n;
+      // The contributions of both long edges cancel, except for a part in proportion to the width.
+      EXPECT_LT(bound, 1e-15 * test::wall_half_width / half_width * abs(wall.by_wall)) << n;
+    }
   }
 }
 
 TEST(CertifiedDerivatives, AgreeWithDoubles) {
-  CertifiedScene scene = few_facets(4, 0.25);
+  GradientScene scene = few_facets(4, 0.25);
   const std::vector<std::uint32_t> beams = scene.beam_of_tube();
   const History history = scene.history();
   std::vector<EchoParameter> parameters;
@@ -168,14 +156,13 @@ TEST(CertifiedDerivatives, AgreeWithDoubles) {
 // The foot point lies in the polygon and on a range border. A motion towards the plane and one away from it
 // have different derivatives. The disc within range R has the energy mu pi / 2 (H^-2 - H^2 R^-4).
 TEST(CertifiedDerivatives, ContainBothSidesIfTheFootPointLiesOnARangeBorder) {
-  CertifiedScene scene;
-  scene.mesh.vertices = {certified_point(-30, -20, 0), certified_point(30, -20, 0),
-                         certified_point(1, 40, 0)};
+  GradientScene scene;
+  scene.mesh.vertices = {grid_point(-30, -20, 0), grid_point(30, -20, 0), grid_point(1, 40, 0)};
   scene.mesh.facets = {{0, 1, 2}};
   scene.mesh.material = {0};
   scene.mesh.component = {0};
-  scene.tubes.apex = certified_point(0, 0, 3);
-  scene.tubes.reach = 30 / certified_unit_m;
+  scene.tubes.apex = grid_point(0, 0, 3);
+  scene.tubes.reach = 30 / gradient_unit_m;
   const std::int32_t a = 1 << 28;
   scene.tubes.rays = {{a, a, -a}, {a, -a, -a}, {-a, -a, -a}, {-a, a, -a}};
   scene.tubes.tubes = {{0, 1, 2, 3}};
@@ -198,7 +185,7 @@ TEST(CertifiedDerivatives, ContainBothSidesIfTheFootPointLiesOnARangeBorder) {
 }
 
 TEST(CertifiedDerivatives, RejectWhatHasNone) {
-  const CertifiedScene scene = wall_before_seabed();
+  const GradientScene scene = wall_before_seabed();
   const std::vector<EchoParameter> parameters{EchoParameter::sonar_translation({0, 0, 1})};
   History unnamed = scene.history();
   unnamed.footprints.corner_names.clear();

@@ -4,92 +4,51 @@
 
 #include <gtest/gtest.h>
 
-#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
 
 #include "fixtures/world/differentiated_scenes.hpp"
+#include "wall_closed_form.hpp"
 
 namespace tubefoot {
 namespace {
 
 using test::gradient_unit_m;
 using test::GradientScene;
-using test::grid_point;
 using test::rough_scene;
 using test::translation_of;
 
-/// Tangent of half the width of the tube in wall_scene(), times 2^28.
-constexpr std::int32_t half_width = 1342177;
-
-/// A flat seabed and a thin wall before it, seen by one narrow tube.
-GradientScene wall_scene(double height, double wall, double distance, double from_m, double to_m) {
-  GradientScene scene;
-  scene.mesh.vertices = {grid_point(-20, -20, 0),       grid_point(20, -20, 0),
-                         grid_point(20, 20, 0),         grid_point(-20, 20, 0),
-                         grid_point(distance, -3, 0),   grid_point(distance, 3, 0),
-                         grid_point(distance, 3, wall), grid_point(distance, -3, wall)};
-  scene.mesh.facets = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
-  scene.mesh.material = {0, 0, 0, 0};
-  scene.mesh.component = {0, 0, 1, 1};
-  scene.tubes.apex = grid_point(0, 0, height);
-  scene.tubes.reach = 30 / gradient_unit_m;
-  AngularGrid grid;
-  grid.azimuth_edges_rad = {-0.005, 0.005};
-  grid.elevation_edges_rad = {-1.2, -0.1};
-  grid.frame = glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1));
-  append_tubes(scene.tubes, grid);
-  // Rays whose azimuth is exact in spite of their rounding.
-  for (GridPoint& ray : scene.tubes.rays)
-    ray = {1 << 28, ray.y < 0 ? -half_width : half_width,
-           std::int32_t(std::lround((1 << 28) * (double(ray.z) / ray.x)))};
-  scene.samples = {from_m, to_m - from_m, 1};
-  return scene;
-}
-
-/// Derivatives of the energy of the seabed behind the wall. The closed form in range is mu H^2 / 4 (r_s^-4 -
-/// r_1^-4), with the shadow border x = d H / (H - h). The azimuth is integrated numerically.
-struct WallDerivatives {
-  double energy = 0, by_wall = 0, by_distance = 0, by_height = 0;
-};
-WallDerivatives wall_derivatives(double H, double h, double d, double r1, double w, double mu) {
-  const auto integral = [&](const auto& f) {
-    return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(f, -w / 2, w / 2, 0);
-  };
-  const double x = d * H / (H - h);
-  const auto r_squared = [&](double phi) { return H * H + x * x / (std::cos(phi) * std::cos(phi)); };
-  const auto by_x = [&](double phi) {
-    return -4 * std::pow(r_squared(phi), -3) * x / (std::cos(phi) * std::cos(phi));
-  };
-  WallDerivatives all;
-  const double factor = mu * H * H / 4;
-  all.energy = factor * integral([&](double phi) { return std::pow(r_squared(phi), -2) - std::pow(r1, -4); });
-  const double along = factor * integral(by_x);
-  all.by_wall = along * d * H / ((H - h) * (H - h));
-  all.by_distance = along * H / (H - h);
-  all.by_height = 2 * all.energy / H + along * -d * h / ((H - h) * (H - h)) +
-                  factor * integral([&](double phi) { return -4 * H * std::pow(r_squared(phi), -3); });
-  return all;
-}
-
 TEST(EchoGradient, OfTheShadowOfAWallIsTheClosedForm) {
-  const double H = 3, h = 0.5, d = 4, r1 = 6;
-  const GradientScene scene = wall_scene(H, h, d, 5.2, r1);
-  const double w = 2 * std::atan2(half_width, 1 << 28);
-  const WallDerivatives expected = wall_derivatives(H, h, d, r1, w, scene.mu[0]);
-  EXPECT_NEAR(expected.energy, 9.091844360675e-9, 1e-4 * 9e-9);  // gradients.md
-  EXPECT_NEAR(expected.by_wall, -5.031615580812e-8, 1e-4 * 5e-8);
-  EXPECT_NEAR(expected.by_distance, -3.144759738007e-8, 1e-4 * 3e-8);
-  EXPECT_NEAR(expected.by_height, -1.931701426985e-9, 1e-3 * 2e-9);
-  EXPECT_NEAR(scene.energy(), expected.energy, 1e-9 * expected.energy);
-  const EchoGradient gradient = scene.gradient();
-  const auto& by = gradient.by_vertex;
-  const double scale = std::abs(expected.by_wall);
-  EXPECT_NEAR(by[6].z + by[7].z, expected.by_wall, 1e-9 * scale);
-  EXPECT_NEAR(by[4].x + by[5].x + by[6].x + by[7].x, expected.by_distance, 1e-9 * scale);
-  EXPECT_NEAR(translation_of(gradient).z, expected.by_height, 1e-9 * scale);
-  EXPECT_NEAR(gradient.by_material_mu[0], expected.energy / scene.mu[0],
-              1e-9 * expected.energy / scene.mu[0]);
+  for (const std::int32_t half_width : {test::wall_half_width, test::narrow_wall_half_width}) {
+    SCOPED_TRACE(half_width);
+    const GradientScene scene = test::wall_before_seabed(half_width);
+    const test::WallDerivatives wall = test::wall_derivatives(half_width, scene.mu[0]);
+    const double energy = double(wall.energy),
+                 expected[] = {double(wall.by_wall), double(wall.by_distance), double(wall.by_height)};
+    EXPECT_NEAR(scene.energy(), energy, 1e-9 * energy);
+    const EchoGradient gradient = scene.gradient();
+    const auto& by = gradient.by_vertex;
+    const double reverse[] = {by[6].z + by[7].z, by[4].x + by[5].x + by[6].x + by[7].x,
+                              translation_of(gradient).z};
+    const std::vector<std::vector<double>> forward = scene.derivatives(test::wall_parameters(scene.mesh));
+    for (std::size_t n = 0; n < 3; ++n) {
+      EXPECT_NEAR(reverse[n], expected[n], 1e-9 * std::abs(expected[n])) << n;
+      EXPECT_NEAR(forward[n].at(0), expected[n], 1e-9 * std::abs(expected[n])) << n;
+    }
+    EXPECT_NEAR(gradient.by_material_mu[0], energy / scene.mu[0], 1e-9 * energy / scene.mu[0]);
+  }
+}
+
+// The check values are those of a wall whose distance is the same in all directions of a fan of 0.01 rad. A
+// narrow tube sees such a wall.
+TEST(EchoGradient, OfTheShadowOfAWallHasTheCheckValues) {
+  const GradientScene scene = test::wall_before_seabed(test::narrow_wall_half_width);
+  const double factor = 0.01 / (2 * std::atan(test::narrow_wall_half_width / 0x1p28));
+  EXPECT_NEAR(factor * scene.energy(), 9.091844360675e-9, 1e-9 * 9e-9);
+  const std::vector<std::vector<double>> found = scene.derivatives(test::wall_parameters(scene.mesh));
+  const double values[] = {-5.031615580812e-8, -3.144759738007e-8, -1.931701426985e-9};
+  for (std::size_t n = 0; n < 3; ++n)
+    EXPECT_NEAR(factor * found[n].at(0), values[n], 1e-9 * std::abs(values[n])) << n;
 }
 
 // Central differences move integer coordinates by far more than a grid unit.

@@ -9,29 +9,18 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <numeric>
 #include <tuple>
 
-#include "certified_scenes.hpp"
 #include "engine/gradient/visibility_certificate.hpp"
+#include "fixtures/world/differentiated_scenes.hpp"
 
 namespace tubefoot {
 namespace {
 
-using test::certified_point;
-using test::certified_unit_m;
-using test::CertifiedScene;
-
-std::vector<ValidSteps> steps_of(const CertifiedScene& scene, std::span<const EchoParameter> parameters,
-                                 double largest) {
-  const SceneTree tree(scene.mesh);
-  std::vector<ValidSteps> common;
-  for (const std::vector<ValidSteps>& by_tube :
-       valid_steps(scene.mesh, tree, scene.tubes, certified_unit_m, {}, parameters,
-                   std::vector<double>(parameters.size(), largest)))
-    common.push_back(std::accumulate(by_tube.begin() + 1, by_tube.end(), by_tube.front(), common_steps));
-  return common;
-}
+using test::gradient_unit_m;
+using test::GradientScene;
+using test::grid_point;
+using test::grid_units;
 
 /// The borders of each facet's visible part by names, without the borders between its polygons. For each
 /// corner on each plane: how many border edges end there minus how many begin there.
@@ -60,7 +49,7 @@ std::array<std::uint32_t, 3> edge_words(const CornerName& a, const CornerName& b
   return plane_words({a.point, b.point, false});
 }
 
-Combinatorics combinatorics_of(const CertifiedScene& scene) {
+Combinatorics combinatorics_of(const GradientScene& scene) {
   const FootprintSet set = scene.history().footprints;
   // Rays of names are numbered over all tubes, in the same order for the same combinatorics.
   Combinatorics all;
@@ -86,7 +75,7 @@ void expect_step(double found, double known) {
 }
 
 TEST(ValidSteps, OfTheWallReachTheKnownChanges) {
-  const CertifiedScene scene = test::wall_before_seabed();
+  const GradientScene scene = test::wall_before_seabed();
   const auto slope = [&](std::size_t ray) {
     const GridPoint r = scene.tubes.rays[scene.tubes.tubes[0][ray]];
     return -double(r.z) / r.x;
@@ -103,7 +92,7 @@ TEST(ValidSteps, OfTheWallReachTheKnownChanges) {
       EchoParameter::object_translation(scene.mesh, 1, {0, 0, 1}),
       EchoParameter::sonar_rotation({0, 1, 0}),
       EchoParameter::material_mu(0, 1)};
-  const std::vector<ValidSteps> found = steps_of(scene, parameters, 100);
+  const std::vector<ValidSteps> found = scene.valid_steps_of(parameters, 100);
   // Height of the wall: the end of the shadow, 12 / (3 - h), reaches the end of the seabed at 20 m. With
   // height 0 the wall vanishes.
   expect_step(found[0].forward, 1.9);
@@ -128,26 +117,26 @@ TEST(ValidSteps, OfTheWallReachTheKnownChanges) {
 }
 
 /// Moves a scene by a number of grid units along the parameter.
-using Move = std::function<void(CertifiedScene&, std::int32_t)>;
+using Move = std::function<void(GradientScene&, std::int32_t)>;
 
 TEST(ValidSteps, KeepCombinatoricsWithinTheBound) {
   int changed = 0, compared = 0;
   for (const std::uint64_t seed : {11, 12, 13, 14, 15, 16}) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const CertifiedScene scene = test::few_facets(seed, 0);
+    const GradientScene scene = test::few_facets(seed, 0);
     const std::vector<EchoParameter> parameters{
         EchoParameter::sonar_translation({1, 0, 0}),
         EchoParameter::sonar_translation({0, 0, 1}),
         EchoParameter::object_translation(scene.mesh, 1, {0, 1, 0}),
         {[](PointId id, glm::dvec3) { return glm::dvec3(0, 0, id == 4); }}};
-    const std::vector<Move> moves{[](CertifiedScene& s, std::int32_t by) { s.tubes.apex.x += by; },
-                                  [](CertifiedScene& s, std::int32_t by) { s.tubes.apex.z += by; },
-                                  [](CertifiedScene& s, std::int32_t by) {
+    const std::vector<Move> moves{[](GradientScene& s, std::int32_t by) { s.tubes.apex.x += by; },
+                                  [](GradientScene& s, std::int32_t by) { s.tubes.apex.z += by; },
+                                  [](GradientScene& s, std::int32_t by) {
                                     for (std::size_t v = 9; v < s.mesh.vertices.size(); ++v)
                                       s.mesh.vertices[v].y += by;
                                   },
-                                  [](CertifiedScene& s, std::int32_t by) { s.mesh.vertices[4].z += by; }};
-    const std::vector<ValidSteps> steps = steps_of(scene, parameters, 1);
+                                  [](GradientScene& s, std::int32_t by) { s.mesh.vertices[4].z += by; }};
+    const std::vector<ValidSteps> steps = scene.valid_steps_of(parameters, 1);
     const Combinatorics expected = combinatorics_of(scene);
     for (std::size_t n = 0; n < parameters.size(); ++n) {
       ASSERT_FALSE(steps[n].on_change) << n;
@@ -155,8 +144,8 @@ TEST(ValidSteps, KeepCombinatoricsWithinTheBound) {
         const double bound = sign > 0 ? steps[n].forward : steps[n].backward;
         EXPECT_GT(bound, 0) << n;
         const auto at = [&](double step) {
-          CertifiedScene moved = scene;
-          moves[n](moved, sign * std::int32_t(step / certified_unit_m));
+          GradientScene moved = scene;
+          moves[n](moved, sign * std::int32_t(step / gradient_unit_m));
           return combinatorics_of(moved);
         };
         for (const double part : {0.1, 0.5, 0.9, 1.0})
@@ -173,18 +162,17 @@ TEST(ValidSteps, KeepCombinatoricsWithinTheBound) {
 }
 
 TEST(ValidSteps, OfARoughTerrainArePositive) {
-  const auto units = [](double m) { return std::int32_t(m / certified_unit_m); };
-  CertifiedScene scene;
+  GradientScene scene;
   test::Random random(21);
-  scene.mesh = test::rough_terrain(random, 12, units(16), 0, units(0.4));
-  scene.tubes = test::forward_tubes(certified_point(0.01, 0.02, 3), 4, 1, 36, 50, 30);
+  scene.mesh = test::rough_terrain(random, 12, grid_units(16), 0, grid_units(0.4));
+  scene.tubes = test::forward_tubes(grid_point(0.01, 0.02, 3), 4, 1, 36, 50, 30);
   scene.samples = {2, 0.5, 14};
   std::vector<EchoParameter> parameters;
   for (const glm::dvec3 axis : {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)}) {
     parameters.push_back(EchoParameter::sonar_translation(axis));
     parameters.push_back(EchoParameter::sonar_rotation(axis));
   }
-  for (const ValidSteps& steps : steps_of(scene, parameters, 1)) {
+  for (const ValidSteps& steps : scene.valid_steps_of(parameters, 1)) {
     EXPECT_FALSE(steps.on_change);
     EXPECT_GT(std::min(steps.forward, steps.backward), 1e-6);
     EXPECT_LT(std::max(steps.forward, steps.backward), 0.5);
@@ -193,18 +181,18 @@ TEST(ValidSteps, OfARoughTerrainArePositive) {
 
 // The two facets of each side of a box stay in one plane while the box turns.
 TEST(ValidSteps, OfARotatingBoxArePositive) {
-  CertifiedScene scene = test::wall_before_seabed();
+  GradientScene scene = test::wall_before_seabed();
   scene.mesh.vertices.resize(4);
   scene.mesh.facets.resize(2);
   scene.mesh.material.resize(2);
   scene.mesh.component.resize(2);
-  test::add_box(scene.mesh, certified_point(4.03125, 0.0078125, 0.75), std::int32_t(0.25 / certified_unit_m));
+  test::add_box(scene.mesh, grid_point(4.03125, 0.0078125, 0.75), std::int32_t(0.25 / gradient_unit_m));
   for (std::size_t f = 2; f < scene.mesh.facets.size(); ++f) scene.mesh.component[f] = 1;
   const std::vector<EchoParameter> parameters{
       EchoParameter::object_rotation(scene.mesh, 1, {0.5, 0.25, 1}, {4, 0, -2.25}),
       EchoParameter::object_translation(scene.mesh, 1, {0.5, 0.25, 1}),
       EchoParameter::sonar_rotation({0.5, 0.25, 1})};
-  for (const ValidSteps& steps : steps_of(scene, parameters, 1)) {
+  for (const ValidSteps& steps : scene.valid_steps_of(parameters, 1)) {
     EXPECT_FALSE(steps.on_change);
     EXPECT_GT(steps.forward, 1e-4);
     EXPECT_GT(steps.backward, 1e-4);
@@ -213,7 +201,7 @@ TEST(ValidSteps, OfARotatingBoxArePositive) {
 
 TEST(VisibilityCertificate, FailsForWrongPolygons) {
   for (const std::uint64_t seed : {31, 32, 33}) {
-    CertifiedScene scene = test::few_facets(seed, 0);
+    GradientScene scene = test::few_facets(seed, 0);
     SceneTree tree(scene.mesh);
     VisibilityOptions options;
     options.open_water = true;
@@ -222,7 +210,7 @@ TEST(VisibilityCertificate, FailsForWrongPolygons) {
     see(scene.mesh, tree, scene.tubes, 0, options, scratch, seen);
     const NameContext context{scene.mesh, scene.tubes.apex, seen.rays};
     const EchoParameter rises = EchoParameter::sonar_translation({0, 0, 1});
-    const SceneMotion motion(context, rises, certified_unit_m);
+    const SceneMotion motion(context, rises, gradient_unit_m);
     const auto holds = [&](const TubeVisibility& claimed) {
       return VisibilityCertificate(context, claimed, tree, scene.tubes.reach, motion, 1e9).holds(0, 0);
     };
@@ -254,9 +242,9 @@ TEST(VisibilityCertificate, FailsForWrongPolygons) {
     // Only corners between merged polygons have no effect.
     EXPECT_LT(4 * accepted, seen.corners.size());
     // Another facet before all others.
-    const auto units = [](double m) { return std::int32_t(m / certified_unit_m); };
-    for (const GridPoint p : {GridPoint{units(-2), units(1.5), units(1)},
-                              GridPoint{units(2), units(1.5), units(1)}, GridPoint{0, units(1.5), units(4)}})
+    for (const GridPoint p : {GridPoint{grid_units(-2), grid_units(1.5), grid_units(1)},
+                              GridPoint{grid_units(2), grid_units(1.5), grid_units(1)},
+                              GridPoint{0, grid_units(1.5), grid_units(4)}})
       test::add_vertex(scene.mesh, p);
     const auto last = VertexId(scene.mesh.vertices.size() - 1);
     test::add_facet(scene.mesh, last - 2, last - 1, last);
@@ -266,13 +254,13 @@ TEST(VisibilityCertificate, FailsForWrongPolygons) {
 }
 
 TEST(ValidSteps, RejectInvalidInput) {
-  const CertifiedScene scene = test::wall_before_seabed();
+  const GradientScene scene = test::wall_before_seabed();
   const std::vector<EchoParameter> parameters{EchoParameter::sonar_translation({0, 0, 1})};
-  EXPECT_THROW(steps_of(scene, parameters, 0), std::invalid_argument);
+  EXPECT_THROW(scene.valid_steps_of(parameters, 0), std::invalid_argument);
   const SceneTree tree(scene.mesh);
   VisibilityOptions inexact;
   inexact.arithmetic = Arithmetic::plain_double;
-  EXPECT_THROW(valid_steps(scene.mesh, tree, scene.tubes, certified_unit_m, inexact, parameters,
+  EXPECT_THROW(valid_steps(scene.mesh, tree, scene.tubes, gradient_unit_m, inexact, parameters,
                            std::vector<double>{1}),
                std::invalid_argument);
 }
