@@ -31,12 +31,10 @@ struct KnownParameter {
   RealMotion motion;
 };
 
-RealVector real_vector(glm::dvec3 v) { return {Real(v.x), Real(v.y), Real(v.z)}; }
-
 std::vector<KnownParameter> known_parameters(const GradientScene& scene) {
   const FacetMesh& mesh = scene.mesh;
   const glm::dvec3 axis = {0.25, -0.8125, 0.6}, origin(0.5, 5.25, 0.125);
-  const RealVector exact = real_vector(axis), still{0, 0, 0};
+  const RealVector exact = test::vector_of<Real>(axis), still{0, 0, 0};
   std::vector<bool> own(mesh.vertices.size());
   for (std::size_t f = 0; f < mesh.facets.size(); ++f)
     if (mesh.component[f] == 1)
@@ -57,8 +55,9 @@ std::vector<KnownParameter> known_parameters(const GradientScene& scene) {
   all.push_back({"object rotation",
                  EchoParameter::object_rotation(mesh, 1, axis, origin),
                  {[=](PointId id, const RealVector& at) {
-                   return is_own(id) ? test::cross_of(exact, test::sum_of(at, -1, real_vector(origin)))
-                                     : still;
+                   return is_own(id)
+                              ? test::cross_of(exact, test::sum_of(at, -1, test::vector_of<Real>(origin)))
+                              : still;
                  }}});
   all.push_back({"vertex",
                  {[](PointId id, glm::dvec3) { return glm::dvec3(0, 0, id == 4); }},

@@ -1,36 +1,54 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <boost/math/constants/constants.hpp>
-#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <boost/multiprecision/gmp.hpp>
+#include <boost/multiprecision/mpfr.hpp>
 #include <cmath>
 #include <functional>
+#include <glm/vec3.hpp>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "engine/scattering/range_samples.hpp"
 #include "engine/visibility/history.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 
-// Derivatives of energies in 50 digits, independent of the code under test. Corners follow from the
+// Energies and their derivatives in 50 digits, independent of the code under test. Corners follow from the
 // definitions of their names, with points that move. Let dG/dr = r f(r). The energy of a range bin is the
 // integral of G(r) - G(D) over the polar angle about the foot point. Ranges are clamped to the bin.
-// Derivatives are central differences of order 4 with a step of 1e-9.
 namespace tubefoot::test {
 
-using Real =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-using RealVector = std::array<Real, 3>;
+using Real = boost::multiprecision::number<
+    boost::multiprecision::mpfr_float_backend<50, boost::multiprecision::allocate_stack>,
+    boost::multiprecision::et_off>;
+using Rational =
+    boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
 
-inline Real dot_of(const RealVector& a, const RealVector& b) {
+template <class N>
+using VectorOf = std::array<N, 3>;
+using RealVector = VectorOf<Real>;
+using RationalVector = VectorOf<Rational>;
+
+template <class N>
+N dot_of(const VectorOf<N>& a, const VectorOf<N>& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-inline RealVector cross_of(const RealVector& a, const RealVector& b) {
+template <class N>
+VectorOf<N> cross_of(const VectorOf<N>& a, const VectorOf<N>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 /// a + factor b.
-inline RealVector sum_of(const RealVector& a, const Real& factor, const RealVector& b) {
+template <class N>
+VectorOf<N> sum_of(const VectorOf<N>& a, const std::type_identity_t<N>& factor, const VectorOf<N>& b) {
   return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]};
+}
+template <class N>
+VectorOf<N> vector_of(glm::dvec3 v) {
+  return {N(v.x), N(v.y), N(v.z)};
 }
 
 /// Nodes and weights of Gauss and Legendre on [-1, 1], by Newton's method.
@@ -66,6 +84,60 @@ inline const RealRule& real_rule() {
   return rule;
 }
 
+/// Places of points relative to the apex: vertices in metres, rays in their own unit.
+template <class N>
+using Places = std::function<VectorOf<N>(PointId)>;
+
+/// Places of the points of a history at rest.
+template <class N>
+Places<N> places_at_rest(const FacetMesh& mesh, const History& history) {
+  return [&mesh, &history](PointId id) {
+    const GridPoint p = id & ray_bit ? history.footprints.name_rays[id & ~ray_bit] : mesh.vertices[id];
+    if (id & ray_bit) return VectorOf<N>{N(p.x), N(p.y), N(p.z)};
+    const GridPoint apex = history.tubes.apex;
+    const N unit(history.grid_unit_m);
+    return VectorOf<N>{unit * (N(p.x) - apex.x), unit * (N(p.y) - apex.y), unit * (N(p.z) - apex.z)};
+  };
+}
+
+/// Corners and planes by names alone.
+template <class N>
+class CornersOfNames {
+ public:
+  struct Plane {
+    VectorOf<N> normal;
+    N offset;
+  };
+
+  CornersOfNames(const FacetMesh& mesh, Places<N> point) : mesh_(mesh), point_(std::move(point)) {}
+
+  Plane plane(FacetId facet) const {
+    const auto& [a, b, c] = mesh_.facets[facet];
+    const VectorOf<N> first = point_(a);
+    const VectorOf<N> normal = cross_of(sum_of(point_(b), -1, first), sum_of(point_(c), -1, first));
+    return {normal, dot_of(normal, first)};
+  }
+  VectorOf<N> corner(const CornerName& name, const Plane& on) const {
+    const VectorOf<N> ray =
+        name.point != no_point ? point_(name.point) : cross_of(normal(name.p), normal(name.q));
+    return sum_of({N(0), N(0), N(0)}, on.offset / dot_of(on.normal, ray), ray);
+  }
+
+ private:
+  /// On a depth plane, the planes of both facets have the same depth along each ray.
+  VectorOf<N> normal(const PlaneName& name) const {
+    if (!name.depth) return cross_of(point_(name.a), point_(name.b));
+    const Plane one = plane(name.a), other = plane(name.b);
+    VectorOf<N> scaled{};
+    for (std::size_t k = 0; k < 3; ++k)
+      scaled[k] = one.normal[k] / one.offset - other.normal[k] / other.offset;
+    return scaled;
+  }
+
+  const FacetMesh& mesh_;
+  Places<N> point_;
+};
+
 /// How a parameter changes a scene. `velocity`: of a vertex in metres and of a ray in its own unit.
 struct RealMotion {
   std::function<RealVector(PointId, const RealVector& at)> velocity{};
@@ -80,60 +152,78 @@ class GradientOracle {
     for (int k = 0; k <= samples.count; ++k) borders_.push_back(sample_borders_m(samples)[std::size_t(k)]);
   }
 
-  /// Returns the derivatives of the energies, [tube][sample].
+  /// Returns the derivatives of the energies, [tube][sample]. They are central differences of order 4 with a
+  /// step of 1e-9.
   std::vector<Real> derivatives(const RealMotion& motion) {
     const Real step("1e-9");
+    const Places<Real> rest = places_at_rest<Real>(mesh_, history_);
     std::vector<Real> sum(history_.tubes.tubes.size() * (borders_.size() - 1));
     for (const auto& [place, weight] : {std::pair{-2, 1}, {-1, -8}, {1, 8}, {2, -1}}) {
-      const std::vector<Real> energy = energies(motion, place * step);
+      const Real moved = place * step;
+      const std::vector<Real> energy = energies<Real>(
+          [&](PointId id) {
+            const RealVector at = rest(id);
+            return motion.velocity ? sum_of(at, moved, motion.velocity(id, at)) : at;
+          },
+          {moved * motion.by_absorption, moved * motion.by_range_scale, moved * motion.by_mu});
       for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += weight * energy[k] / (12 * step);
     }
     return sum;
   }
 
- private:
-  struct RealPlane {
-    RealVector normal;
-    Real offset;
+  /// Changes of numbers: of the absorption, of all range borders relatively, and of Lambert's parameter.
+  struct Changes {
+    Real absorption = 0, range_scale = 0, mu = 0;
   };
-
-  RealVector point(PointId id) const {
+  /// Returns the energies for points at other places, [tube][sample]. Names stay the same. Corners are exact
+  /// if the numbers are rational.
+  template <class N>
+  std::vector<Real> energies(const Places<N>& places, const Changes& changes) {
+    const CornersOfNames<N> named(mesh_, places);
+    beta_ = (absorption_ + changes.absorption) * log(Real(10)) / 10;
+    const Real mu = mu_ + changes.mu;
+    limits_.clear();
+    for (const Real& border : borders_) limits_.push_back(border * (1 + changes.range_scale));
+    const std::size_t row = borders_.size() - 1;
+    std::vector<Real> energy(history_.tubes.tubes.size() * row);
     const FootprintSet& set = history_.footprints;
-    const GridPoint p =
-        id & ray_bit ? set.name_rays[id & ~ray_bit] : mesh_.vertices[id] - history_.tubes.apex;
-    const Real unit = id & ray_bit ? 1 : history_.grid_unit_m;
-    const RealVector at{unit * p.x, unit * p.y, unit * p.z};
-    return motion_->velocity ? sum_of(at, moved_, motion_->velocity(id, at)) : at;
+    for (const Footprint& footprint : set.footprints)
+      for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
+        const Piece& piece = set.pieces[footprint.first_piece + p];
+        const auto exact = named.plane(footprint.facet);
+        RealVector normal = real(exact.normal);
+        Real offset(exact.offset), length = sqrt(dot_of(normal, normal));
+        if (offset < 0) length = -length;  // the unit normal points away from the apex
+        for (Real& x : normal) x /= length;
+        offset /= length;
+        const Real factor = mu * offset * offset;
+        std::vector<RealVector> corners;
+        for (std::uint32_t c = 0; c < piece.count; ++c)
+          corners.push_back(
+              sum_of(real(named.corner(set.corner_names[piece.first + c], exact)), -offset, normal));
+        for (std::size_t c = 0; c < corners.size(); ++c)
+          for (std::size_t k = 0; k < row; ++k)
+            energy[footprint.tube * row + k] +=
+                factor * of_edge(normal, offset, corners[c], corners[(c + 1) % corners.size()], k);
+      }
+    return energy;
   }
-  RealPlane plane(FacetId facet) const {
-    const auto& [a, b, c] = mesh_.facets[facet];
-    const RealVector first = point(a);
-    const RealVector normal = cross_of(sum_of(point(b), -1, first), sum_of(point(c), -1, first));
-    return {normal, dot_of(normal, first)};
-  }
-  /// On a depth plane, the planes of both facets have the same depth along each ray.
-  RealVector normal(const PlaneName& name) const {
-    if (!name.depth) return cross_of(point(name.a), point(name.b));
-    const RealPlane one = plane(name.a), other = plane(name.b);
-    RealVector scaled{};
-    for (std::size_t k = 0; k < 3; ++k)
-      scaled[k] = one.normal[k] / one.offset - other.normal[k] / other.offset;
-    return scaled;
-  }
-  RealVector corner(const CornerName& name, const RealPlane& on) const {
-    const RealVector ray =
-        name.point != no_point ? point(name.point) : cross_of(normal(name.p), normal(name.q));
-    return sum_of({0, 0, 0}, on.offset / dot_of(on.normal, ray), ray);
+
+ private:
+  template <class N>
+  static RealVector real(const VectorOf<N>& v) {
+    return {Real(v[0]), Real(v[1]), Real(v[2])};
   }
 
   /// Returns the integral of s^-5 e^(-2 beta s) from infinity to r. It is -r^-4 E_5(2 beta r), with the
   /// series of the exponential integral (Abramowitz and Stegun 5.1.12).
   Real antiderivative(const Real& r) const {
+    static const Real tiny("1e-55"), euler = boost::math::constants::euler<Real>();
     const Real r4 = r * r * r * r;
     if (beta_ == 0) return -1 / (4 * r4);
-    const Real x = 2 * beta_ * r, euler = boost::math::constants::euler<Real>();
+    const Real x = 2 * beta_ * r;
     Real power = 1, sum = 0;  // power: (-x)^m / m!
-    for (int m = 0; m < 200 && (m <= 5 || abs(power) > Real("1e-55")); ++m) {
+    for (int m = 0; m < 200 && (m <= 5 || abs(power) > tiny); ++m) {
       if (m == 4)
         sum -= power * (log(x) + euler - Real(25) / 12);
       else
@@ -143,55 +233,29 @@ class GradientOracle {
     return -sum / r4;
   }
 
-  std::vector<Real> energies(const RealMotion& motion, const Real& moved) {
-    motion_ = &motion;
-    moved_ = moved;
-    beta_ = (absorption_ + moved * motion.by_absorption) * log(Real(10)) / 10;
-    const Real mu = mu_ + moved * motion.by_mu;
-    limits_.clear();
-    for (const Real& border : borders_) limits_.push_back(border * (1 + moved * motion.by_range_scale));
-    const std::size_t row = borders_.size() - 1;
-    std::vector<Real> energy(history_.tubes.tubes.size() * row);
-    const FootprintSet& set = history_.footprints;
-    for (const Footprint& footprint : set.footprints)
-      for (std::uint32_t p = 0; p < footprint.piece_count; ++p) {
-        const Piece& piece = set.pieces[footprint.first_piece + p];
-        RealPlane on = plane(footprint.facet);
-        Real length = sqrt(dot_of(on.normal, on.normal));
-        if (on.offset < 0) length = -length;  // the unit normal points away from the apex
-        for (Real& x : on.normal) x /= length;
-        on.offset /= length;
-        const Real factor = mu * on.offset * on.offset;
-        std::vector<RealVector> corners;
-        for (std::uint32_t c = 0; c < piece.count; ++c)
-          corners.push_back(sum_of(corner(set.corner_names[piece.first + c], on), -on.offset, on.normal));
-        for (std::size_t c = 0; c < corners.size(); ++c)
-          for (std::size_t k = 0; k < row; ++k)
-            energy[footprint.tube * row + k] +=
-                factor * of_edge(on, corners[c], corners[(c + 1) % corners.size()], k);
-      }
-    return energy;
-  }
-
-  /// The part of an edge in the integral over the polar angle. Corners are relative to the foot point.
-  Real of_edge(const RealPlane& on, const RealVector& a, const RealVector& b, std::size_t bin) const {
+  /// The part of an edge in the integral over the polar angle. Corners are relative to the foot point, and
+  /// `d` is its distance from the apex.
+  Real of_edge(const RealVector& normal, const Real& d, const RealVector& a, const RealVector& b,
+               std::size_t bin) const {
     const RealVector along = sum_of(b, -1, a);
     const Real length = sqrt(dot_of(along, along));
-    const Real aside = dot_of(on.normal, cross_of(a, along)) / length;
+    const Real aside = dot_of(normal, cross_of(a, along)) / length;
     const Real from = dot_of(a, along) / length, to = from + length;
-    const Real least = limits_[bin], most = limits_[bin + 1], d = on.offset;
+    const Real least = limits_[bin], most = limits_[bin + 1];
+    const Real size = abs(aside);
+    if (size < 1e-40) return 0;
+    const Real farthest = abs(from) > abs(to) ? abs(from) : abs(to);
+    const Real farthest2 = d * d + aside * aside + farthest * farthest;
+    if (farthest2 <= least * least) return 0;
     const Real low = d < least ? least : d > most ? most : d;
     const Real clamped = antiderivative(low);
-    const Real size = abs(aside);
-    if (size < Real("1e-40")) return 0;
     std::vector<Real> cuts{from, to};
     const auto cut = [&](const Real& x) {
-      for (const Real& place : {-x, x})
+      for (const Real& place : {Real(-x), x})
         if (place > from && place < to) cuts.push_back(place);
     };
     for (const Real& border : {least, most})
       if (const Real square = border * border - d * d - aside * aside; square > 0) cut(sqrt(square));
-    const Real farthest = abs(from) > abs(to) ? abs(from) : abs(to);
     for (Real x = size / 2; x < farthest; x *= 2) cut(x);
     std::sort(cuts.begin(), cuts.end());
     Real sum = 0;
@@ -213,8 +277,7 @@ class GradientOracle {
   const FacetMesh& mesh_;
   const History& history_;
   std::vector<Real> borders_, limits_;
-  Real mu_, absorption_, beta_ = 0, moved_ = 0;
-  const RealMotion* motion_ = nullptr;
+  Real mu_, absorption_, beta_ = 0;
 };
 
 }  // namespace tubefoot::test
