@@ -144,14 +144,29 @@ std::vector<Real> moved_energies(test::GradientOracle& oracle, const test::Place
   return oracle.energies(places, parameter.changes ? parameter.changes(parameter.value(number)) : Changes{});
 }
 
+/// A closed box above a terrain, whose facets share edges and planes.
+GradientScene box_above_terrain() {
+  GradientScene scene = few_facets(7, 0);
+  FacetMesh& mesh = scene.mesh;
+  while (mesh.component.back() == 1) {
+    mesh.facets.pop_back();
+    mesh.material.pop_back();
+    mesh.component.pop_back();
+  }
+  const std::size_t terrain = mesh.facets.size();
+  test::add_box(mesh, test::grid_point(0.3, 5, 1), test::grid_units(0.5));
+  std::fill(mesh.component.begin() + std::ptrdiff_t(terrain), mesh.component.end(), std::uint16_t(1));
+  return scene;
+}
+
 // The step is one grid unit, and the cell extends over at least 1024 grid units in both directions.
 // Derivatives agree within 1e-8 of the derivative of their bin. For small derivatives, they agree within
 // 1e-12 of the largest derivative by the parameter.
 TEST(EchoDerivatives, AgreeWithRationalCentralDifferencesInACell) {
-  for (const auto& [seed, absorption] : {std::pair{5, 0.375}, {6, 0.0}}) {
-    const GradientScene scene = few_facets(std::uint64_t(seed), absorption);
+  for (const GradientScene& scene : {few_facets(5, 0.375), few_facets(6, 0), box_above_terrain()}) {
     const History history = scene.history();
     std::vector<ExactParameter> exact = exact_parameters(scene);
+    const double absorption = scene.absorption_db_per_m;
     if (absorption == 0)
       exact.pop_back();  // the oracle has no absorption below 0
     else
@@ -163,7 +178,8 @@ TEST(EchoDerivatives, AgreeWithRationalCentralDifferencesInACell) {
     test::GradientOracle oracle(scene.mesh, history, scene.samples, scene.mu[0], absorption);
     const test::Places<Rational> rest = test::places_at_rest<Rational>(scene.mesh, history);
     for (std::size_t n = 0; n < exact.size(); ++n) {
-      SCOPED_TRACE(testing::Message() << exact[n].name << ", seed " << seed);
+      SCOPED_TRACE(testing::Message() << exact[n].name << ", " << scene.mesh.facets.size() << " facets, "
+                                      << absorption << " dB/m");
       EXPECT_GT(std::min(steps[n].forward, steps[n].backward), cell_units * gradient_unit_m);
       const Rational number(gradient_unit_m);
       const std::vector<Real> more = moved_energies(oracle, rest, exact[n], number),
