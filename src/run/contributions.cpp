@@ -254,25 +254,6 @@ void add_history(const EchoContribution& plan, const Transmission& transmission,
   });
 }
 
-/// Returns the tubes of the selected beams. Empty if all tubes are wanted. A beam with a pattern receives
-/// energy from all tubes, and the tolerance of a reference refers to all beams.
-std::vector<bool> wanted_tubes(const Transmission& transmission, const PingSums& sums) {
-  std::vector<bool> wanted;
-  if (transmission.request().reference_tolerance) return wanted;
-  for (const std::size_t s : transmission.group().sensors) {
-    const ChosenEchoes& chosen = sums.chosen(s);
-    if (chosen.pings == 0) continue;
-    const Sensor& sensor = transmission.sensor(s);
-    if (chosen.all_beams || sensor.has_patterns()) return {};
-    const std::vector<std::uint32_t>& beams = sensor.beams_of_transmission(transmission.number());
-    const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(transmission.number());
-    wanted.resize(beam_of_tube.size());
-    for (std::size_t tube = 0; tube < wanted.size(); ++tube)
-      if (chosen.place_of(beams[beam_of_tube[tube]])) wanted[tube] = true;
-  }
-  return wanted;
-}
-
 void add_surface(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
   if (!plan.by_rays) {
     const History& history = traced(transmission, sums);
@@ -308,6 +289,23 @@ void add_mixed_eigenrays(const EchoContribution& plan, const Transmission& trans
 }
 
 }  // namespace
+
+std::vector<bool> wanted_tubes(const Transmission& transmission, const PingSums& sums) {
+  std::vector<bool> wanted;
+  if (transmission.request().reference_tolerance) return wanted;
+  for (const std::size_t s : transmission.group().sensors) {
+    const ChosenEchoes& chosen = sums.chosen(s);
+    if (chosen.pings == 0) continue;
+    const Sensor& sensor = transmission.sensor(s);
+    if (chosen.all_beams || sensor.has_patterns()) return {};
+    const std::vector<std::uint32_t>& beams = sensor.beams_of_transmission(transmission.number());
+    const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(transmission.number());
+    wanted.resize(beam_of_tube.size());
+    for (std::size_t tube = 0; tube < wanted.size(); ++tube)
+      if (chosen.place_of(beams[beam_of_tube[tube]])) wanted[tube] = true;
+  }
+  return wanted;
+}
 
 const History& traced(const Transmission& transmission, PingSums& sums) {
   std::vector<bool> wanted = wanted_tubes(transmission, sums);

@@ -31,6 +31,10 @@ std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRe
 /// Returns the request with visibility options that supply the needs of all contributions of a plan.
 RunRequest with_needs(RunRequest request, std::span<const std::vector<EchoContribution>> plan);
 
+/// Returns the tubes of the selected beams. Empty if all tubes are wanted. A beam with a pattern receives
+/// energy from all tubes, and the tolerance of a reference refers to all beams.
+std::vector<bool> wanted_tubes(const Transmission& transmission, const PingSums& sums);
+
 /// Returns the history of a transmission's tubes on its surface mesh. A stationary camera sends the same
 /// tubes from the same position in each cycle. On a surface that its cycles share, the history is therefore
 /// computed once. It is also computed once for several contributions of one transmission.

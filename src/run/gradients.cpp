@@ -100,9 +100,9 @@ void add_steps(const Transmission& transmission, std::size_t s,
   const TransmissionSurface& surface = transmission.surface_mesh();
   const SensorModel model = transmission.model(s);
   const std::vector<std::uint32_t>& beam_of_tube = transmission.sensor(s).beam_of_tube(transmission.number());
-  const auto steps =
-      valid_steps(surface.mesh(), surface.tree(), transmission.tubes_of(s),
-                  transmission.scene().grid.unit_m(), transmission.request().visibility, moving, largest);
+  const auto steps = valid_steps(surface.mesh(), surface.tree(), transmission.tubes_of(s),
+                                 transmission.scene().grid.unit_m(), transmission.request().visibility,
+                                 moving, largest, wanted_tubes(transmission, sums));
   for (std::size_t k = 0; k < moving.size(); ++k) {
     std::vector<double> forward(std::size_t(transmission.beams(s)), infinite), backward = forward;
     for (std::uint32_t tube = 0; tube < steps[k].size(); ++tube) {
@@ -165,10 +165,9 @@ std::vector<OutputChannel> gradient_channels(const SceneDescription& description
     if (request.gradient_steps && parameter.moves_points())
       for (const auto& [kind, sense] : {std::pair(forward_step, "increase"), {backward_step, "decrease"}})
         add(gradient_channel(parameter, kind), true, parameter.is_translation() ? "m" : "rad",
-            fmt::format(
-                "proven {} of the {} without a change of visible edges and corners; 0: the derivative "
-                "may be one-sided",
-                sense, parameter.meaning));
+            fmt::format("proven {} of the {} without a change of visible edges and corners; 0: none is "
+                        "proven, and the derivative may be one-sided",
+                        sense, parameter.meaning));
   }
   return channels;
 }
@@ -227,8 +226,8 @@ std::vector<std::string> one_sided_derivatives(const std::vector<Recording>& rec
       }
       if (zeros > 0)
         warnings.push_back(fmt::format(
-            "sensor '{}', derivative by {}: the pose may lie on a change of visible edges for {} of {} pings "
-            "and beams, which have a step of 0. These derivatives may be one-sided",
+            "sensor '{}', derivative by {}: no step is proven for {} of {} pings and beams, because the pose "
+            "lies on a change of visible edges, or facets coincide. These derivatives may be one-sided",
             recording.sensor->description().name, parameter, zeros, recording.pings() * forward.cells));
     }
   return warnings;

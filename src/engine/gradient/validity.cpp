@@ -49,7 +49,8 @@ std::vector<std::vector<ValidSteps>> valid_steps(const FacetMesh& mesh, const Sc
                                                  const TubeSet& tubes, double grid_unit_m,
                                                  const VisibilityOptions& options,
                                                  std::span<const EchoParameter> parameters,
-                                                 std::span<const double> largest) {
+                                                 std::span<const double> largest,
+                                                 const std::vector<bool>& wanted) {
   require_exact(options);
   if (largest.size() != parameters.size() ||
       !std::ranges::all_of(largest, [](double step) { return step > 0 && std::isfinite(step); }))
@@ -73,7 +74,7 @@ std::vector<std::vector<ValidSteps>> valid_steps(const FacetMesh& mesh, const Sc
       mesh, tree, tubes, whole,
       [&](std::uint32_t tube, const NameContext& context, const TubeVisibility& seen, Nothing&) {
         for (std::size_t n = 0; n < parameters.size(); ++n) {
-          if (!parameters[n].velocity) continue;
+          if (!parameters[n].velocity || (!wanted.empty() && !wanted[tube])) continue;
           ValidSteps& valid = all[n][tube];
           const SceneMotion motion(context, parameters[n], grid_unit_m);
           VisibilityCertificate certificate(context, seen, tree, tubes.reach, motion, speed[n]);

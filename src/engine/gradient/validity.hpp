@@ -14,7 +14,7 @@ namespace tubefoot {
 struct ValidSteps {
   double forward = 0, backward = 0;
   /// Whether the names are not certain at the parameter 0 itself. The pose then lies on a change of
-  /// combinatorics, and derivatives may be one-sided. Both steps are 0.
+  /// combinatorics, or facets coincide. Derivatives may be one-sided. Both steps are 0.
   bool on_change = false;
 };
 
@@ -25,12 +25,13 @@ ValidSteps common_steps(const ValidSteps& a, const ValidSteps& b);
 /// [parameter][tube] (docs/notes/gradients.md, section 6). Steps are at most `largest` per parameter. Each
 /// bound is within 2 % of the step at which the certificate fails. Points move along straight lines, and
 /// turned points on circles. Parameters that move no point have infinite steps. `options`: as for the
-/// history; the arithmetic must be exact. Throws std::invalid_argument for another arithmetic, and unless
-/// `largest` has one positive number per parameter.
+/// history; the arithmetic must be exact. `wanted`: tubes whose steps are necessary; empty: all. Throws
+/// std::invalid_argument for another arithmetic, and unless `largest` has one positive number per parameter.
 std::vector<std::vector<ValidSteps>> valid_steps(const FacetMesh& mesh, const SceneTree& tree,
                                                  const TubeSet& tubes, double grid_unit_m,
                                                  const VisibilityOptions& options,
                                                  std::span<const EchoParameter> parameters,
-                                                 std::span<const double> largest);
+                                                 std::span<const double> largest,
+                                                 const std::vector<bool>& wanted = {});
 
 }  // namespace tubefoot
