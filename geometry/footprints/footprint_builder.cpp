@@ -9,14 +9,6 @@
 namespace tubefoot {
 namespace {
 
-/// Moves a name to rays that begin at `first_ray`. All ids of rays grow by the same number, so the order of
-/// the points of a plane does not change.
-CornerName moved(CornerName name, std::uint32_t first_ray) {
-  for (PointId* id : {&name.point, &name.p.a, &name.p.b, &name.q.a, &name.q.b})
-    if (*id != no_point && (*id & ray_bit)) *id += first_ray;
-  return name;
-}
-
 void append_open_pieces(const NameContext& context, std::uint32_t tube, const TubeVisibility& seen,
                         FootprintSet& set) {
   for (const NamedPiece& piece : seen.open) {

@@ -17,6 +17,14 @@ void append_footprints(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_
                        const TubeVisibility& seen, double unit_m, FootprintSet& set,
                        bool corner_names = false);
 
+/// Moves a name to rays that begin at `first_ray`. All ids of rays grow by the same number, so the order of
+/// the points of a plane does not change.
+inline CornerName moved(CornerName name, std::uint32_t first_ray) {
+  for (PointId* id : {&name.point, &name.p.a, &name.p.b, &name.q.a, &name.q.b})
+    if (*id != no_point && (*id & ray_bit)) *id += first_ray;
+  return name;
+}
+
 /// Concatenates all sets in their order.
 FootprintSet joined(std::span<const FootprintSet> sets);
 

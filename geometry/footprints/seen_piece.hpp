@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -108,17 +109,23 @@ class SeenPiece {
     }
     return lines_;
   }
-  /// Compares addresses, so `lines_` must not move between calls. Returns the corner of this piece at which
-  /// `arriving` turns into `leaving`, or null if these are not successive lines of the piece.
-  const glm::dvec3* corner_between(const PlaneLine& arriving, const PlaneLine& leaving) const {
+  /// Returns the number of the edge with this line, or none if the line is not one of lines(). Compares
+  /// addresses, so `lines_` must not move between calls.
+  std::optional<std::uint32_t> edge_of(const PlaneLine& line) const {
     const std::less<const PlaneLine*> before;
-    const auto is_line_of_this = [&](const PlaneLine& line) {
-      return !lines_.empty() && !before(&line, &lines_.front()) && !before(&lines_.back(), &line);
-    };
-    if (!is_line_of_this(arriving) || !is_line_of_this(leaving)) return nullptr;
-    const std::size_t k = std::size_t(&leaving - lines_.data());
-    return std::size_t(&arriving - lines_.data()) == (k == 0 ? lines_.size() : k) - 1 ? &points_[k] : nullptr;
+    if (lines_.empty() || before(&line, &lines_.front()) || before(&lines_.back(), &line))
+      return std::nullopt;
+    return static_cast<std::uint32_t>(&line - lines_.data());
   }
+  /// Returns the corner of this piece at which `arriving` turns into `leaving`, or null if these are not
+  /// successive lines of the piece.
+  const glm::dvec3* corner_between(const PlaneLine& arriving, const PlaneLine& leaving) const {
+    const std::optional<std::uint32_t> first = edge_of(arriving), second = edge_of(leaving);
+    if (!first || !second) return nullptr;
+    return *first == (*second == 0 ? lines_.size() : *second) - 1 ? &points_[*second] : nullptr;
+  }
+  /// Returns the name of a corner, with rays of its own tube.
+  const CornerName& name(std::uint32_t k) const { return corner(k); }
   const LinePolygon& polygon() {
     if (!polygon_made_) polygon_ = line_polygon(lines());
     polygon_made_ = true;

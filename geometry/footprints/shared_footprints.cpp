@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <span>
 
 #include "geometry/arithmetic/wide_direction.hpp"
@@ -24,6 +25,23 @@ namespace {
 /// parallel.
 bool is_finite(std::span<const glm::dvec3> corners) {
   return std::ranges::all_of(corners, [](glm::dvec3 p) { return std::isfinite(p.x + p.y + p.z); });
+}
+
+/// Returns by tube the number of rays of all previous tubes.
+std::vector<std::uint32_t> first_rays(const ApexLook& look) {
+  std::vector<std::uint32_t> first;
+  std::size_t rays = 0;
+  for (const TubeVisibility& seen : look.seen) {
+    first.push_back(static_cast<std::uint32_t>(rays));
+    rays += seen.rays.size();
+  }
+  return first;
+}
+
+std::vector<GridPoint> all_rays(const ApexLook& look) {
+  std::vector<GridPoint> rays;
+  for (const TubeVisibility& seen : look.seen) rays.insert(rays.end(), seen.rays.begin(), seen.rays.end());
+  return rays;
 }
 
 }  // namespace
@@ -51,14 +69,18 @@ std::vector<FootprintSharer::Seen> FootprintSharer::pieces_of(const ApexLook& lo
 }
 
 FootprintSharer::FootprintSharer(const FacetMesh& mesh, const ApexLook& transmit, const ApexLook& receive,
-                                 double unit_m)
+                                 double unit_m, bool named_edges)
     : mesh_(mesh),
       transmit_(transmit),
       receive_(receive),
       unit_m_(unit_m),
+      named_edges_(named_edges),
       transmit_pieces_(pieces_of(transmit)),
       receive_pieces_(pieces_of(receive)) {
   find_facets();
+  if (!named_edges_) return;
+  transmit_first_ray_ = first_rays(transmit_);
+  receive_first_ray_ = first_rays(receive_);
 }
 
 FootprintSharer::FootprintSharer(const ApexLook& transmit, const ApexLook& receive, double unit_m)
@@ -135,10 +157,25 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
     for (SeenPiece& h : on.received) {
       if (!images_ && !s.may_meet(h)) continue;
       SharedPiece piece{s.tube(), h.tube(), static_cast<std::uint32_t>(out.corners_m.size()), 0};
+      const auto add_edge = [&](bool of_receiver, std::uint32_t k) {
+        if (!named_edges_) return;
+        const SeenPiece& own = of_receiver ? h : s;
+        const std::uint32_t next = k + 1 == own.points().size() ? 0 : k + 1,
+                            first_ray = (of_receiver ? receive_first_ray_ : transmit_first_ray_)[own.tube()];
+        const glm::dvec3 apex_m = of_receiver ? baseline : glm::dvec3(0);
+        out.edges.push_back({of_receiver, moved(own.name(k), first_ray), moved(own.name(next), first_ray),
+                             own.points()[k] * unit_m_ + apex_m, own.points()[next] * unit_m_ + apex_m});
+      };
+      const auto add_all_edges = [&](bool of_receiver) {
+        const auto edges = static_cast<std::uint32_t>((of_receiver ? h : s).points().size());
+        for (std::uint32_t k = 0; k < edges; ++k) add_edge(of_receiver, k);
+      };
       if (h.is_whole_facet()) {
         for (const glm::dvec3& p : s.points()) out.corners_m.push_back(p * unit_m_);
+        add_all_edges(false);
       } else if (s.is_whole_facet() && !images_) {
         for (const glm::dvec3& p : h.points()) out.corners_m.push_back(p * unit_m_ + baseline);
+        add_all_edges(true);
       } else {
         shared_by(s, h, polygon);
         for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -147,9 +184,12 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
           out.corners_m.push_back(
               (own != nullptr ? *own : meeting_point(on.from_transmitter, on.chart, arriving, leaving)) *
               unit_m_);
+          const std::optional<std::uint32_t> edge = s.edge_of(leaving);
+          add_edge(!edge, edge ? *edge : h.edge_of(leaving).value_or(0));
         }
       }
       if (!is_finite(std::span(out.corners_m).subspan(piece.first))) out.corners_m.resize(piece.first);
+      if (named_edges_) out.edges.resize(out.corners_m.size());
       piece.count = static_cast<std::uint32_t>(out.corners_m.size()) - piece.first;
       if (piece.count > 0) out.pieces.push_back(piece);
     }
@@ -163,9 +203,17 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
   out.facets.push_back(facet);
 }
 
-SharedFootprints FootprintSharer::all() const {
+SharedFootprints FootprintSharer::without_facets() const {
   SharedFootprints shared;
   shared.receiver_m = receiver_m();
+  if (!named_edges_) return shared;
+  shared.transmit_rays = all_rays(transmit_);
+  shared.receive_rays = all_rays(receive_);
+  return shared;
+}
+
+SharedFootprints FootprintSharer::all() const {
+  SharedFootprints shared = without_facets();
   for (std::size_t k = 0; k < facets(); ++k) append(k, shared);
   return shared;
 }
@@ -216,6 +264,7 @@ void append(SharedFootprints& all, const SharedFootprints& more) {
     all.pieces.push_back(piece);
   }
   all.corners_m.insert(all.corners_m.end(), more.corners_m.begin(), more.corners_m.end());
+  all.edges.insert(all.edges.end(), more.edges.begin(), more.edges.end());
 }
 
 }  // namespace tubefoot

@@ -33,6 +33,14 @@ struct SharedFacet {
   double transmit_distance_m = 0, receive_distance_m = 0;  ///< distances of the apexes from the plane
 };
 
+/// The edge of a visible piece of one apex that contains an edge of a shared piece. The corners of this edge
+/// have names, from which its motion follows.
+struct SharedEdge {
+  bool of_receiver = false;  ///< of the receive apex, to which the names then refer
+  CornerName from, to;
+  glm::dvec3 from_m{0}, to_m{0};  ///< relative to the transmit apex
+};
+
 /// The common visibility of two apexes. Pieces are ordered by facet, transmit tube and receive tube, and have
 /// disjoint interiors.
 struct SharedFootprints {
@@ -40,6 +48,10 @@ struct SharedFootprints {
   std::vector<SharedFacet> facets;
   std::vector<SharedPiece> pieces;
   std::vector<glm::dvec3> corners_m;  ///< relative to the transmit apex, metres
+  /// Edge k starts at corner k. Empty unless FootprintSharer has `named_edges`.
+  std::vector<SharedEdge> edges{};
+  /// The rays to which the names of edges refer, as FootprintSet::name_rays.
+  std::vector<GridPoint> transmit_rays{}, receive_rays{};
 };
 
 /// Returns the facet itself, without pieces, from its cones of both apexes.
@@ -98,8 +110,10 @@ struct SharedAudit {
 /// Law S4 (exchange): an exchange of transmitter and receiver gives the same parts.
 class FootprintSharer {
  public:
-  /// The looks and the mesh must outlive the object. `unit_m` is the grid unit in metres.
-  FootprintSharer(const FacetMesh& mesh, const ApexLook& transmit, const ApexLook& receive, double unit_m);
+  /// The looks and the mesh must outlive the object. `unit_m` is the grid unit in metres. `named_edges`: the
+  /// pieces have SharedFootprints::edges.
+  FootprintSharer(const FacetMesh& mesh, const ApexLook& transmit, const ApexLook& receive, double unit_m,
+                  bool named_edges = false);
   /// Constructs the intersection for two images of the same facets. Both looks have a mesh. Facets of the
   /// same origin have the same vertices in the same order, at any position of each image. A point of one
   /// image corresponds to the point of the other that lies in the same way between the vertices. The shared
@@ -115,6 +129,8 @@ class FootprintSharer {
   void append(std::size_t number, SharedFootprints& out) const;
   /// Returns the shared pieces of all facets.
   SharedFootprints all() const;
+  /// Returns the result of all() before the first facet is appended.
+  SharedFootprints without_facets() const;
   /// Returns the shared parts of the facet of that number with exact corners (exact_parts.hpp).
   std::vector<ExactPart> exact(std::size_t number) const;
   /// Checks the law for the facet of that number. `label` distinguishes pings in the hash.
@@ -143,7 +159,9 @@ class FootprintSharer {
   bool images_ = false;
   ApexLook transmit_, receive_;
   double unit_m_;
-  std::vector<Seen> transmit_pieces_, receive_pieces_;  ///< by facet, then tube
+  bool named_edges_ = false;
+  std::vector<Seen> transmit_pieces_, receive_pieces_;                 ///< by facet, then tube
+  std::vector<std::uint32_t> transmit_first_ray_, receive_first_ray_;  ///< by tube, for names of edges
   std::vector<Both> facets_;
 };
 

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "engine/gradient/beam_gains.hpp"
+#include "engine/gradient/gradient_parameters.hpp"
 #include "engine/gradient/polygon_gradient.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -24,40 +24,16 @@
 namespace tubefoot {
 namespace {
 
-[[noreturn]] void reject(const std::string& what) { throw std::invalid_argument("gradient: " + what); }
-
 void check_gradient(const History& history, const EchoModel& model) {
   check(model);
   const FootprintSet& set = history.footprints;
   if (set.corner_names.size() != set.corners_m.size())
-    reject("the footprints have no names of corners: set VisibilityOptions::corner_names");
-  if (!history.hits.empty()) reject("hits of rays have no borders: use the tube engine");
+    reject_gradient("the footprints have no names of corners: set VisibilityOptions::corner_names");
+  if (!history.hits.empty()) reject_gradient("hits of rays have no borders: use the tube engine");
   if (model.path.over_mirrors() || model.path.rx || !model.path.facet_factor.empty() ||
       !model.path.tx.facet_map.empty())
-    reject("mirrors, two apexes and refraction are not supported");
+    reject_gradient("mirrors, a receive leg of its own and refraction are not supported");
 }
-
-void check_parameter(const MaterialParameter& parameter, const EchoModel& model) {
-  if (parameter.material >= model.material_mu.size())
-    reject(
-        fmt::format("there is no material {} (there are {})", parameter.material, model.material_mu.size()));
-  if (model.scattering.empty() || model.scattering[parameter.material] == nullptr)
-    reject(fmt::format("material {} has Lambert's law, which has no other parameter than mu",
-                       parameter.material));
-}
-
-/// Parameters of scattering models by material.
-struct ScatteringParameters {
-  std::vector<std::vector<const ScatteringDerivative*>> of_material;
-  std::vector<std::vector<std::size_t>> numbers;  ///< in the order of add()
-  std::size_t count = 0;
-
-  explicit ScatteringParameters(std::size_t materials) : of_material(materials), numbers(materials) {}
-  void add(const MaterialParameter& parameter) {
-    of_material[parameter.material].push_back(&parameter.derivative);
-    numbers[parameter.material].push_back(count++);
-  }
-};
 
 /// A visible polygon and its derivatives.
 struct DifferentiatedPolygon {
@@ -119,12 +95,11 @@ std::shared_ptr<const std::vector<bool>> vertices_of(const FacetMesh& mesh, std:
     if (mesh.component[f] != component)
       for (const VertexId v : mesh.facets[f])
         if ((*own)[v])
-          reject(fmt::format("components {} and {} share vertex {}, so that component {} cannot move alone",
-                             component, mesh.component[f], v, component));
+          reject_gradient(
+              fmt::format("components {} and {} share vertex {}, so that component {} cannot move alone",
+                          component, mesh.component[f], v, component));
   return own;
 }
-
-constexpr double per_db = std::numbers::ln10 / 10;
 
 EchoParameter turned(const EchoParameter::Turn& turn) {
   EchoParameter parameter{[turn](PointId id, glm::dvec3 at) {
@@ -145,6 +120,13 @@ EchoParameter EchoParameter::sonar_translation(glm::dvec3 axis) {
 
 EchoParameter EchoParameter::sonar_rotation(glm::dvec3 axis) {
   EchoParameter parameter = turned({axis, glm::dvec3(0), [](PointId id) { return (id & ray_bit) != 0; }});
+  parameter.pattern_rotation = axis;
+  return parameter;
+}
+
+EchoParameter EchoParameter::mounting_rotation(glm::dvec3 axis) {
+  EchoParameter parameter =
+      turned({axis, glm::dvec3(0), [](PointId id) { return (id & ray_bit) != 0 && id != receive_apex; }});
   parameter.pattern_rotation = axis;
   return parameter;
 }
@@ -212,16 +194,13 @@ std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const H
   std::vector<PointVelocity> velocities;
   std::vector<std::size_t> velocity_of;  // by parameter
   std::vector<glm::dvec3> rotations;
-  ScatteringParameters scattering(model.material_mu.size());
+  ScatteringParameters scattering(model);
   std::vector<std::size_t> first_own;  // by parameter
   bool absorption = false;
   for (const EchoParameter& parameter : parameters) {
     absorption = absorption || parameter.by_absorption != 0;
     first_own.push_back(scattering.count);
-    for (const MaterialParameter& own : parameter.by_scattering) {
-      check_parameter(own, model);
-      scattering.add(own);
-    }
+    for (const MaterialParameter& own : parameter.by_scattering) scattering.add(own);
     const glm::dvec3 turned = model.patterns != nullptr ? parameter.pattern_rotation : glm::dvec3(0);
     rotations.push_back(turned);
     velocity_of.push_back(at_rest);
@@ -303,17 +282,9 @@ EchoGradient echo_gradient(const FacetMesh& mesh, const History& history, const 
                            std::span<const double> weights, std::span<const MaterialParameter> scattering) {
   check_gradient(history, model);
   const auto count = std::size_t(samples.count);
-  if (weights.size() != std::size_t(beams.count) * count)
-    reject(fmt::format("there are {} weights, expected {} x {}: one per beam and range bin", weights.size(),
-                       beams.count, count));
-  if (const auto bad = std::ranges::find_if_not(weights, [](double w) { return std::isfinite(w); });
-      bad != weights.end())
-    reject(fmt::format("weight {} is {}, expected a finite number", bad - weights.begin(), *bad));
-  ScatteringParameters parameters(model.material_mu.size());
-  for (const MaterialParameter& parameter : scattering) {
-    check_parameter(parameter, model);
-    parameters.add(parameter);
-  }
+  check_weights(weights, beams, samples);
+  ScatteringParameters parameters(model);
+  for (const MaterialParameter& parameter : scattering) parameters.add(parameter);
   const FootprintSet& set = history.footprints;
   const NameContext context{mesh, history.tubes.apex, set.name_rays};
   const NamedPoints points(context, history.grid_unit_m);

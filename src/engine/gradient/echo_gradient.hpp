@@ -25,6 +25,10 @@
 // of quadratures with patterns and textures.
 namespace tubefoot {
 
+/// The receive apex of a history with two apexes, among the points of an EchoParameter. It moves relative to
+/// the transmit apex.
+constexpr PointId receive_apex = no_point;
+
 /// A parameter of a material's scattering model.
 struct MaterialParameter {
   std::size_t material = 0;
@@ -50,8 +54,11 @@ struct EchoParameter {
 
   /// Translation of the apex with its tubes and patterns, in metres along a unit vector.
   static EchoParameter sonar_translation(glm::dvec3 axis);
-  /// Rotation of tubes and patterns about an axis through the apex, in radians.
+  /// Rotation of tubes and patterns about an axis through the apex, in radians. A separate receive apex turns
+  /// too.
   static EchoParameter sonar_rotation(glm::dvec3 axis);
+  /// Rotation of tubes and patterns of each apex about an axis through this apex.
+  static EchoParameter mounting_rotation(glm::dvec3 axis);
   /// Rotation of the patterns alone, for example a tilt of the transmit beam.
   static EchoParameter patterns_rotation(glm::dvec3 axis);
   /// Translation along an axis and rotation about it of one component of a mesh. `origin_m`: a point of the
@@ -86,6 +93,9 @@ struct EchoGradient {
   std::vector<double> by_material_mu;  ///< by Lambert's parameter mu (linear), per material
   double by_absorption = 0;            ///< by the one-way absorption, per dB/m
   std::vector<double> by_scattering;   ///< by the given parameters of scattering models
+  // For a history with two apexes. `by_ray` is of the transmitter then.
+  std::vector<glm::dvec3> by_receive_ray{};  ///< of SharedFootprints::receive_rays
+  glm::dvec3 by_receiver{0};                 ///< by the receive apex with its rays, per metre
 };
 
 /// Reverse mode. Returns the gradient of the sum over beams and samples of weight times energy, in one pass

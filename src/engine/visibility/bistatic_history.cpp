@@ -41,8 +41,8 @@ BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, dou
   BistaticHistory history{std::move(transmit), std::move(receive), grid_unit_m, {}};
   const auto sent = look(mesh, tree, history.transmit, options),
              received = look(mesh, tree, history.receive, options);
-  history.shared = shared_by_all(
-      FootprintSharer(mesh, {history.transmit, sent}, {history.receive, received}, grid_unit_m));
+  history.shared = shared_by_all(FootprintSharer(mesh, {history.transmit, sent}, {history.receive, received},
+                                                 grid_unit_m, options.corner_names));
   return history;
 }
 

@@ -29,8 +29,7 @@ SharedFootprints shared_by_all(const FootprintSharer& sharer) {
     const std::size_t end = std::min((task + 1) * facets_per_task, sharer.facets());
     for (std::size_t k = task * facets_per_task; k < end; ++k) sharer.append(k, parts[task]);
   });
-  SharedFootprints shared;
-  shared.receiver_m = sharer.receiver_m();
+  SharedFootprints shared = sharer.without_facets();
   for (const SharedFootprints& part : parts) append(shared, part);
   return shared;
 }

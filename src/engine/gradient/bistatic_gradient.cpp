@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/gradient/bistatic_gradient.hpp"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "engine/gradient/gradient_parameters.hpp"
+#include "engine/gradient/path_polygon_gradient.hpp"
+#include "geometry/steps/stop.hpp"
+
+// Differentiates each polygon that both apexes see (path_polygon_gradient.hpp). Each of its edges lies on an
+// edge of a visible polygon of one apex, and moves with the two named corners of that edge. The other
+// variables are both distances of the plane and the foot point of the receive apex.
+
+namespace tubefoot {
+namespace {
+
+void check_bistatic(const BistaticHistory& history, const EchoModel& model) {
+  check(model);
+  if (history.shared.edges.size() != history.shared.corners_m.size())
+    reject_gradient("the shared footprints have no names of edges: set VisibilityOptions::corner_names");
+  if (!history.hits.empty()) reject_gradient("hits of rays have no borders: use the tube engine");
+  if (model.path.over_mirrors() || !history.bistatic.empty() || !model.path.facet_factor.empty())
+    reject_gradient("mirrors and refraction are not supported");
+  if (model.patterns != nullptr) reject_gradient("beam patterns of a separate receiver are not supported");
+}
+
+/// The apexes of a history, and the points of names relative to each.
+struct TwoApexes {
+  NameContext tx_context, rx_context;
+  NamedPoints tx, rx;
+  glm::dvec3 rx_m;  ///< receive apex relative to the transmit apex
+
+  TwoApexes(const FacetMesh& mesh, const BistaticHistory& history)
+      : tx_context{mesh, history.transmit.apex, history.shared.transmit_rays},
+        rx_context{mesh, history.receive.apex, history.shared.receive_rays},
+        tx(tx_context, history.grid_unit_m),
+        rx(rx_context, history.grid_unit_m),
+        rx_m(history.shared.receiver_m) {}
+  TwoApexes(const TwoApexes&) = delete;
+  TwoApexes& operator=(const TwoApexes&) = delete;
+
+  /// Converts a velocity relative to the transmit apex to one relative to the receive apex.
+  PointVelocity of_receiver(const PointVelocity& velocity) const {
+    return [velocity, at_m = rx_m](PointId id, glm::dvec3 at) {
+      return id & ray_bit ? velocity(id, at) : velocity(id, at + at_m) - velocity(receive_apex, at_m);
+    };
+  }
+};
+
+/// A polygon that both apexes see, and its derivatives.
+struct DifferentiatedPath {
+  const SeenFacet& facet;
+  const PlaneFrame& frame;
+  std::span<const SharedEdge> edges;
+  std::uint32_t beam;
+  std::uint16_t material;
+  /// Factor of the derivatives: Lambert's parameter, or 1 for another model.
+  double scale;
+  bool lambert;
+  const PathDerivatives& by;
+
+  glm::dvec3 in_space(glm::dvec2 v) const { return v.x * frame.u + v.y * frame.v; }
+  glm::dvec2 in_plane(glm::dvec3 v) const { return {glm::dot(v, frame.u), glm::dot(v, frame.v)}; }
+  double distance() const { return facet.plane.distance_m; }
+  /// Difference of the distances of both apexes from the plane.
+  double descent() const { return facet.plane.distance_m - facet.rx_distance_m; }
+};
+
+/// Calls `use` for all polygons that return energy.
+template <class Use>
+void for_each_path(const BistaticHistory& history, const ReceiveBeams& beams, const RangeSamples& samples,
+                   const EchoModel& model, const ScatteringParameters& parameters, const Use& use) {
+  const CommonVisibility visibility(history);
+  const std::vector<double> borders = sample_borders_m(samples);
+  PathPolygonGradient gradient(borders, bistatic_tolerance);
+  PlanarPolygon polygon;
+  std::vector<PathEdge> lines;
+  for (std::size_t number = visibility.first(); number < visibility.end(); ++number) {
+    stop_if_wanted();
+    const SeenFacet facet = visibility[number];
+    const PlaneFrame frame(facet.plane);
+    PathOnFacet path = path_on(visibility, number, frame, model);
+    const bool lambert = path.seabed.scattering == nullptr;
+    const double scale = lambert ? std::exchange(path.seabed.mu, 1) : 1;
+    const std::uint16_t material = model.material[facet.facet];
+    for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
+      const SharedPiece& piece = history.shared.pieces[facet.first_piece + k];
+      if (!beams.in_one_fan(piece.transmit_tube, piece.receive_tube)) continue;
+      polygon.assign(std::span(history.shared.corners_m).subspan(piece.first, piece.count), facet.plane,
+                     frame);
+      const std::span<const SharedEdge> edges =
+          std::span(history.shared.edges).subspan(piece.first, piece.count);
+      lines.clear();
+      for (const SharedEdge& edge : edges)
+        lines.push_back({frame.project(edge.from_m), frame.project(edge.to_m)});
+      const PathDerivatives* by = gradient.of(polygon, lines, path, parameters.of_material[material]);
+      if (by != nullptr)
+        use(DifferentiatedPath{facet, frame, edges, beams.of_tube[piece.receive_tube], material, scale,
+                               lambert, *by});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const BistaticHistory& history,
+                                                  const ReceiveBeams& beams, const RangeSamples& samples,
+                                                  const EchoModel& model,
+                                                  std::span<const EchoParameter> parameters) {
+  using Numbers = PathDerivatives;
+  check_bistatic(history, model);
+  const TwoApexes apexes(mesh, history);
+  const auto count = std::size_t(samples.count);
+  std::vector<std::vector<double>> all(parameters.size(),
+                                       std::vector<double>(std::size_t(beams.count) * count));
+  ScatteringParameters scattering(model);
+  std::vector<std::size_t> first_own;  // by parameter
+  std::vector<PointVelocity> tx_velocities, rx_velocities;
+  for (const EchoParameter& parameter : parameters) {
+    first_own.push_back(scattering.count);
+    for (const MaterialParameter& own : parameter.by_scattering) scattering.add(own);
+    tx_velocities.push_back(parameter.velocity ? parameter.velocity
+                                               : [](PointId, glm::dvec3) { return glm::dvec3(0); });
+    rx_velocities.push_back(apexes.of_receiver(tx_velocities.back()));
+  }
+  first_own.push_back(scattering.count);
+  CornerVelocities tx(apexes.tx, tx_velocities), rx(apexes.rx, rx_velocities);
+  std::vector<glm::dvec3> from, to;
+  std::vector<std::vector<glm::dvec2>> of_from(parameters.size()), of_to(parameters.size());
+  std::vector<double> factor;
+  FacetId selected = no_facet;
+  for_each_path(history, beams, samples, model, scattering, [&](const DifferentiatedPath& path) {
+    const PathDerivatives& by = path.by;
+    if (std::exchange(selected, path.facet.facet) != path.facet.facet) {
+      tx.select(path.facet.facet);
+      rx.select(path.facet.facet);
+    }
+    for (std::size_t n = 0; n < parameters.size(); ++n) {
+      of_from[n].clear();
+      of_to[n].clear();
+    }
+    for (const SharedEdge& edge : path.edges) {
+      from = (edge.of_receiver ? rx : tx).of_corner(edge.from);
+      to = (edge.of_receiver ? rx : tx).of_corner(edge.to);
+      for (std::size_t n = 0; n < parameters.size(); ++n) {
+        const glm::dvec3 of_apex =
+            edge.of_receiver ? tx_velocities[n](receive_apex, apexes.rx_m) : glm::dvec3(0);
+        const glm::dvec2 of_frame = path.distance() * path.in_plane(tx.of_plane(n).normal);
+        of_from[n].push_back(path.in_plane(of_apex + from[n]) + of_frame);
+        of_to[n].push_back(path.in_plane(of_apex + to[n]) + of_frame);
+      }
+    }
+    for (std::size_t n = 0; n < parameters.size(); ++n) {
+      const EchoParameter& parameter = parameters[n];
+      const CornerVelocities::UnitPlane plane = tx.of_plane(n);
+      const glm::dvec3 of_apex = tx_velocities[n](receive_apex, apexes.rx_m);
+      const glm::dvec2 foot = path.in_plane(of_apex) + path.descent() * path.in_plane(plane.normal);
+      factor.assign(by.count, 0);
+      factor[Numbers::by_absorption] = path.scale * per_db * parameter.by_absorption;
+      factor[Numbers::by_borders] = path.scale * parameter.by_range_scale;
+      factor[Numbers::by_tx_distance] = path.scale * plane.distance;
+      factor[Numbers::by_rx_distance] = path.scale * (plane.distance + glm::dot(plane.normal, apexes.rx_m) +
+                                                      glm::dot(path.facet.plane.normal, of_apex));
+      factor[Numbers::by_foot] = path.scale * foot.x;
+      factor[Numbers::by_foot + 1] = path.scale * foot.y;
+      if (by.texture > 0) {
+        const glm::dvec2 tilt = path.scale * path.in_plane(plane.normal);
+        factor[by.texture + Numbers::by_tilt] = tilt.x;
+        factor[by.texture + Numbers::by_tilt + 1] = tilt.y;
+        for (int k = 0; k < 3; ++k)
+          factor[by.texture + Numbers::by_place + std::size_t(k)] = path.scale * parameter.apex_velocity[k];
+      }
+      if (path.lambert && !parameter.by_mu.empty()) factor[Numbers::energy] = parameter.by_mu[path.material];
+      const std::vector<std::size_t>& own = scattering.numbers[path.material];
+      for (std::size_t k = 0; k < own.size(); ++k)
+        if (own[k] >= first_own[n] && own[k] < first_own[n + 1]) factor[Numbers::own_parameters + k] = 1;
+      double* row = &all[n][path.beam * count];
+      for (const PathDerivatives::Part& part : by.parts)
+        row[part.bin] += path.scale * (glm::dot(part.by_from, of_from[n][part.edge]) +
+                                       glm::dot(part.by_to, of_to[n][part.edge]));
+      const double* numbers = by.numbers.data();
+      for (std::size_t bin = by.first_bin; bin < by.end_bin; ++bin, numbers += by.count)
+        for (std::size_t k = 0; k < by.count; ++k) row[bin] += factor[k] * numbers[k];
+    }
+  });
+  return all;
+}
+
+EchoGradient echo_gradient(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
+                           const RangeSamples& samples, const EchoModel& model,
+                           std::span<const double> weights, std::span<const MaterialParameter> scattering) {
+  using Numbers = PathDerivatives;
+  check_bistatic(history, model);
+  check_weights(weights, beams, samples);
+  ScatteringParameters parameters(model);
+  for (const MaterialParameter& parameter : scattering) parameters.add(parameter);
+  const TwoApexes apexes(mesh, history);
+  CornerAdjoint tx(apexes.tx), rx(apexes.rx);
+  EchoGradient gradient;
+  gradient.by_material_mu.assign(model.material_mu.size(), 0);
+  gradient.by_scattering.assign(scattering.size(), 0);
+  std::vector<double> sum;
+  std::vector<glm::dvec2> by_from, by_to;
+  for_each_path(history, beams, samples, model, parameters, [&](const DifferentiatedPath& path) {
+    const PathDerivatives& by = path.by;
+    const double* weight = &weights[path.beam * std::size_t(samples.count)];
+    sum.assign(by.count, 0);
+    const double* numbers = by.numbers.data();
+    for (std::size_t bin = by.first_bin; bin < by.end_bin; ++bin, numbers += by.count)
+      for (std::size_t k = 0; k < by.count; ++k) sum[k] += weight[bin] * numbers[k];
+    if (path.lambert) gradient.by_material_mu[path.material] += sum[Numbers::energy];
+    for (std::size_t k = Numbers::by_absorption; k < by.count; ++k) sum[k] *= path.scale;
+    gradient.by_absorption += per_db * sum[Numbers::by_absorption];
+    gradient.by_range_scale += sum[Numbers::by_borders];
+    const std::vector<std::size_t>& own = parameters.numbers[path.material];
+    for (std::size_t k = 0; k < own.size(); ++k)
+      gradient.by_scattering[own[k]] += sum[Numbers::own_parameters + k];
+    by_from.assign(path.edges.size(), glm::dvec2(0));
+    by_to.assign(path.edges.size(), glm::dvec2(0));
+    for (const PathDerivatives::Part& part : by.parts) {
+      by_from[part.edge] += path.scale * weight[part.bin] * part.by_from;
+      by_to[part.edge] += path.scale * weight[part.bin] * part.by_to;
+    }
+    const glm::dvec3 by_foot = path.in_space({sum[Numbers::by_foot], sum[Numbers::by_foot + 1]});
+    const double by_rx_distance = sum[Numbers::by_rx_distance];
+    gradient.by_receiver += by_foot + by_rx_distance * path.facet.plane.normal;
+    glm::dvec3 by_normal = path.descent() * by_foot + by_rx_distance * apexes.rx_m;
+    if (by.texture > 0) {
+      const double* moved = &sum[by.texture];
+      by_normal += path.in_space({moved[Numbers::by_tilt], moved[Numbers::by_tilt + 1]});
+      for (int k = 0; k < 3; ++k) gradient.by_apex[k] += moved[Numbers::by_place + std::size_t(k)];
+    }
+    for (std::size_t k = 0; k < path.edges.size(); ++k) {
+      const SharedEdge& edge = path.edges[k];
+      const glm::dvec3 of_from = path.in_space(by_from[k]), of_to = path.in_space(by_to[k]);
+      by_normal += path.distance() * (of_from + of_to);
+      CornerAdjoint& adjoint = edge.of_receiver ? rx : tx;
+      adjoint.add_corner(edge.from, path.facet.facet, of_from);
+      adjoint.add_corner(edge.to, path.facet.facet, of_to);
+      if (edge.of_receiver) gradient.by_receiver += of_from + of_to;
+    }
+    tx.add_plane(path.facet.facet, by_normal, sum[Numbers::by_tx_distance] + by_rx_distance);
+  });
+  gradient.by_vertex = tx.by_vertex();
+  for (std::size_t v = 0; v < gradient.by_vertex.size(); ++v) {
+    gradient.by_vertex[v] += rx.by_vertex()[v];
+    gradient.by_receiver -= rx.by_vertex()[v];
+  }
+  gradient.by_ray = tx.by_ray();
+  gradient.by_receive_ray = rx.by_ray();
+  return gradient;
+}
+
+}  // namespace tubefoot
