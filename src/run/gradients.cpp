@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "engine/gradient/bistatic_gradient.hpp"
 #include "engine/gradient/certified_gradient.hpp"
 #include "engine/gradient/validity.hpp"
 #include "files/usage_error.hpp"
@@ -53,7 +54,7 @@ std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter
     case GradientParameter::Kind::sonar_rotation:
       return EchoParameter::sonar_rotation(pose.attitude * axis);
     case GradientParameter::Kind::mounting:
-      return EchoParameter::sonar_rotation(mounting_axis(sensor, pose.attitude, parameter.axis));
+      return EchoParameter::mounting_rotation(mounting_axis(sensor, pose.attitude, parameter.axis));
     case GradientParameter::Kind::patterns:
       return EchoParameter::patterns_rotation(pose.attitude * axis);
     case GradientParameter::Kind::object_position:
@@ -183,6 +184,20 @@ void require_gradients(const Survey& survey, const RunRequest& request) {
           "--gradient: sensor '{}' has beam patterns, and certified derivatives need ideal beams: leave out "
           "--reference or the patterns, or select another sensor with --sensor",
           description.sensors[s].name));
+  for (std::size_t s = 0; s < chosen.size(); ++s) {
+    if (chosen[s].pings == 0 || !survey.sensors[s].sensor->has_separate_receiver()) continue;
+    const std::string& name = description.sensors[s].name;
+    if (survey.sensors[s].sensor->has_patterns())
+      throw UsageError(fmt::format(
+          "--gradient: sensor '{}' has a separate receiver and beam patterns, for which there are "
+          "no derivatives: leave out the patterns, or select another sensor with --sensor",
+          name));
+    if (request.gradient_steps)
+      throw UsageError(fmt::format(
+          "--gradient-steps: sensor '{}' has a separate receiver, for which no step is proven: leave "
+          "out --gradient-steps, or select another sensor with --sensor",
+          name));
+  }
   const bool by_sound_speed = std::ranges::find(parameters, GradientParameter::Kind::sound_speed,
                                                 &GradientParameter::kind) != parameters.end();
   for (std::size_t s = 0; s < chosen.size(); ++s)
@@ -236,7 +251,10 @@ std::vector<std::string> one_sided_derivatives(const std::vector<Recording>& rec
 void add_gradients(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
   const std::vector<GradientParameter> all =
       gradient_parameters(transmission.scene().description, transmission.request().gradient);
-  const History& history = traced(transmission, sums);
+  const bool separate = transmission.has_separate_receiver();
+  const std::optional<BistaticHistory> both =
+      separate ? std::optional(transmission.trace_both()) : std::nullopt;
+  const History* one = separate ? nullptr : &traced(transmission, sums);
   const FacetMesh& mesh = transmission.surface_mesh().mesh();
   for (const std::size_t s : plan.sensors) {
     if (sums.chosen(s).pings == 0) continue;
@@ -258,13 +276,15 @@ void add_gradients(const EchoContribution& plan, const Transmission& transmissio
       const RangeSamples& samples = transmission.sensor(s).samples();
       if (transmission.request().gradient_steps) add_steps(transmission, s, own_parameters, parameters, sums);
       if (!plan.tolerance) {
-        const auto derivatives = echo_derivatives(mesh, history, beams, samples, echo_model, parameters);
+        const auto derivatives = separate
+                                     ? echo_derivatives(mesh, *both, beams, samples, echo_model, parameters)
+                                     : echo_derivatives(mesh, *one, beams, samples, echo_model, parameters);
         for (std::size_t k = 0; k < channels.size(); ++k)
           sums.add_to_channel(transmission, s, channels[k], 0, derivatives[k]);
         return;
       }
       const CertifiedDerivatives derivatives =
-          certified_derivatives(mesh, history, beams, samples, without_null_lists(echo_model), parameters);
+          certified_derivatives(mesh, *one, beams, samples, without_null_lists(echo_model), parameters);
       for (std::size_t k = 0; k < channels.size(); ++k) {
         sums.add_to_channel(transmission, s, channels[k], 0, derivatives.value[k]);
         sums.add_to_channel(transmission, s, bounds[k], 0, derivatives.bound[k]);

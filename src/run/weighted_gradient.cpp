@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "engine/gradient/bistatic_gradient.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
@@ -52,20 +53,42 @@ std::vector<double> weights_of(const Transmission& transmission, std::size_t s, 
   return own;
 }
 
+/// History of a transmission with one apex or with a separate receiver.
+struct SeenByEnds {
+  std::optional<History> one;
+  std::optional<BistaticHistory> two;
+
+  explicit SeenByEnds(const Transmission& transmission) {
+    if (transmission.has_separate_receiver())
+      two = transmission.trace_both();
+    else
+      one = transmission.trace(nullptr, false);
+  }
+};
+
+glm::dvec3 by_rotation_of(const std::vector<GridPoint>& rays, const std::vector<glm::dvec3>& by_ray) {
+  glm::dvec3 sum(0);
+  for (std::size_t k = 0; k < by_ray.size(); ++k)
+    sum += glm::cross(glm::dvec3(rays[k].x, rays[k].y, rays[k].z), by_ray[k]);
+  return sum;
+}
+
 /// Adds the gradient of a transmission's energies to those of its sensor and scene.
-void add_echo_gradient(const Transmission& transmission, std::size_t s, const History& history,
+void add_echo_gradient(const Transmission& transmission, std::size_t s, const SeenByEnds& seen,
                        const EchoGradient& echo, WeightedGradient& sum) {
   const Scene& scene = transmission.scene();
   const FacetMesh& mesh = transmission.surface_mesh().mesh();
-  glm::dvec3 by_all_vertices(0), by_rotation = echo.by_pattern_rotation;
+  glm::dvec3 by_all_vertices(0), by_rotation = echo.by_pattern_rotation, by_turned_receiver(0);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (echo.by_vertex[v] == glm::dvec3(0)) continue;
     sum.by_vertex[v] += echo.by_vertex[v];
     by_all_vertices += echo.by_vertex[v];
   }
-  for (std::size_t k = 0; k < echo.by_ray.size(); ++k) {
-    const GridPoint ray = history.footprints.name_rays[k];
-    by_rotation += glm::cross(glm::dvec3(ray.x, ray.y, ray.z), echo.by_ray[k]);
+  by_rotation +=
+      by_rotation_of(seen.two ? seen.two->shared.transmit_rays : seen.one->footprints.name_rays, echo.by_ray);
+  if (seen.two) {
+    by_rotation += by_rotation_of(seen.two->shared.receive_rays, echo.by_receive_ray);
+    by_turned_receiver = glm::cross(seen.two->shared.receiver_m, echo.by_receiver);
   }
   for (std::size_t m = 0; m < echo.by_material_mu.size(); ++m) sum.by_mu[m] += echo.by_material_mu[m];
   sum.by_sound_speed += echo.by_range_scale / scene.sound_speed_m_s;
@@ -75,7 +98,7 @@ void add_echo_gradient(const Transmission& transmission, std::size_t s, const Hi
   WeightedGradient::OfSonar& sonar = sum.sonars[s];
   sonar.by_patterns[transmission.ping()] += glm::conjugate(attitude) * echo.by_pattern_rotation;
   sonar.by_position[transmission.ping()] += echo.by_apex - by_all_vertices;
-  sonar.by_rotation[transmission.ping()] += glm::conjugate(attitude) * by_rotation;
+  sonar.by_rotation[transmission.ping()] += glm::conjugate(attitude) * (by_rotation + by_turned_receiver);
   for (int k = 0; k < 3; ++k) {
     if (!sensor.description().look_at_m)
       sonar.by_mounting[transmission.ping()][k] += glm::dot(mounting_axis(sensor, attitude, k), by_rotation);
@@ -146,18 +169,20 @@ WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
       for (std::size_t number = 0; number < survey.sensor_set->transmissions_per_ping(group); ++number) {
         stop_if_wanted();
         const Transmission transmission = transmissions.of(group, ping, number);
-        std::optional<History> history;
+        std::optional<SeenByEnds> seen;
         for (const std::size_t s : group.sensors) {
           if (s >= weights.size() || weights[s].empty()) continue;
-          if (!history) history = transmission.trace(nullptr, false);
+          if (!seen) seen.emplace(transmission);
           const SensorModel model = transmission.model(s);
           const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(number);
-          const EchoGradient echo =
-              echo_gradient(transmission.surface_mesh().mesh(), *history, transmission.beams_by_fans(s, fans),
-                            transmission.sensor(s).samples(), model.model,
-                            weights_of(transmission, s, weights[s]), scattering);
+          const auto gradient_of = [&](const auto& history) {
+            return echo_gradient(transmission.surface_mesh().mesh(), history,
+                                 transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(),
+                                 model.model, weights_of(transmission, s, weights[s]), scattering);
+          };
+          const EchoGradient echo = seen->two ? gradient_of(*seen->two) : gradient_of(*seen->one);
           for (std::size_t k = 0; k < names.size(); ++k) sum.by_scattering[names[k]] += echo.by_scattering[k];
-          add_echo_gradient(transmission, s, *history, echo, sum);
+          add_echo_gradient(transmission, s, *seen, echo, sum);
         }
       }
       if (watch != nullptr) ++watch->pings;
