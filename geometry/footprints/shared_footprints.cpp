@@ -249,6 +249,7 @@ SharedFootprints exchanged(SharedFootprints shared) {
   for (SharedPiece& piece : shared.pieces) std::swap(piece.transmit_tube, piece.receive_tube);
   for (glm::dvec3& corner : shared.corners_m) corner -= shared.receiver_m;
   shared.receiver_m = -shared.receiver_m;
+  shared.edges.clear();
   return shared;
 }
 

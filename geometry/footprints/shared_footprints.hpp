@@ -168,7 +168,7 @@ class FootprintSharer {
 /// Returns the common visibility of an apex with itself: all that it sees.
 SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m);
 
-/// Exchanges transmitter and receiver. Pieces keep their order.
+/// Exchanges transmitter and receiver. Pieces keep their order. The result has no named edges.
 SharedFootprints exchanged(SharedFootprints shared);
 
 /// Appends the facets of `more`, with the same result as if they had been appended one by one.

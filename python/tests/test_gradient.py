@@ -160,6 +160,31 @@ def test_rotations_of_patterns_alone():
     assert reverse["camera.patterns.x"] == pytest.approx(reverse.sonars["camera"].patterns.sum(axis=0)[0])
 
 
+def test_derivatives_with_a_separate_receiver():
+    keys = copy.deepcopy(KEYS)
+    keys["sensors"][0] |= {"receiver_arm_m": [1.25, -0.125, 0.25], "pings": 1}
+    scene = tubefoot.Scene.from_dict(keys)
+    echoes = tubefoot.run(scene, gradient=NAMES)["camera"]
+    reverse = scene.gradient(np.ones_like(echoes.energy))
+    for name in NAMES:
+        size = np.abs(echoes.gradient[name]).sum()
+        assert reverse[name] == pytest.approx(echoes.gradient[name].sum(), rel=0, abs=1e-9 * size), name
+    for name, place, step in (("camera.position.up", ("trajectory", None, "position_m", STEP, 2), STEP),
+                              ("camera.mounting.tilt", ("sensors", 0, "tilt_deg", np.degrees(STEP), None), STEP),
+                              ("block.position.north", ("objects", 0, "position_m", STEP, 1), STEP)):
+        section, index, key, change, component = place
+        both = [energy_of(changed(section, index, key, sign * change, component, keys)) for sign in (1, -1)]
+        derivative = echoes.gradient[name]
+        assert np.abs(derivative).max() > 0, name
+        tolerance = 5e-4 if ".mounting." in name else 1e-6
+        assert np.abs((both[0] - both[1]) / (2 * step) - derivative).max() < tolerance * np.abs(derivative).max(), name
+    with pytest.raises(tubefoot.UsageError, match="no step is proven"):
+        tubefoot.run(scene, gradient=["camera.position.up"], gradient_steps=True)
+    keys["sensors"][0] |= {"transmit_pattern": "gaussian", "transmit_beam_width_deg": 20}
+    with pytest.raises(tubefoot.UsageError, match="separate receiver and beam patterns"):
+        tubefoot.run(tubefoot.Scene.from_dict(keys), gradient=["camera.position.up"])
+
+
 def box_below(distance):
     """A level box whose top is this distance below the sonar."""
     box = {"name": "block", "shape": "box", "size_m": [0.9, 0.5, 0.5], "position_m": [0.31, 3.07, 1.75 - distance], "material": "steel"}

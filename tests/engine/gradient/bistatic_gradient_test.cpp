@@ -72,7 +72,7 @@ double length_sum(const std::vector<glm::dvec3>& vectors) {
   return sum;
 }
 
-void expect_central_differences(const BistaticScene& scene, double tolerance = 1e-8) {
+void expect_central_differences(const BistaticScene& scene, double tolerance = 1e-8, int stride = 1) {
   const EchoGradient gradient = scene.gradient_of_both();
   ASSERT_GT(scene.energy_of_both(), 0);
   constexpr std::int32_t step = 64;
@@ -87,10 +87,7 @@ void expect_central_differences(const BistaticScene& scene, double tolerance = 1
   ASSERT_GT(largest, 0);
   int moving = 0;
   for (std::size_t v = 0; v < scene.mesh.vertices.size(); ++v) {
-    if (gradient.by_vertex[v] != glm::dvec3(0))
-      ++moving;
-    else if (v % 7 != 0)
-      continue;
+    if (gradient.by_vertex[v] != glm::dvec3(0) ? moving++ % stride != 0 : v % 14 != 0) continue;
     // Each vertex moves along one axis.
     const int axis = int(v % 3);
     EXPECT_NEAR(gradient.by_vertex[v][axis], difference([&](BistaticScene& s, std::int32_t by) {
@@ -100,7 +97,7 @@ void expect_central_differences(const BistaticScene& scene, double tolerance = 1
                 tolerance * largest)
         << v;
   }
-  EXPECT_GT(moving, 20);
+  EXPECT_GT(moving, 5);
   const double size = glm::length(gradient.by_receiver);
   EXPECT_NEAR(gradient.by_receiver.x,
               difference([](BistaticScene& s, std::int32_t by) { s.receive.apex.x += by; }),
@@ -338,6 +335,16 @@ TEST(BistaticGradient, OfAScatteringModelAgreesWithCentralDifferences) {
                 2e-6 * std::abs(gradient.by_scattering[k]))
         << k;
   }
+}
+
+// The slopes of a table jump at its angles, so that energies and derivatives have errors there.
+TEST(BistaticGradient, OfATableOfScatteringAgreesWithCentralDifferences) {
+  const std::vector<double> angles{5, 20, 45, 70}, levels{-35, -28, -22, -12};
+  BistaticScene scene = bistatic_scene(13);
+  scene.tubes = test::forward_tubes(scene.tubes.apex, 1, 1, 14, 20, 30);
+  scene.receive = test::forward_tubes(scene.receive.apex, 1, 1, 44, 46, 27);
+  scene.scattering = {std::make_shared<const ScatteringModel>(ScatteringModel::table(angles, levels))};
+  expect_central_differences(scene, 5e-5, 2);
 }
 
 TEST(BistaticGradient, OfTexturesAgreesWithCentralDifferences) {
