@@ -148,7 +148,8 @@ constexpr auto refusal_table = std::to_array<Refusal>({
     {mirrors,
      gradient,
      {},
-     "derivatives of these paths are not supported: leave out --gradient, or the mirrors and [paths]"},
+     "paths over mirrors have no names of corners, which derivatives need: leave out --gradient, or the "
+     "mirrors and [paths]"},
     {separate_receiver,
      gradient,
      {reference},
