@@ -169,9 +169,10 @@ def test_derivatives_with_a_separate_receiver():
     for name in NAMES:
         size = np.abs(echoes.gradient[name]).sum()
         assert reverse[name] == pytest.approx(echoes.gradient[name].sum(), rel=0, abs=1e-9 * size), name
-    for name, place, step in (("camera.position.up", ("trajectory", None, "position_m", STEP, 2), STEP),
+    small = STEP / 4  # a corner near the border of a range bin makes the error of larger steps exceed the tolerance
+    for name, place, step in (("camera.position.up", ("trajectory", None, "position_m", small, 2), small),
                               ("camera.mounting.tilt", ("sensors", 0, "tilt_deg", np.degrees(STEP), None), STEP),
-                              ("block.position.north", ("objects", 0, "position_m", STEP, 1), STEP)):
+                              ("block.position.north", ("objects", 0, "position_m", small, 1), small)):
         section, index, key, change, component = place
         both = [energy_of(changed(section, index, key, sign * change, component, keys)) for sign in (1, -1)]
         derivative = echoes.gradient[name]
