@@ -218,7 +218,7 @@ class SensorResult:
 
     @property
     def gradient_step(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Two arrays (P, B) float64 by name of a parameter: its proven decrease and increase without a change of visible edges
+        """(P, B) float64, two arrays by name of a parameter: its proven decrease and increase without a change of visible edges
         and corners, in metres or radians (docs/gradients.md). The dict is empty unless the run had ``gradient_steps``."""
         forward = "gradient_forward_step."
         return {name.removeprefix(forward): (self._values["gradient_backward_step." + name.removeprefix(forward)], values)
