@@ -242,7 +242,7 @@ std::vector<std::string> one_sided_derivatives(const std::vector<Recording>& rec
       if (zeros > 0)
         warnings.push_back(fmt::format(
             "sensor '{}', derivative by {}: no step is proven for {} of {} pings and beams, because the pose "
-            "lies on a change of visible edges, or facets coincide. These derivatives may be one-sided",
+            "lies on a change of visible edges. These derivatives may be one-sided",
             recording.sensor->description().name, parameter, zeros, recording.pings() * forward.cells));
     }
   return warnings;

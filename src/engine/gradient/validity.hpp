@@ -14,7 +14,7 @@ namespace tubefoot {
 struct ValidSteps {
   double forward = 0, backward = 0;
   /// Whether the names are not certain at the parameter 0 itself. The pose then lies on a change of
-  /// combinatorics, or facets coincide. Derivatives may be one-sided. Both steps are 0.
+  /// combinatorics, and derivatives may be one-sided. Both steps are 0.
   bool on_change = false;
 };
 
