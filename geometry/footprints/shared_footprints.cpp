@@ -185,7 +185,7 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
               (own != nullptr ? *own : meeting_point(on.from_transmitter, on.chart, arriving, leaving)) *
               unit_m_);
           const std::optional<std::uint32_t> edge = s.edge_of(leaving);
-          add_edge(!edge, edge ? *edge : h.edge_of(leaving).value_or(0));
+          add_edge(!edge, edge ? *edge : h.edge_of(leaving).value());
         }
       }
       if (!is_finite(std::span(out.corners_m).subspan(piece.first))) out.corners_m.resize(piece.first);

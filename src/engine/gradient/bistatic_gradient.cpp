@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "engine/gradient/gradient_parameters.hpp"
+#include "engine/gradient/checked_arguments.hpp"
 #include "engine/gradient/path_polygon_gradient.hpp"
 #include "geometry/steps/stop.hpp"
 

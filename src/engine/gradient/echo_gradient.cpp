@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "engine/gradient/beam_gains.hpp"
-#include "engine/gradient/gradient_parameters.hpp"
+#include "engine/gradient/checked_arguments.hpp"
 #include "engine/gradient/polygon_gradient.hpp"
 #include "geometry/steps/stop.hpp"
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <boost/functional/hash.hpp>
 #include <functional>
 #include <unordered_map>
 #include <utility>
@@ -101,15 +102,10 @@ class NamedVectors {
  private:
   const NameContext& context_;
   std::function<Vector(PointId)> position_;
-  struct WordsHash {
-    std::size_t operator()(const std::array<std::uint32_t, 3>& words) const {
-      return std::size_t(words[0]) * 0x9e3779b97f4a7c15u ^ std::size_t(words[1]) * 0xc2b2ae3d27d4eb4fu ^
-             words[2];
-    }
-  };
   std::unordered_map<PointId, Vector> points_;
   std::unordered_map<FacetId, Plane> planes_;
-  std::unordered_map<std::array<std::uint32_t, 3>, Vector, WordsHash> normals_;
+  std::unordered_map<std::array<std::uint32_t, 3>, Vector, boost::hash<std::array<std::uint32_t, 3>>>
+      normals_;
 };
 
 }  // namespace tubefoot

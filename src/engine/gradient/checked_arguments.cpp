@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/gradient/gradient_parameters.hpp"
+#include "engine/gradient/checked_arguments.hpp"
 
 #include <fmt/format.h>
 
