@@ -41,8 +41,14 @@ void EdgePanels::assign(const PlanarPolygon& polygon, const PathCutter::Receiver
     if (!(length > 0)) continue;
     const glm::dvec2 start = polygon.first - c + polygon.offsets[k], along = step / length,
                      beside(along.y, -along.x);
-    Edge edge{cross(start, along),   glm::dot(tx_foot, along), glm::dot(rx_foot, along), 0, 0,
-              glm::dot(tilt, along), glm::dot(tilt, beside)};
+    Edge edge{cross(start, along),
+              glm::dot(tx_foot, along),
+              glm::dot(rx_foot, along),
+              0,
+              0,
+              glm::dot(tilt, along),
+              glm::dot(tilt, beside),
+              k};
     if (!(std::abs(edge.height) * growth_per_m > through_rad)) continue;
     // The point of the line nearest to c is `height * beside`.
     edge.tx_m = std::hypot(edge.height - glm::dot(tx_foot, beside), polygon.distance);
@@ -140,7 +146,7 @@ void EdgePanels::add_nodes(const Edge& edge, double from, double to, double grow
                  r = std::sqrt(away_tx * away_tx + edge.tx_m * edge.tx_m),
                  s = std::sqrt(away_rx * away_rx + edge.rx_m * edge.rx_m),
                  across = (d - (r - s)) * (d + (r - s));
-    out.push_back({r + s, all * rule.weight[k] * across / (square * r * s)});
+    out.push_back({r + s, all * rule.weight[k] * across / (square * r * s), at});
   }
 }
 

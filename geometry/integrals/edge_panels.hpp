@@ -27,6 +27,7 @@ class EdgePanels {
   /// A node of a quadrature rule: F(path) times the weight.
   struct Node {
     double path_m, weight;
+    double at;  ///< position on the panel
   };
 
   /// `growth_per_m`: the pieces of F are at most e^{growth |Im path|} times a constant. `most_spread_m`
@@ -36,6 +37,8 @@ class EdgePanels {
               double most_spread_m);
 
   const std::vector<Panel>& panels() const { return panels_; }
+  /// Number of the corner of the polygon at which a panel's edge begins.
+  std::size_t corner_of(const Panel& panel) const { return edges_[panel.edge].corner; }
   /// Shortest path via the plane.
   double shortest_m() const { return shortest_m_; }
   /// 1 / shortest_m() if the point of shortest path lies in the polygon, half of it on an edge, 0 elsewhere.
@@ -56,6 +59,7 @@ class EdgePanels {
     double tx_at, rx_at;  ///< positions of the apexes' foot points along the line
     double tx_m, rx_m;    ///< distances of the apexes from the line
     double tilt_along, tilt_beside;
+    std::size_t corner;  ///< at which the edge begins
   };
   double path_at(const Edge& edge, double at) const;
   void add_nodes(const Edge& edge, double from, double to, double growth_per_m, double log_error,
