@@ -150,6 +150,13 @@ py::dict arrays(const py::object& self) {
                     samples = py::ssize_t(signals.samples()), width = sizeof(Complex);
   all["pressure"] = view(signals.pressure.data(), {pings, receivers, samples},
                          {receivers * samples * width, samples * width, width}, self);
+  if (!signals.derivatives.empty()) {
+    py::dict gradient;
+    for (const ElementSignals::Derivative& by : signals.derivatives)
+      gradient[by.parameter.c_str()] = view(by.values.data(), {pings, receivers, samples},
+                                            {receivers * samples * width, samples * width, width}, self);
+    all["gradient"] = gradient;
+  }
   all["ping_times"] = view_of<double>(signals.motion.ping_start_s(), self);
   all["receivers"] = view_of<double>(signals.array.receivers_m, self, 3);
   std::vector<double> times, positions, attitudes;

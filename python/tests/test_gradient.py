@@ -457,3 +457,81 @@ def test_fits_say_what_they_cannot_set():
         return keys
     own = tubefoot.EnergyFit(upright, ["block.rotation.z"], measured, initial=[0], update=turned)
     assert own.jacobian([0]).shape == (480, 1)
+
+
+# A box and a rough seabed before a short array. Its pulse has flanks, so that signals have derivatives.
+ARRAY_KEYS = {
+    "water": {"sound_speed_m_s": 1500.0, "absorption_db_per_km": 20.0},
+    "materials": [{"name": "sand", "lambert_db": -27.0}, {"name": "steel", "smooth": True, "reflection": 0.8}],
+    "terrain": {"kind": "flat", "width_m": 12, "length_m": 12, "material": "sand"},
+    "objects": [{"name": "block", "shape": "box", "size_m": [0.9, 0.5, 0.7], "position_m": [0.31, 3.07, 0.83],
+                 "heading_deg": 25, "pitch_deg": 8, "roll_deg": 5, "material": "steel"}],
+    "trajectory": {"kind": "fixed", "position_m": [0.02, 0.013, 1.51], "heading_deg": 3, "pitch_deg": 3, "roll_deg": 2},
+    "scatterers": {"spacing_m": 0.1},
+    "sensors": [{"name": "array", "kind": "array", "frequency_khz": 20, "pulse_length_us": 400, "pulse_taper": 1,
+                 "sampling_frequency_khz": 20, "range_min_m": 2, "range_max_m": 4.5, "horizontal_deg": 40, "vertical_deg": 40,
+                 "yaw_deg": 4, "tilt_deg": 20, "roll_deg": 2, "receivers": 3, "receiver_spacing_m": [0.05, 0, 0], "signal_tolerance": 1e-6}],
+}
+
+
+def array_pressure(keys):
+    # Without the seabed, whose speckle does not move with the sonar.
+    keys = copy.deepcopy(keys)
+    keys["materials"][0].update({"smooth": True, "reflection": 1e-12})
+    return tubefoot.run(tubefoot.Scene.from_dict(keys))["array"].signals.pressure
+
+
+ARRAY_MOVED = {
+    **{f"array.position.{axis}": (lambda h, k=k: changed("trajectory", None, "position_m", h, k, keys=ARRAY_KEYS), STEP)
+       for k, axis in enumerate(("east", "north", "up"))},
+    **{f"block.position.{axis}": (lambda h, k=k: changed("objects", 0, "position_m", h, k, keys=ARRAY_KEYS), STEP)
+       for k, axis in enumerate(("east", "north", "up"))},
+    **{f"array.mounting.{angle}": (lambda h, a=angle: changed("sensors", 0, a + "_deg", np.degrees(h), keys=ARRAY_KEYS),
+                                   STEP) for angle in ("yaw", "tilt", "roll")},
+    "water.absorption": (lambda h: changed("water", None, "absorption_db_per_km", h, keys=ARRAY_KEYS), 1.0),
+}
+
+
+@pytest.mark.parametrize("name", list(ARRAY_MOVED))
+def test_signals_equal_central_differences(name):
+    """The derivatives of complex pressures include those of their phases."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        signals = tubefoot.run(tubefoot.Scene.from_dict(ARRAY_KEYS), gradient=[name])["array"].signals
+        move, step = ARRAY_MOVED[name]
+        a, b, c, d = (array_pressure(move(share * step)) for share in (1, -1, 2, -2))
+    difference = (8 * (a - b) - (c - d)) / (12 * step)
+    derivative = signals.gradient[name]
+    assert derivative.shape == signals.pressure.shape and derivative.dtype == complex
+    assert np.abs(derivative - difference).max() < 2e-3 * np.abs(difference).max()
+
+
+def test_files_of_signals_contain_derivatives(tmp_path):
+    scene = tubefoot.Scene.from_dict(ARRAY_KEYS)
+    names = ["array.position.up", "water.sound_speed", "material.sand.mu"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = tubefoot.run(scene, gradient=names)
+        signals = result["array"].signals
+        assert list(signals.gradient) == names[:2]
+        signals.write(tmp_path / "signals.nc")
+    with netCDF4.Dataset(tmp_path / "signals.nc") as file:
+        for name in names[:2]:
+            parts = file["pressure_gradient." + name][:]
+            assert np.array_equal(parts[..., 0] + 1j * parts[..., 1], signals.gradient[name])
+        assert file["pressure_gradient.array.position.up"].units == "W^(1/2) m-1"
+        assert file["pressure_gradient.water.sound_speed"].units == "W^(1/2) m-1 s"
+
+
+@pytest.mark.parametrize("key, value, reason", [
+    ("pulse_taper", 0, "no flanks"), ("receiver_arm_m", [0.5, 0, 0], "separate receiver"),
+])
+def test_signals_without_derivatives_have_a_reason(key, value, reason):
+    keys = copy.deepcopy(ARRAY_KEYS)
+    keys["sensors"][0][key] = value
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = tubefoot.run(tubefoot.Scene.from_dict(keys), gradient=["water.absorption"])
+    assert any("signals have none" in warning and reason in warning for warning in result.warnings)
+    assert result["array"].signals.gradient == {}
+    assert "water.absorption" in result["array"].gradient

@@ -48,6 +48,15 @@ class Signals:
         return self._arrays["pressure"]
 
     @property
+    def gradient(self) -> dict[str, np.ndarray]:
+        """Derivatives by the parameters of run(gradient=[...]): (P, R, S) complex128 each.
+
+        They are derivatives of the pressures of smooth surfaces, in W^(1/2) per unit of the parameter. Other surfaces
+        contribute nothing, because their speckle has the mean 0. Empty if the run computes no derivatives of signals.
+        """
+        return self._arrays.get("gradient", {})
+
+    @property
     def ping_times(self) -> np.ndarray:
         """(P,) float64: start times of the transmissions in s on the scene's clock."""
         return self._arrays["ping_times"]

@@ -31,6 +31,10 @@ std::span<const double> pairs(std::span<const std::complex<double>> values) {
   return {reinterpret_cast<const double*>(values.data()), 2 * values.size()};
 }
 
+std::string derivative_name(const ElementSignals::Derivative& by) {
+  return "pressure_gradient." + by.parameter;
+}
+
 void define(EchoGroup& root, const ElementSignals& signals) {
   const SignalSampling& sampling = signals.sampling;
   root.attribute("source_energy", "1 J/sr at 1 m");
@@ -76,6 +80,18 @@ void define(EchoGroup& root, const ElementSignals& signals) {
                    "is not smooth, or that is smooth with a fluid or roughness, an echo through beam "
                    "patterns or mirrors, or an echo between ends that move within a ping.");
     root.chunk(bound, "pressure_bound", {1, signals.receivers(), signals.samples(), 2});
+  }
+
+  for (const ElementSignals::Derivative& by : signals.derivatives) {
+    const std::string name = derivative_name(by);
+    const int derivative =
+        root.define(name, {ping, receiver, sample, part}, by.units,
+                    by.meaning + ", real and imaginary part, for echoes of smooth surfaces");
+    root.attribute(derivative, "coordinates", "ping_start_time sample_time");
+    root.attribute(derivative, "comment",
+                   "Echoes of other surfaces are speckle "
+                   "with the mean 0 and contribute nothing.");
+    root.chunk(derivative, name, {1, signals.receivers(), signals.samples(), 2});
   }
 
   std::vector<double> times;
@@ -291,7 +307,9 @@ class SignalsInput {
 void write_signals(const fs::path& path, const ElementSignals& signals, const Provenance& provenance) {
   check(signals);
   const std::size_t per_ping = 2 * signals.receivers() * signals.samples(),
-                    bytes = (signals.pressure.size() + signals.bound.size()) * sizeof(std::complex<double>);
+                    bytes =
+                        (signals.pressure.size() * (1 + signals.derivatives.size()) + signals.bound.size()) *
+                        sizeof(std::complex<double>);
   if (per_ping * sizeof(double) > static_cast<std::size_t>(limits::block_bytes))
     throw std::invalid_argument(fmt::format(
         "{}: a ping of {} receivers x {} samples is larger than 512 MB: write fewer receivers or samples",
@@ -305,7 +323,7 @@ void write_signals(const fs::path& path, const ElementSignals& signals, const Pr
   define(root, signals);
   Steps steps("pings of signals.nc", signals.pings());
   std::vector<PingVariable> variables;
-  const auto add = [&](const char* name, const std::vector<std::complex<double>>& values) {
+  const auto add = [&](const std::string& name, const std::vector<std::complex<double>>& values) {
     if (values.empty()) return;
     variables.push_back({name, [&values, per_ping](std::size_t ping) {
                            return packed_chunk(pairs(values).subspan(ping * per_ping, per_ping));
@@ -313,6 +331,7 @@ void write_signals(const fs::path& path, const ElementSignals& signals, const Pr
   };
   add("pressure", signals.pressure);
   add("pressure_bound", signals.bound);
+  for (const ElementSignals::Derivative& by : signals.derivatives) add(derivative_name(by), by.values);
   write_pings(file.chunks(bytes), "/", variables, signals.pings(), per_ping,
               [&](std::size_t) { steps.done(); });
   file.close();

@@ -79,8 +79,8 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
 /// Checks the memory, because all pings of a recording are loaded while their files are written.
 void require_memory_of(const SignalProducts& products, const Recording& recording, const RunContext& run) {
   const SignalCounts counts = counts_of(recording);
-  const double bounds = run.with_bounds ? 2 : 1;
-  require_memory(2 * bounds * bytes_of(counts) + memory_of_signal_files(products, counts),
+  const double arrays = (run.with_bounds ? 2 : 1) + double(recording.signals->derivatives.size());
+  require_memory(2 * arrays * bytes_of(counts) + memory_of_signal_files(products, counts),
                  recording.sensor->description().place,
                  fmt::format("the signal files of {} pings and {} receivers", counts.pings, counts.receivers),
                  "use fewer pings at a time (--pings), or leave out products");
@@ -107,6 +107,8 @@ ElementSignals element_signals_of(const Recording& recording) {
   };
   take(recorded.pressure, signals.pressure);
   if (!recorded.bound.is_empty()) take(recorded.bound, signals.bound);
+  for (const SignalRecording::Derivative& by : recorded.derivatives)
+    take(by.channel, signals.derivatives.emplace_back(by.parameter, by.units, by.meaning).values);
   return signals;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "scene/trajectory.hpp"
@@ -15,6 +16,12 @@ struct SignalRecording {
   RecordedChannel pressure{};
   /// Certified half-widths of these values, in the same order; empty: not certified.
   RecordedChannel bound{};
+  /// A derivative of these values by a parameter of the scene, in the same order.
+  struct Derivative {
+    std::string parameter, units, meaning;
+    RecordedChannel channel;
+  };
+  std::vector<Derivative> derivatives{};
   /// Track of the sensor's carrier over the pings. For a sensor that is turned towards a target, it is the
   /// track of the sensor itself.
   std::vector<Trajectory::Sample> track{};

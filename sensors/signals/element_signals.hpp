@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "sensors/signals/transmit_waveform.hpp"
@@ -39,6 +40,13 @@ struct ElementSignals {
   /// Certified half-widths of the pressures' real and imaginary parts. They are infinite where no bound
   /// exists. Empty: not certified.
   std::vector<std::complex<double>> bound{};
+  /// A derivative of the pressures of smooth surfaces by a parameter of the scene, in the order of the
+  /// pressures.
+  struct Derivative {
+    std::string parameter, units, meaning;
+    std::vector<std::complex<double>> values;
+  };
+  std::vector<Derivative> derivatives{};
 
   std::size_t pings() const { return motion.pings(); }
   std::size_t receivers() const { return array.receivers_m.size(); }

@@ -51,6 +51,20 @@ std::complex<double> baseband_at(const TransmitWaveform& waveform, double baseba
   return std::polar(envelope, -2 * pi * cycles);
 }
 
+std::complex<double> baseband_slope_at(const TransmitWaveform& waveform, double baseband_hz, double time_s) {
+  const double length = waveform.duration_s, flank = 0.5 * waveform.taper * length;
+  if (!(time_s >= 0 && time_s <= length)) return 0;
+  const double from_end = std::min(time_s, length - time_s),
+               height = 1 / std::sqrt(length * (1 - 0.625 * waveform.taper)),
+               steep = from_end < flank ? height * 0.5 * pi / flank * std::sin(pi * from_end / flank) : 0,
+               hz = waveform.start_hz - baseband_hz + waveform.chirp_rate_hz_s() * time_s,
+               cycles =
+                   (waveform.start_hz - baseband_hz + 0.5 * waveform.chirp_rate_hz_s() * time_s) * time_s;
+  return std::complex<double>(time_s < length / 2 ? steep : -steep,
+                              -2 * pi * hz * envelope_at(waveform, time_s)) *
+         std::polar(1.0, -2 * pi * cycles);
+}
+
 FrequencyBand band_of(const TransmitWaveform& waveform) {
   const double lobe_hz = (1 + waveform.taper) / waveform.duration_s;
   const auto [low_hz, high_hz] = std::minmax(waveform.start_hz, waveform.stop_hz);

@@ -30,6 +30,8 @@ TransmitWaveform linear_chirp(double start_hz, double stop_hz, double duration_s
 double envelope_at(const TransmitWaveform& waveform, double time_s);
 /// Complex baseband about `baseband_hz` [s^-1/2].
 std::complex<double> baseband_at(const TransmitWaveform& waveform, double baseband_hz, double time_s);
+/// Derivative of baseband_at() by time, for a waveform with flanks.
+std::complex<double> baseband_slope_at(const TransmitWaveform& waveform, double baseband_hz, double time_s);
 
 struct FrequencyBand {
   double low_hz = 0, high_hz = 0;

@@ -16,6 +16,7 @@
 #include "run/receiver_pair_rows.hpp"
 #include "run/refracted_reference.hpp"
 #include "run/refraction.hpp"
+#include "run/signal_gradients.hpp"
 #include "run/signals.hpp"
 #include "run/transmission_images.hpp"
 #include "run/transmission_rays.hpp"
@@ -381,6 +382,7 @@ std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRe
   if (!request.gradient.empty()) {
     add(group.sensors, add_gradients);
     plan.back().needs_corner_names = true;
+    add(those([&](std::size_t s) { return sensor(s).signals() != nullptr; }), add_signal_gradients);
   }
   return plan;
 }

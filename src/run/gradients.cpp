@@ -38,10 +38,11 @@ std::uint16_t gradient_component(const SceneDescription& description, const Grad
   return static_cast<std::uint16_t>(description.terrains.size() + parameter.owner);
 }
 
-/// Returns the engine's parameter for the energies of a sensor. Empty if they do not depend on it.
+}  // namespace
+
 std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter,
-                                              const Transmission& transmission, std::size_t s,
-                                              const FacetMesh& mesh) {
+                                              const Transmission& transmission, std::size_t s) {
+  const FacetMesh& mesh = transmission.surface_mesh().mesh();
   const Scene& scene = transmission.scene();
   const Sensor& sensor = transmission.sensor(s);
   const Pose& pose = transmission.pose();
@@ -79,6 +80,8 @@ std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter
   }
   return std::nullopt;
 }
+
+namespace {
 
 /// Returns the largest step for which the run proves that the visible polygons keep their corners.
 double largest_step(const GradientParameter& parameter, const Transmission& transmission, std::size_t s) {
@@ -262,7 +265,7 @@ void add_gradients(const EchoContribution& plan, const Transmission& transmissio
     std::vector<std::string> channels, bounds;
     std::vector<EchoParameter> parameters;
     for (const GradientParameter& parameter : all)
-      if (auto own = engine_parameter(parameter, transmission, s, mesh)) {
+      if (auto own = engine_parameter(parameter, transmission, s)) {
         own_parameters.push_back(&parameter);
         channels.push_back(gradient_channel(parameter));
         bounds.push_back(gradient_channel(parameter, "gradient_bound"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,10 @@ std::vector<OutputChannel> gradient_channels(const SceneDescription& description
 /// Throws UsageError if the run requests derivatives that a sensor or an object does not permit. The table
 /// of abilities.hpp contains all other reasons.
 void require_gradients(const Survey& survey, const RunRequest& request);
+
+/// Returns the engine's parameter for the echoes of a sensor. Empty if they do not depend on it.
+std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter,
+                                              const Transmission& transmission, std::size_t sensor);
 
 /// Returns the engine's parameter for a parameter of the kind `scattering`.
 MaterialParameter scattering_parameter(const SceneDescription& description,

@@ -101,8 +101,12 @@ void PingSums::add_to_beams(const Transmission& transmission, std::size_t s, std
 }
 
 void PingSums::add_signals(std::size_t s, std::span<const double> values, std::span<const double> bounds) {
-  add_to(values_.of(s, "signals"), values);
-  if (!bounds.empty()) add_to(values_.of(s, "signals_bound"), bounds);
+  add_to_signals(s, "signals", values);
+  if (!bounds.empty()) add_to_signals(s, "signals_bound", bounds);
+}
+
+void PingSums::add_to_signals(std::size_t s, std::string_view channel, std::span<const double> values) {
+  add_to(values_.of(s, channel), values);
 }
 
 void PingSums::with_echo(const Transmission& transmission, const CommonVisibility& visibility, std::size_t s,

@@ -48,6 +48,8 @@ class PingSums {
   /// Adds values to the signals that a sensor's elements record: [receiver][sample][real, imaginary].
   /// `bounds`: bounds of the values, or empty.
   void add_signals(std::size_t sensor, std::span<const double> values, std::span<const double> bounds);
+  /// Adds values to an output channel with the layout of the signals.
+  void add_to_signals(std::size_t sensor, std::string_view channel, std::span<const double> values);
   /// Adds the change that relief finer than the visible facets would cause.
   void add_finer_relief(const Transmission& transmission, const CommonVisibility& visibility,
                         const FacetMesh& mesh, double sample_m);

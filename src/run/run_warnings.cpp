@@ -7,6 +7,7 @@
 #include "run/open_signals.hpp"
 #include "run/placement.hpp"
 #include "run/refraction.hpp"
+#include "run/signal_gradients.hpp"
 
 namespace tubefoot {
 
@@ -14,6 +15,7 @@ void RunWarnings::foresee(const Survey& survey, const RunRequest& request) {
   add(survey.scene.report.warnings);
   add(vast_windows(survey));
   if (request.reference_tolerance) add(open_signals(survey));
+  add(missing_signal_gradients(survey, request));
   if (!survey.loaded_scene->has_surface_per_transmission() && !survey.loaded_scene->is_tiled())
     add(expected_no_returns(survey, request));
 }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "run/signal_gradients.hpp"
 #include "run/stored_pings.hpp"
 #include "run/transmission_images.hpp"
 #include "sensors/recordings/signal_recording.hpp"
@@ -17,15 +18,14 @@ const SignalModel* model_of(const Survey& survey, std::size_t s) {
   return survey.sensors[s].sensor->signals();
 }
 
-/// Converts values to the form of the output channel: [receiver][sample][real, imaginary].
+}  // namespace
+
 std::vector<double> parts_of(std::span<const std::complex<double>> values) {
   std::vector<double> parts;
   parts.reserve(2 * values.size());
   for (const std::complex<double>& value : values) parts.insert(parts.end(), {value.real(), value.imag()});
   return parts;
 }
-
-}  // namespace
 
 void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
                     const std::vector<ChosenEchoes>& chosen, const std::shared_ptr<PingStore>& store) {
@@ -37,6 +37,7 @@ void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
     const auto signals = std::make_shared<SignalRecording>();
     signals->pressure = recorded_channel(store, s, "signals");
     signals->bound = recorded_channel(store, s, "signals_bound");
+    signals->derivatives = recorded_signal_gradients(survey, s, store);
     if (recording.sensor->description().look_at_m)
       for (std::size_t ping = 0; ping < recording.pings(); ++ping)
         signals->track.push_back({recording.ping_time_s[ping], recording.ping_pose[ping]});

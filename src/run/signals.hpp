@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <complex>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "engine/gradient/echo_gradient.hpp"
 #include "engine/signal/certified_signals.hpp"
 #include "run/contributions.hpp"
 #include "run/ping_sums.hpp"
@@ -21,6 +24,9 @@ SurfaceField surface_field_of(const Survey& survey);
 /// local frame.
 std::vector<SignalChannel> signal_channels(const Transmission& transmission, std::size_t sensor);
 
+/// Converts values to the form of an output channel: [receiver][sample][real, imaginary].
+std::vector<double> parts_of(std::span<const std::complex<double>> values);
+
 /// Attaches the signals to the recordings of sensors that have them, for the selected pings.
 void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
                     const std::vector<ChosenEchoes>& chosen, const std::shared_ptr<PingStore>& store);
@@ -32,6 +38,12 @@ void attach_signals(std::vector<Recording>& recordings, const Survey& survey,
 /// phases, and for surfaces with too many scatterers.
 CertifiedSignals signals_received(const Transmission& transmission, std::size_t sensor,
                                   const History& history);
+
+/// Returns the derivatives of these signals by parameters, for smooth surfaces. See
+/// smooth_signal_derivatives().
+std::vector<ChannelSignals> signal_derivatives(const Transmission& transmission, std::size_t sensor,
+                                               const History& history,
+                                               std::span<const EchoParameter> parameters);
 
 /// Adds the part of a transmission's echoes that its elements record.
 void add_signals(const EchoContribution& plan, const Transmission& transmission, PingSums& sums);

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "engine/gradient/signal_parameters.hpp"
 #include "engine/signal/certified_signals.hpp"
 #include "engine/signal/smooth_signals.hpp"
 #include "geometry/numbers/scalars.hpp"
@@ -66,6 +67,9 @@ CoherentReceiver receiver_of(const Transmission& transmission, std::size_t s) {
                       return baseband_at(waveform, carrier, time_s);
                     },
                     0, model.waveform.duration_s, held_hz};
+  receiver.pulse.slope = [waveform = model.waveform, carrier = carrier_hz(model)](double time_s) {
+    return baseband_slope_at(waveform, carrier, time_s);
+  };
   set_flanks(receiver.pulse, model.waveform.taper, model.waveform.stop_hz - model.waveform.start_hz);
   receiver.times = {model.sampling.first_s, model.sampling.rate_hz, model.sampling.samples};
   receiver.carrier_hz = carrier_hz(model);
@@ -194,6 +198,19 @@ class TransmissionSignals {
     });
     return all;
   }
+  /// Returns the derivatives of straight() by parameters, of smooth surfaces only.
+  std::vector<ChannelSignals> derivatives(const History& history,
+                                          std::span<const EchoParameter> parameters) const {
+    const EchoModel& echo_model = echo_model_.model;
+    const VisiblePolygons patches = split_polygons(visible_polygons(history, echo_model), [&](FacetId facet) {
+                                      return surface_of(facet, echo_model) != nullptr;
+                                    }).smooth;
+    return smooth_signal_derivatives(
+        patches, receiver_, echo_model, [&](FacetId facet) { return surface_of(facet, echo_model); },
+        signal_parameters(transmission_.surface_mesh().mesh(), history, patches, receiver_.channels,
+                          parameters),
+        model_.tolerance);
+  }
   bool has_mirrors() const {
     return path_settings(transmission_.scene(), transmission_.sensor(sensor_).frequency_khz()).has_value();
   }
@@ -316,6 +333,14 @@ class TransmissionSignals {
 };
 
 }  // namespace
+
+std::vector<ChannelSignals> signal_derivatives(const Transmission& transmission, std::size_t s,
+                                               const History& history,
+                                               std::span<const EchoParameter> parameters) {
+  std::vector<ChannelSignals> all = TransmissionSignals(transmission, s).derivatives(history, parameters);
+  for (ChannelSignals& signals : all) mix(signals, *transmission.sensor(s).signals());
+  return all;
+}
 
 CertifiedSignals signals_received(const Transmission& transmission, std::size_t s, const History& history) {
   try {

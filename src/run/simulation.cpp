@@ -16,6 +16,7 @@
 #include "run/labels.hpp"
 #include "run/refraction.hpp"
 #include "run/regional_simulation.hpp"
+#include "run/signal_gradients.hpp"
 #include "run/signals.hpp"
 #include "run/stored_pings.hpp"
 #include "run/surfaces.hpp"
@@ -28,8 +29,9 @@ namespace {
 
 /// Returns the output channels of a sensor. Checkpoints, shards and ranks enumerate them. `beams`: number of
 /// stored beams. `labels`: number of label channels (LabelChannels), or 0.
-std::vector<OutputChannel> output_channels(const SceneDescription& scene, const Sensor& sensor,
-                                           std::size_t beams, const RunRequest& request, std::size_t labels) {
+std::vector<OutputChannel> output_channels(const Survey& survey, std::size_t s, std::size_t beams,
+                                           const RunRequest& request, std::size_t labels) {
+  const Sensor& sensor = *survey.sensors[s].sensor;
   const auto samples = static_cast<std::size_t>(sensor.samples().count);
   const std::size_t cells = beams * samples;
   const auto rows = static_cast<std::size_t>(sensor.channels());
@@ -44,7 +46,9 @@ std::vector<OutputChannel> output_channels(const SceneDescription& scene, const 
     add("signals", 2 * model->array.receivers_m.size() * model->sampling.samples, 1,
         [](bool) { return std::vector<ChannelVariable>(); });
   if (labels > 0) channels.push_back({"labels", labels * cells});
-  std::ranges::move(gradient_channels(scene, request, beams, samples), std::back_inserter(channels));
+  std::ranges::move(gradient_channels(survey.scene.description, request, beams, samples),
+                    std::back_inserter(channels));
+  std::ranges::move(signal_gradient_channels(survey, s, request), std::back_inserter(channels));
   return channels;
 }
 
@@ -67,8 +71,7 @@ StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
   const std::size_t labels = request.labels ? LabelChannels(survey, request).channels() : 0;
   for (std::size_t s = 0; s < chosen.size(); ++s)
     layout.sensors.push_back(
-        {chosen[s].pings, output_channels(survey.scene.description, *survey.sensors[s].sensor,
-                                          chosen[s].beams.size(), request, labels)});
+        {chosen[s].pings, output_channels(survey, s, chosen[s].beams.size(), request, labels)});
   for (const SharedTransmissions& group : survey.transmissions) {
     StoreLayout::Group& kept = layout.groups.emplace_back();
     for (const std::size_t s : group.sensors) {

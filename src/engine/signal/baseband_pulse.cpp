@@ -22,9 +22,18 @@ BasebandPulse gaussian_pulse(double sigma_s, double left_out) {
         fmt::format("a Gaussian pulse needs a length above 0 and an omitted share below 1, not {} s and {}",
                     sigma_s, left_out));
   const double reach = std::sqrt(-2 * std::log(left_out)),
-               peak = 1 / std::sqrt(sigma_s * std::sqrt(std::numbers::pi));
-  return {[=](double t) { return std::complex<double>(peak * std::exp(-t * t / (2 * sigma_s * sigma_s))); },
-          -reach * sigma_s, reach * sigma_s, reach / (std::numbers::pi * sigma_s)};
+               peak = 1 / std::sqrt(sigma_s * std::sqrt(std::numbers::pi)), square = sigma_s * sigma_s;
+  BasebandPulse pulse{[=](double t) { return std::complex<double>(peak * std::exp(-t * t / (2 * square))); },
+                      -reach * sigma_s, reach * sigma_s, reach / (std::numbers::pi * sigma_s)};
+  pulse.slope = [=, envelope = pulse.envelope](double t) { return -t / square * envelope(t); };
+  return pulse;
+}
+
+BasebandPulse BasebandPulse::rate() const {
+  BasebandPulse rate = *this;
+  rate.envelope = slope;
+  rate.slope = nullptr;
+  return rate;
 }
 
 void set_flanks(BasebandPulse& pulse, double taper, double sweep_hz) {

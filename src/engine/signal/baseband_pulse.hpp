@@ -37,10 +37,15 @@ struct BasebandPulse {
   /// Shortest flank (half a period of a cosine) between two breaks, which part_bandwidth_hz excludes; 0: no
   /// flank.
   double flank_s = 0;
+  /// Derivative of the envelope by time, per second. Only derivatives of signals need it.
+  std::function<std::complex<double>(double time_s)> slope{};
 
   std::complex<double> at(double time_s) const {
     return time_s >= begin_s && time_s <= end_s ? envelope(time_s) : 0;
   }
+  /// Returns the pulse whose envelope is the derivative of this envelope. Its flanks have kinks where this
+  /// pulse has breaks.
+  BasebandPulse rate() const;
 };
 
 /// exp(-t^2 / (2 sigma^2)) with energy 1, truncated in time and in frequency at `left_out` of its peak.

@@ -5,12 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <ranges>
 #include <stdexcept>
 #include <utility>
 
+#include "engine/signal/certified_signals.hpp"
 #include "engine/signal/smooth_amplitude.hpp"
 #include "engine/signal/smooth_pieces.hpp"
+#include "geometry/integrals/edge_motion.hpp"
 #include "geometry/integrals/edge_panels.hpp"
 #include "geometry/numbers/scalars.hpp"
 #include "geometry/steps/in_order.hpp"
@@ -39,6 +42,9 @@ struct ReceivedPulse {
   const BasebandPulse& pulse;
   PulseTable table;
   double carrier_rad_m, part_rad_m, band_rad_m, sound_speed_m_s;
+  /// Derivative of the pulse by time; for derivatives of signals.
+  std::optional<BasebandPulse> rate{};
+  std::optional<PulseTable> rate_table{};
 
   ReceivedPulse(const CoherentReceiver& receiver, double tolerance)
       : pulse(receiver.pulse),
@@ -103,11 +109,42 @@ void halve(const PlanarPolygon& polygon, glm::dvec2 along, std::vector<PlanarPol
   }
 }
 
-/// Polygons of one channel, one after the other.
+/// Velocities of a polygon's corners and plane and of a channel's ends, in the frame of the plane.
+EdgeMotion::Velocity velocity_on_plane(const SignalParameter& parameter, std::size_t patch,
+                                       std::size_t channel, const PlanarPolygon& polygon,
+                                       const PathCutter::Receiver& rx, const PlaneFrame& frame,
+                                       glm::dvec3 normal, glm::dvec3 transmit, glm::dvec3 receive) {
+  const SignalParameter::Polygon at_rest,
+      &moved = parameter.polygons.empty() ? at_rest : parameter.polygons[patch];
+  const auto end = [channel](const std::vector<glm::dvec3>& ends) {
+    return ends.empty() ? glm::dvec3(0) : ends[channel];
+  };
+  const glm::dvec3 by_transmit = end(parameter.transmit), by_receive = end(parameter.receive);
+  const auto in_plane = [&](glm::dvec3 v) { return glm::dvec2(glm::dot(v, frame.u), glm::dot(v, frame.v)); };
+  const auto distance_of = [&](glm::dvec3 place, glm::dvec3 by_place) {
+    return moved.distance + glm::dot(moved.normal, place) + glm::dot(normal, by_place);
+  };
+  // The frame turns with the plane, so that a vector with the component -d along the normal turns by d dn.
+  const glm::dvec2 tilt = in_plane(moved.normal);
+  EdgeMotion::Velocity velocity{{},
+                                distance_of(transmit, by_transmit),
+                                distance_of(receive, by_receive),
+                                in_plane(by_receive - by_transmit) + (polygon.distance - rx.distance) * tilt};
+  for (std::size_t k = 0; k < polygon.offsets.size(); ++k)
+    velocity.corners.push_back(
+        in_plane((moved.corners.empty() ? glm::dvec3(0) : moved.corners[k]) - by_transmit) +
+        polygon.distance * tilt);
+  return velocity;
+}
+
+/// Polygons of one channel, one after the other: their signals, or the derivatives of their signals by
+/// parameters. Each column is a sum of delayed copies of a pulse. Signals have one column. Each parameter has
+/// two, of the pulse and of its derivative by time.
 class ChannelOfSmooth {
  public:
   ChannelOfSmooth(const SignalChannel& channel, const CoherentReceiver& receiver,
-                  const ReceivedPulse& received, const EchoModel& model, double tolerance)
+                  const ReceivedPulse& received, const EchoModel& model, double tolerance,
+                  std::span<const SignalParameter> parameters = {}, std::size_t number = 0)
       : channel_(channel),
         receiver_(receiver),
         received_pulse_(received),
@@ -115,13 +152,22 @@ class ChannelOfSmooth {
         absorption_per_m_(absorption_per_m(model.absorption_db_per_m)),
         tolerance_(tolerance),
         sent_(amplitude_wavenumber(channel.transmit) + amplitude_wavenumber(model.path.tx.loss)),
-        received_(amplitude_wavenumber(channel.receive) + amplitude_wavenumber(model.path.back().loss)) {
+        received_(amplitude_wavenumber(channel.receive) + amplitude_wavenumber(model.path.back().loss)),
+        parameters_(parameters),
+        number_(number) {
+    if (parameters.empty()) columns_.push_back({&received.pulse, &received.table, 0});
+    for (std::size_t n = 0; n < parameters.size(); ++n) {
+      columns_.push_back({&received.pulse, &received.table, n * receiver.times.count});
+      columns_.push_back({&*received.rate, &*received.rate_table, n * receiver.times.count});
+    }
+    strength_.resize(columns_.size());
     const double reach = receiver.pulse.end_s - receiver.pulse.begin_s;
     first_m_ = (receiver.times.first_s - receiver.pulse.end_s - reach) * receiver.sound_speed_m_s;
     last_m_ = (receiver.times.time_s(receiver.times.count) - receiver.pulse.begin_s + reach) *
               receiver.sound_speed_m_s;
   }
 
+  /// `out`: samples, or samples of all parameters.
   void add(const VisiblePolygons& seen, const VisiblePolygon& patch, const SmoothSurface& surface,
            std::complex<double>* out) {
     const glm::dvec3 transmit = channel_.transmit_m - seen.origin_m,
@@ -139,6 +185,10 @@ class ChannelOfSmooth {
     pieces_.resize(1);
     pieces_[0].assign(corners_, plane_, frame);
     halvings_.assign(1, 0);
+    velocity_.clear();
+    for (const SignalParameter& parameter : parameters_)
+      velocity_.push_back(velocity_on_plane(parameter, std::size_t(&patch - seen.patches.data()), number_,
+                                            pieces_[0], rx_, frame, plane_.normal, transmit, receive));
     while (!pieces_.empty()) {
       const PlanarPolygon piece = std::move(pieces_.back());
       const int halvings = halvings_.back();
@@ -150,6 +200,12 @@ class ChannelOfSmooth {
   }
 
  private:
+  struct Column {
+    const BasebandPulse* pulse;
+    const PulseTable* table;
+    std::size_t first;  ///< first sample
+  };
+
   void add(const PlanarPolygon& piece, const SmoothSurface& surface, int halvings,
            std::complex<double>* out) {
     if (piece.offsets.size() < 3) return;
@@ -176,7 +232,7 @@ class ChannelOfSmooth {
     mirror.roughness_m = 0;
     factor_ = received_part(piece) * mirror.factor(sine, k);
     take_shifts(rough_m);
-    if (is_small(half_spread)) {
+    if (parameters_.empty() && is_small(half_spread)) {
       const FarAmplitude far = far_amplitude(piece, rx_, k);
       if (far.error <= each_error * tolerance_ * far.most) {
         const std::complex<double> amplitude =
@@ -190,6 +246,7 @@ class ChannelOfSmooth {
     // Panels are wide enough that pulses are not added more often than their band requires.
     const double most_spread = 2 * pi / received_pulse_.band_rad_m;
     edges_.assign(piece, rx_, k + absorption_per_m_ / 2, most_spread);
+    if (!parameters_.empty()) motion_.emplace(piece, rx_);
     add_image(out);
     for (const EdgePanels::Panel& panel : edges_.panels()) add(panel, out);
   }
@@ -221,6 +278,36 @@ class ChannelOfSmooth {
   std::complex<double> wave(double path_m) const {
     return std::polar(std::exp(-absorption_per_m_ * path_m / 2), received_pulse_.carrier_rad_m * path_m);
   }
+  /// Sets strength_ to the strengths by column of pulses that arrive along a path. `rate_of` returns the
+  /// derivatives of path and weight for a velocity.
+  template <class RateOf>
+  void take_strength(std::complex<double> factor, double path_m, double weight, const RateOf& rate_of) {
+    const std::complex<double> arriving = wave(path_m);
+    if (parameters_.empty()) {
+      strength_[0] = factor * weight * arriving;
+      return;
+    }
+    const double k = received_pulse_.carrier_rad_m;
+    for (std::size_t n = 0; n < parameters_.size(); ++n) {
+      const SignalParameter& parameter = parameters_[n];
+      const EdgeMotion::NodeRate by = rate_of(velocity_[n]);
+      // A change of the sound speed changes delays and phases as a change of the path does.
+      const double later_m = by.path_m - parameter.by_sound_speed * path_m,
+                   fainter =
+                       (absorption_per_m_ * by.path_m + absorption_per_m(parameter.by_absorption) * path_m) /
+                       2;
+      strength_[2 * n] =
+          factor * (by.weight + weight * std::complex<double>(-fainter, k * later_m)) * arriving;
+      strength_[2 * n + 1] = factor * (-weight * later_m / receiver_.sound_speed_m_s) * arriving;
+    }
+  }
+  void take_strength(std::complex<double> factor, const EdgePanels::Panel& panel,
+                     const EdgePanels::Node& node) {
+    take_strength(factor, node.path_m, node.weight, [&](const EdgeMotion::Velocity& velocity) {
+      return motion_->of_node(edges_.corner_of(panel), node, velocity);
+    });
+  }
+
   double sample_of(double time_s) const {
     return (time_s - receiver_.times.first_s) * receiver_.times.rate_hz;
   }
@@ -232,13 +319,18 @@ class ChannelOfSmooth {
   /// Adds the specular contribution, a copy of the pulse at the plane's place of shortest path.
   void add_image(std::complex<double>* out) {
     if (edges_.image() == 0) return;
-    const std::complex<double> amplitude = factor_ * edges_.image() * wave(edges_.shortest_m());
-    const BasebandPulse& pulse = receiver_.pulse;
+    take_strength(factor_, edges_.shortest_m(), edges_.image(), [&](const EdgeMotion::Velocity& velocity) {
+      const double longer_m = motion_->of_shortest_m(velocity);
+      return EdgeMotion::NodeRate{longer_m, -edges_.image() * longer_m / edges_.shortest_m()};
+    });
     for (const PathShift& shift : shifts_) {
       const double delay_s = (edges_.shortest_m() + shift.longer_m) / receiver_.sound_speed_m_s;
+      const BasebandPulse& pulse = receiver_.pulse;
       for (std::size_t n = sample_from(delay_s + pulse.begin_s), end = sample_from(delay_s + pulse.end_s);
            n <= end && n < receiver_.times.count; ++n)
-        out[n] += amplitude * shift.weight * pulse.at(receiver_.times.time_s(n) - delay_s);
+        for (std::size_t c = 0; c < columns_.size(); ++c)
+          out[columns_[c].first + n] +=
+              strength_[c] * shift.weight * columns_[c].pulse->at(receiver_.times.time_s(n) - delay_s);
     }
   }
 
@@ -251,7 +343,7 @@ class ChannelOfSmooth {
     const double node_error = error_ / 8;
     path_nodes_.clear();
     edges_.nodes(panel, panel.from, panel.to, turn + count, node_error, path_nodes_);
-    interpolate(count, (least + most) / 2, half);
+    interpolate(panel, count, (least + most) / 2, half);
     const auto first_of = [&](double time_s, const PathShift& shift) {
       return time_s + (least + shift.longer_m) / c - received_pulse_.table.reach_s();
     };
@@ -260,10 +352,11 @@ class ChannelOfSmooth {
       std::size_t next = 0;
       const double longer_s = 2 * half / c + 2 * received_pulse_.table.reach_s();
       const auto add_until = [&](std::size_t end) {
-        if (next < end)
-          for (std::size_t n = 0; n < coefficients_.size(); ++n)
-            received_pulse_.table.add(coefficients_[n] * shift.weight, (delay_m_[n] + shift.longer_m) / c,
-                                      next, end, out);
+        for (std::size_t column = 0; column < columns_.size() && next < end; ++column)
+          for (std::size_t n = 0; n < delay_m_.size(); ++n)
+            columns_[column].table->add(coefficients_[column * delay_m_.size() + n] * shift.weight,
+                                        (delay_m_[n] + shift.longer_m) / c, next, end,
+                                        out + columns_[column].first);
         next = std::max(next, end);
       };
       for (const PulseBreak& at : receiver_.pulse.breaks) {
@@ -271,40 +364,47 @@ class ChannelOfSmooth {
         const double begin_s = first_of(at.time_s, shift);
         const std::size_t end = sample_from(begin_s + longer_s);
         add_until(sample_from(begin_s));
-        for (; next < end; ++next) out[next] += shift.weight * by_parts(panel, next, shift.longer_m);
+        for (; next < end; ++next) add_by_parts(panel, next, shift, out);
       }
       add_until(receiver_.times.count);
     }
   }
 
-  /// Coefficients of the pulse at Chebyshev delays, which together represent the panel's nodes.
-  void interpolate(int count, double middle_m, double half_m) {
+  /// Coefficients of the pulses at Chebyshev delays, which together represent the panel's nodes.
+  void interpolate(const EdgePanels::Panel& panel, int count, double middle_m, double half_m) {
     const auto n = std::size_t(count);
-    moments_.assign(n, 0);
+    moments_.assign(columns_.size() * n, 0);
     for (const EdgePanels::Node& node : path_nodes_) {
-      const std::complex<double> z = factor_ * node.weight * wave(node.path_m);
+      take_strength(factor_, panel, node);
       const double x = half_m > 0 ? (node.path_m - middle_m) / half_m : 0;
-      double before = 1, value = x;
-      moments_[0] += z;
-      for (std::size_t m = 1; m < n; ++m) {
-        moments_[m] += value * z;
-        before = std::exchange(value, 2 * x * value - before);
+      for (std::size_t c = 0; c < columns_.size(); ++c) {
+        std::complex<double>* moments = &moments_[c * n];
+        double before = 1, value = x;
+        moments[0] += strength_[c];
+        for (std::size_t m = 1; m < n; ++m) {
+          moments[m] += value * strength_[c];
+          before = std::exchange(value, 2 * x * value - before);
+        }
       }
     }
-    coefficients_.assign(n, 0);
+    coefficients_.assign(columns_.size() * n, 0);
     delay_m_.resize(n);
     for (std::size_t a = 0; a < n; ++a) {
       const double angle = pi * (double(a) + 0.5) / count;
       delay_m_[a] = middle_m + half_m * std::cos(angle);
-      for (std::size_t m = 0; m < n; ++m)
-        coefficients_[a] += (m == 0 ? 1.0 : 2.0) / count * std::cos(double(m) * angle) * moments_[m];
+      for (std::size_t m = 0; m < n; ++m) {
+        const double share = (m == 0 ? 1.0 : 2.0) / count * std::cos(double(m) * angle);
+        for (std::size_t c = 0; c < columns_.size(); ++c)
+          coefficients_[c * n + a] += share * moments_[c * n + m];
+      }
     }
   }
 
-  /// One sample of a panel, which is cut at its breaks.
-  std::complex<double> by_parts(const EdgePanels::Panel& panel, std::size_t sample, double longer_m) {
+  /// Adds one sample of a panel, which is cut at its breaks.
+  void add_by_parts(const EdgePanels::Panel& panel, std::size_t sample, const PathShift& shift,
+                    std::complex<double>* out) {
     const double c = receiver_.sound_speed_m_s, least = panel.least_path_m(), most = panel.most_path_m(),
-                 time_s = receiver_.times.time_s(sample) - longer_m / c;
+                 time_s = receiver_.times.time_s(sample) - shift.longer_m / c;
     cuts_.assign(1, {panel.from, panel.from_path_m});
     for (const PulseBreak& at : receiver_.pulse.breaks) {
       const double path = c * (time_s - at.time_s);
@@ -318,11 +418,16 @@ class ChannelOfSmooth {
       edges_.nodes(panel, cuts_[n - 1].first, cuts_[n].first, received_pulse_.turn_rad(half_m), error_ / 8,
                    path_nodes_);
     }
-    std::complex<double> sum = 0;
-    for (const EdgePanels::Node& node : path_nodes_)
-      if (const std::complex<double> g = receiver_.pulse.at(time_s - node.path_m / c); g != 0.0)
-        sum += node.weight * wave(node.path_m) * g;
-    return factor_ * sum;
+    sums_.assign(columns_.size(), 0);
+    for (const EdgePanels::Node& node : path_nodes_) {
+      const double after_s = time_s - node.path_m / c;
+      if (receiver_.pulse.at(after_s) == 0.0) continue;
+      take_strength(1, panel, node);
+      for (std::size_t column = 0; column < columns_.size(); ++column)
+        sums_[column] += strength_[column] * columns_[column].pulse->at(after_s);
+    }
+    for (std::size_t column = 0; column < columns_.size(); ++column)
+      out[columns_[column].first + sample] += shift.weight * (factor_ * sums_[column]);
   }
 
   bool pattern_changes(const PlanarPolygon& piece, double tx_m, double back_m) const {
@@ -377,7 +482,10 @@ class ChannelOfSmooth {
   const ReceivedPulse& received_pulse_;
   const Path& path_;
   double absorption_per_m_, tolerance_;
-  double sent_, received_;           // wave numbers of patterns
+  double sent_, received_;  // wave numbers of patterns
+  std::span<const SignalParameter> parameters_;
+  std::size_t number_;  // of the channel
+  std::vector<Column> columns_;
   double first_m_ = 0, last_m_ = 0;  // range of received paths
   // Values of the current polygon; the transmitter is the origin.
   FacetPlane plane_;
@@ -387,23 +495,26 @@ class ChannelOfSmooth {
   std::vector<glm::dvec3> corners_;
   std::vector<PlanarPolygon> pieces_;
   std::vector<int> halvings_;
+  std::vector<EdgeMotion::Velocity> velocity_;  // by parameter
   // Values of the current piece.
   std::complex<double> factor_;
   double error_ = 0;
   EdgePanels edges_;
+  std::optional<EdgeMotion> motion_;
   std::vector<PathShift> shifts_;
   std::vector<EdgePanels::Node> path_nodes_;
   std::vector<std::pair<double, double>> cuts_;  // places and their path lengths
   std::vector<double> delay_m_;
-  std::vector<std::complex<double>> moments_, coefficients_;
+  std::vector<std::complex<double>> moments_, coefficients_;  // [column][order]
+  std::vector<std::complex<double>> strength_, sums_;         // by column
 };
 
-}  // namespace
-
-ChannelSignals smooth_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
-                              const EchoModel& model,
-                              const std::function<const SmoothSurface*(FacetId)>& surface_of,
-                              double tolerance) {
+/// Computes the columns of all channels: [channel][column sample].
+std::vector<std::complex<double>> sum_channels(const VisiblePolygons& patches,
+                                               const CoherentReceiver& receiver, const EchoModel& model,
+                                               const std::function<const SmoothSurface*(FacetId)>& surface_of,
+                                               double tolerance,
+                                               std::span<const SignalParameter> parameters = {}) {
   check(receiver, model);
   if (!(tolerance >= 1e-9 && tolerance <= 0.1))
     throw std::invalid_argument(fmt::format("the tolerance must be from 1e-9 to 0.1, not {}", tolerance));
@@ -415,16 +526,21 @@ ChannelSignals smooth_signals(const VisiblePolygons& patches, const CoherentRece
   std::vector<std::pair<const VisiblePolygon*, const SmoothSurface*>> smooth;
   for (const VisiblePolygon& patch : patches.patches)
     if (const SmoothSurface* surface = surface_of(patch.facet)) smooth.emplace_back(&patch, surface);
-  ChannelSignals signals{receiver.channels.size(), receiver.times.count, {}};
-  signals.value.assign(signals.channels * signals.samples, 0);
-  if (smooth.empty()) return signals;
-  const ReceivedPulse received(receiver, tolerance);
+  const std::size_t per_channel = receiver.times.count * std::max<std::size_t>(parameters.size(), 1);
+  std::vector<std::complex<double>> sums(receiver.channels.size() * per_channel);
+  if (smooth.empty()) return sums;
+  ReceivedPulse received(receiver, tolerance);
+  if (!parameters.empty()) {
+    received.rate = receiver.pulse.rate();
+    received.rate_table.emplace(*received.rate, receiver.times, each_error * tolerance);
+  }
   const std::size_t tasks = (smooth.size() + smooth_patches_per_task - 1) / smooth_patches_per_task;
   in_order(
-      0, signals.channels * tasks, 16 * signals.samples,
+      0, receiver.channels.size() * tasks, 16 * per_channel,
       [&](std::size_t task) {
-        std::vector<std::complex<double>> part(signals.samples);
-        ChannelOfSmooth channel(receiver.channels[task / tasks], receiver, received, model, tolerance);
+        std::vector<std::complex<double>> part(per_channel);
+        ChannelOfSmooth channel(receiver.channels[task / tasks], receiver, received, model, tolerance,
+                                parameters, task / tasks);
         const std::size_t begin = task % tasks * smooth_patches_per_task,
                           end = std::min(begin + smooth_patches_per_task, smooth.size());
         for (std::size_t n = begin; n < end; ++n)
@@ -432,10 +548,50 @@ ChannelSignals smooth_signals(const VisiblePolygons& patches, const CoherentRece
         return part;
       },
       [&](std::size_t task, const std::vector<std::complex<double>>& part) {
-        std::complex<double>* row = &signals.value[task / tasks * signals.samples];
+        std::complex<double>* row = &sums[task / tasks * per_channel];
         for (std::size_t k = 0; k < part.size(); ++k) row[k] += part[k];
       });
-  return signals;
+  return sums;
+}
+
+}  // namespace
+
+ChannelSignals smooth_signals(const VisiblePolygons& patches, const CoherentReceiver& receiver,
+                              const EchoModel& model,
+                              const std::function<const SmoothSurface*(FacetId)>& surface_of,
+                              double tolerance) {
+  return {receiver.channels.size(), receiver.times.count,
+          sum_channels(patches, receiver, model, surface_of, tolerance)};
+}
+
+std::vector<ChannelSignals> smooth_signal_derivatives(
+    const VisiblePolygons& patches, const CoherentReceiver& receiver, const EchoModel& model,
+    const std::function<const SmoothSurface*(FacetId)>& surface_of,
+    std::span<const SignalParameter> parameters, double tolerance) {
+  if (!receiver.pulse.slope ||
+      std::ranges::any_of(receiver.pulse.breaks, [](const PulseBreak& at) { return at.step > 0; }))
+    throw std::invalid_argument("derivatives of signals need a pulse with flanks and with a slope");
+  for (const VisiblePolygon& patch : patches.patches)
+    if (const SmoothSurface* surface = surface_of(patch.facet);
+        surface != nullptr && !std::ranges::all_of(receiver.channels, [&](const SignalChannel& channel) {
+          return CertifiedSmoothSignals::can_bound(*surface, channel, model.path);
+        }))
+      throw std::invalid_argument(
+          "derivatives of signals need reflection without roughness and without a fluid, ends at rest, and "
+          "no patterns and mirrors");
+  std::vector<ChannelSignals> all;
+  if (parameters.empty()) return all;
+  const std::vector<std::complex<double>> sums =
+      sum_channels(patches, receiver, model, surface_of, tolerance, parameters);
+  const std::size_t count = receiver.times.count;
+  for (std::size_t n = 0; n < parameters.size(); ++n) {
+    ChannelSignals& signals = all.emplace_back(ChannelSignals{receiver.channels.size(), count, {}});
+    for (std::size_t channel = 0; channel < signals.channels; ++channel) {
+      const auto row = sums.begin() + std::ptrdiff_t((channel * parameters.size() + n) * count);
+      signals.value.insert(signals.value.end(), row, row + std::ptrdiff_t(count));
+    }
+  }
+  return all;
 }
 
 }  // namespace tubefoot

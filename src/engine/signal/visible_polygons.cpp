@@ -50,7 +50,7 @@ VisiblePolygons patches_of(const CommonVisibility& visibility, glm::dvec3 origin
       if (part.corners_m.size() < 3) continue;
       seen.patches.push_back({facet.facet, facet.plane.normal, facet.plane.distance_m,
                               std::uint32_t(seen.corners_m.size()), std::uint32_t(part.corners_m.size()),
-                              part.tx_tube, part.rx_tube});
+                              part.tx_tube, part.rx_tube, facet.first_piece + k});
       seen.corners_m.insert(seen.corners_m.end(), part.corners_m.begin(), part.corners_m.end());
     }
   }

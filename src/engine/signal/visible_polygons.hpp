@@ -19,6 +19,7 @@ struct VisiblePolygon {
   double distance_m = 0;       ///< of the origin from the plane, positive on that side
   std::uint32_t first_corner = 0, corner_count = 0;
   std::uint32_t tx_tube = 0, rx_tube = 0;
+  std::uint32_t piece = 0;  ///< number in the history
 };
 
 /// Visible polygons that return signals, with disjoint interiors.

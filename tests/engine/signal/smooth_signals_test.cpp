@@ -12,7 +12,7 @@
 #include "engine/signal/smooth_amplitude.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/layered_scenes.hpp"
-#include "fixtures/geometry/plane_polygons.hpp"
+#include "fixtures/world/smooth_plates.hpp"
 #include "geometry/integrals/polygon_transform.hpp"
 #include "geometry/numbers/scalars.hpp"
 #include "geometry/tubes/tube.hpp"
@@ -22,52 +22,7 @@ namespace {
 
 using Complex = std::complex<double>;
 using test::Polygon2;
-constexpr double sound_speed = 1500;
-
-/// Adds a polygon of a plane that the origin of the visible polygons sees, as test::on_plane() places it.
-void add_patch(VisiblePolygons& seen, FacetId facet, const FacetPlane& plane, const Polygon2& polygon) {
-  VisiblePolygon patch{facet, plane.normal, plane.distance_m};
-  patch.first_corner = std::uint32_t(seen.corners_m.size());
-  patch.corner_count = std::uint32_t(polygon.size());
-  for (const glm::dvec3& corner : test::on_plane(plane, polygon)) seen.corners_m.push_back(corner);
-  seen.patches.push_back(patch);
-}
-
-VisiblePolygons patches_of(const FacetPlane& plane, const Polygon2& polygon) {
-  VisiblePolygons seen;
-  add_patch(seen, 0, plane, polygon);
-  return seen;
-}
-
-CoherentReceiver receiver_of(const std::vector<SignalChannel>& channels, double sigma_s = 5e-5,
-                             double carrier_hz = 100e3) {
-  CoherentReceiver receiver;
-  receiver.channels = channels;
-  receiver.pulse = gaussian_pulse(sigma_s, 1e-6);
-  receiver.times = {0, 1.05 * receiver.pulse.bandwidth_hz, 1000};
-  receiver.carrier_hz = carrier_hz;
-  receiver.sound_speed_m_s = sound_speed;
-  return receiver;
-}
-
-/// Sets the times to contain all echoes of the visible polygons for the first channel.
-void listen(CoherentReceiver& receiver, const VisiblePolygons& seen) {
-  double shortest = 1e9, longest = 0;
-  for (const SignalChannel& channel : receiver.channels)
-    for (const glm::dvec3& corner : seen.corners_m) {
-      const double path = glm::distance(corner + seen.origin_m, channel.transmit_m) +
-                          glm::distance(corner + seen.origin_m, channel.receive_m);
-      shortest = std::min(shortest, path);
-      longest = std::max(longest, path);
-    }
-  const double first = shortest * 0.8 / sound_speed + receiver.pulse.begin_s;
-  receiver.times.first_s = first;
-  receiver.times.count =
-      std::size_t((longest / sound_speed + receiver.pulse.end_s - first) * receiver.times.rate_hz) + 2;
-}
-
-const SmoothSurface rigid;
-const SmoothSurface* all_rigid(FacetId) { return &rigid; }
+using namespace test::smooth_plates;
 
 PlanarPolygon polygon_of(const VisiblePolygons& seen, const VisiblePolygon& patch,
                          const SignalChannel& channel, PathCutter::Receiver& rx) {
@@ -123,12 +78,6 @@ double largest_difference(const ChannelSignals& signals, std::span<const Complex
   for (std::size_t k = 0; k < signals.samples; ++k)
     worst = std::max(worst, std::abs(signals.at(0, k) - other[k]));
   return worst;
-}
-
-double peak_of(const ChannelSignals& signals) {
-  double most = 0;
-  for (const Complex& value : signals.value) most = std::max(most, std::abs(value));
-  return most;
 }
 
 // Law Q8, near and far, with one apex and two, for polygons that need one node and for polygons that must

@@ -38,6 +38,19 @@ TEST(TransmitWaveform, FallsBehindInPhaseByItsFrequencyAboveTheBaseband) {
   }
 }
 
+TEST(TransmitWaveform, SlopeEqualsCentralDifferences) {
+  for (const double taper : {0.3, 1.0}) {
+    const TransmitWaveform waveform = linear_chirp(90e3, 110e3, 2e-3, taper);
+    const double step = 1e-10, rate = std::abs(baseband_slope_at(waveform, 95e3, 1.9e-3));
+    for (const double time : {1e-5, 2e-4, 1e-3, 1.7e-3, 1.99e-3}) {
+      const auto difference =
+          (baseband_at(waveform, 95e3, time + step) - baseband_at(waveform, 95e3, time - step)) / (2 * step);
+      EXPECT_LT(std::abs(baseband_slope_at(waveform, 95e3, time) - difference), 1e-5 * rate) << time;
+    }
+    for (const double time : {-1e-5, 2.01e-3}) EXPECT_EQ(baseband_slope_at(waveform, 95e3, time), 0.0);
+  }
+}
+
 TEST(TransmitWaveform, HasTheBandOfItsSweepAndOfItsEnvelope) {
   EXPECT_NEAR(band_of(continuous_wave_pulse(100e3, 1e-3)).high_hz, 101e3, 1e-6);
   EXPECT_NEAR(band_of(continuous_wave_pulse(100e3, 1e-3, 1)).low_hz, 98e3, 1e-6);
