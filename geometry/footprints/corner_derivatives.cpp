@@ -32,7 +32,9 @@ bool is_vertex_of(const FacetMesh& mesh, const CornerName& corner, FacetId facet
 }  // namespace
 
 glm::dvec3 NamedPoints::point(PointId id) const {
-  const GridPoint p = context_.point(id);
+  const std::size_t vertices = context_.mesh.vertices.size();
+  const GridPoint p =
+      !(id & ray_bit) && id >= vertices ? part_->vertices[id - vertices] - context_.apex : context_.point(id);
   const glm::dvec3 at(p.x, p.y, p.z);
   return id & ray_bit ? at : unit_m_ * at;
 }
@@ -47,6 +49,10 @@ glm::dvec3 NamedPoints::normal(const PlaneName& name) const {
   if (!name.depth) return glm::cross(point(name.a), point(name.b));
   const Plane one = plane(name.a), other = plane(name.b);
   return one.offset * other.normal - other.offset * one.normal;
+}
+
+glm::dvec3 NamedPoints::direction(const CornerName& corner) const {
+  return CornerRay(*this, corner).direction;
 }
 
 void CornerVelocities::add_facet(FacetId facet, std::vector<NamedPoints::Plane>& by) const {
@@ -91,23 +97,31 @@ const std::vector<glm::dvec3>& CornerVelocities::of_corner(const CornerName& cor
     for (std::size_t n = 0; n < by_corner_.size(); ++n) by_corner_[n] = velocities_[n](corner.point, at);
     return by_corner_;
   }
+  of_direction(corner);
+  const glm::dvec3& ray = direction_;
+  const double along = glm::dot(plane_.normal, ray), scale = plane_.offset / along;
+  for (std::size_t n = 0; n < by_corner_.size(); ++n) {
+    const NamedPoints::Plane& by = by_plane_[n];
+    const double by_scale =
+        (by.offset - scale * (glm::dot(by.normal, ray) + glm::dot(plane_.normal, by_direction_[n]))) / along;
+    by_corner_[n] = scale * by_direction_[n] + by_scale * ray;
+  }
+  return by_corner_;
+}
+
+const std::vector<glm::dvec3>& CornerVelocities::of_direction(const CornerName& corner) {
+  by_direction_.resize(velocities_.size());
   const CornerRay ray(points_, corner);
   const bool through_point = corner.point != no_point;
   if (!through_point) {
     add_normal(corner.p, by_p_);
     add_normal(corner.q, by_q_);
   }
-  const double along = glm::dot(plane_.normal, ray.direction), scale = plane_.offset / along;
-  for (std::size_t n = 0; n < by_corner_.size(); ++n) {
-    const glm::dvec3 direction = through_point ? velocities_[n](corner.point, ray.direction)
-                                               : glm::cross(by_p_[n], ray.q) + glm::cross(ray.p, by_q_[n]);
-    const NamedPoints::Plane& by = by_plane_[n];
-    const double by_scale =
-        (by.offset - scale * (glm::dot(by.normal, ray.direction) + glm::dot(plane_.normal, direction))) /
-        along;
-    by_corner_[n] = scale * direction + by_scale * ray.direction;
-  }
-  return by_corner_;
+  direction_ = ray.direction;
+  for (std::size_t n = 0; n < by_direction_.size(); ++n)
+    by_direction_[n] = through_point ? velocities_[n](corner.point, ray.direction)
+                                     : glm::cross(by_p_[n], ray.q) + glm::cross(ray.p, by_q_[n]);
+  return by_direction_;
 }
 
 CornerVelocities::UnitPlane CornerVelocities::of_plane(std::size_t number) const {

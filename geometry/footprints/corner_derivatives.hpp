@@ -19,8 +19,10 @@ namespace tubefoot {
 /// the length of their integers, which has no effect.
 class NamedPoints {
  public:
-  /// `context` must outlive this object. `unit_m`: metres per grid unit.
-  NamedPoints(const NameContext& context, double unit_m) : context_(context), unit_m_(unit_m) {}
+  /// `context` must outlive this object. `unit_m`: metres per grid unit. `part`: a part of the mesh, whose
+  /// vertex v is the point context.mesh.vertices.size() + v.
+  NamedPoints(const NameContext& context, double unit_m, const FacetMesh* part = nullptr)
+      : context_(context), unit_m_(unit_m), part_(part) {}
 
   /// The plane normal . x = offset of a facet. The normal is not normalised.
   struct Plane {
@@ -32,10 +34,13 @@ class NamedPoints {
   Plane plane(FacetId facet) const;
   /// Returns the normal of a plane through the apex.
   glm::dvec3 normal(const PlaneName& name) const;
+  /// Returns the direction of the ray of a corner, or the opposite direction. It has any length.
+  glm::dvec3 direction(const CornerName& corner) const;
 
  private:
   const NameContext& context_;
   double unit_m_;
+  const FacetMesh* part_;
 };
 
 /// Velocity of a point relative to the apex, by its name and place. The unit of length is the metre for
@@ -58,6 +63,8 @@ class CornerVelocities {
   UnitPlane of_plane(std::size_t number) const;
   /// Returns the velocities of a corner on the facet.
   const std::vector<glm::dvec3>& of_corner(const CornerName& corner);
+  /// Returns the velocities of NamedPoints::direction(). No facet is needed.
+  const std::vector<glm::dvec3>& of_direction(const CornerName& corner);
 
  private:
   void add_facet(FacetId facet, std::vector<NamedPoints::Plane>& by) const;
@@ -68,7 +75,8 @@ class CornerVelocities {
   FacetId facet_ = 0;
   NamedPoints::Plane plane_;
   std::vector<NamedPoints::Plane> by_plane_, by_one_, by_other_;
-  std::vector<glm::dvec3> by_corner_, by_p_, by_q_;
+  std::vector<glm::dvec3> by_corner_, by_direction_, by_p_, by_q_;
+  glm::dvec3 direction_{0};  // of the last call of of_direction()
 };
 
 /// Derivatives of one value by the points of a mesh, per metre, and by the rays of a tube set, per unit of

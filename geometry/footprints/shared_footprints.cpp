@@ -218,13 +218,16 @@ SharedFootprints FootprintSharer::all() const {
   return shared;
 }
 
-SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m) {
+SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m,
+                                    bool named_edges) {
   const FacetMesh& seen_mesh = look.mesh == nullptr ? mesh : *look.mesh;
   std::vector<FootprintSet> sets(look.seen.size());
   for (std::uint32_t tube = 0; tube < sets.size(); ++tube)
-    append_footprints(seen_mesh, look.tubes, tube, look.seen[tube], unit_m, sets[tube]);
+    append_footprints(seen_mesh, look.tubes, tube, look.seen[tube], unit_m, sets[tube], named_edges);
   SharedFootprints shared;
-  for (const FootprintSet& set : sets)
+  for (const FootprintSet& set : sets) {
+    const auto first_ray = static_cast<std::uint32_t>(shared.transmit_rays.size());
+    shared.transmit_rays.insert(shared.transmit_rays.end(), set.name_rays.begin(), set.name_rays.end());
     for (const Footprint& footprint : set.footprints) {
       SharedFacet facet;
       facet.facet = look.origin_of(footprint.facet);
@@ -238,9 +241,17 @@ SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look,
                                  static_cast<std::uint32_t>(shared.corners_m.size()), piece.count});
         const auto first = set.corners_m.begin() + piece.first;
         shared.corners_m.insert(shared.corners_m.end(), first, first + piece.count);
+        for (std::uint32_t c = 0; c < piece.count && named_edges; ++c) {
+          const std::uint32_t from = piece.first + c, to = piece.first + (c + 1 == piece.count ? 0 : c + 1);
+          shared.edges.push_back({false, moved(set.corner_names[from], first_ray),
+                                  moved(set.corner_names[to], first_ray), set.corners_m[from],
+                                  set.corners_m[to]});
+        }
       }
       shared.facets.push_back(facet);
     }
+  }
+  if (named_edges) shared.receive_rays = shared.transmit_rays;
   return shared;
 }
 
@@ -248,8 +259,13 @@ SharedFootprints exchanged(SharedFootprints shared) {
   for (SharedFacet& facet : shared.facets) std::swap(facet.transmit_distance_m, facet.receive_distance_m);
   for (SharedPiece& piece : shared.pieces) std::swap(piece.transmit_tube, piece.receive_tube);
   for (glm::dvec3& corner : shared.corners_m) corner -= shared.receiver_m;
+  for (SharedEdge& edge : shared.edges) {
+    edge.of_receiver = !edge.of_receiver;
+    edge.from_m -= shared.receiver_m;
+    edge.to_m -= shared.receiver_m;
+  }
+  std::swap(shared.transmit_rays, shared.receive_rays);
   shared.receiver_m = -shared.receiver_m;
-  shared.edges.clear();
   return shared;
 }
 

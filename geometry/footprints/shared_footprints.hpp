@@ -166,9 +166,10 @@ class FootprintSharer {
 };
 
 /// Returns the common visibility of an apex with itself: all that it sees.
-SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m);
+SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m,
+                                    bool named_edges = false);
 
-/// Exchanges transmitter and receiver. Pieces keep their order. The result has no named edges.
+/// Exchanges transmitter and receiver. Pieces keep their order.
 SharedFootprints exchanged(SharedFootprints shared);
 
 /// Appends the facets of `more`, with the same result as if they had been appended one by one.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <unordered_map>
 
@@ -33,14 +34,26 @@ GridPoint cut_of(GridPoint a, GridPoint b, long double part) {
 
 class PartBuilder {
  public:
-  explicit PartBuilder(MeshPart& part) : part_(part) {}
+  PartBuilder(MeshPart& part, bool named) : part_(part), named_(named) {}
 
-  void add(const FacetMesh& mesh, FacetId facet, std::array<GridPoint, 3> corners) {
+  void add(const FacetMesh& mesh, FacetId facet, std::array<GridPoint, 3> corners,
+           const std::array<PartCorner, 3>& where) {
     std::array<VertexId, 3> vertices{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto [at, is_new] = ids_.emplace(corners[k], static_cast<VertexId>(part_.mesh.vertices.size()));
+      const auto id = static_cast<VertexId>(part_.mesh.vertices.size());
+      const PartVertex of{mesh.facets[facet][where[k].from], mesh.facets[facet][where[k].to]};
+      bool is_new = false;
+      if (named_) {
+        const auto [at, added] = named_ids_.emplace(of, id);
+        vertices[k] = at->second;
+        is_new = added;
+        if (added) part_.vertex.push_back(of);
+      } else {
+        const auto [at, added] = ids_.emplace(corners[k], id);
+        vertices[k] = at->second;
+        is_new = added;
+      }
       if (is_new) part_.mesh.vertices.push_back(corners[k]);
-      vertices[k] = at->second;
     }
     part_.mesh.facets.push_back(vertices);
     part_.mesh.material.push_back(mesh.material[facet]);
@@ -50,7 +63,9 @@ class PartBuilder {
 
  private:
   MeshPart& part_;
+  bool named_;
   std::unordered_map<GridPoint, VertexId, GridPointHash> ids_;
+  std::map<PartVertex, VertexId> named_ids_;
 };
 
 }  // namespace
@@ -105,9 +120,9 @@ bool operator<(const MirrorPlane& a, const MirrorPlane& b) {
 }
 
 MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<const FacetId> facets,
-                     std::vector<std::array<PartCorner, 3>>* corners) {
+                     std::vector<std::array<PartCorner, 3>>* corners, bool named) {
   MeshPart part;
-  PartBuilder builder(part);
+  PartBuilder builder(part, named);
   for (const FacetId facet : facets) {
     stop_if_wanted();
     std::array<GridPoint, 3> corner{};
@@ -120,8 +135,9 @@ MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<
     const auto behind = std::count_if(side.begin(), side.end(), [](Int128 s) { return s < 0; });
     if (in_front == 0) continue;
     if (behind == 0) {
-      builder.add(mesh, facet, corner);
-      if (corners != nullptr) corners->push_back({PartCorner{0, 0, 0}, {1, 1, 0}, {2, 2, 0}});
+      constexpr std::array whole{PartCorner{0, 0, 0}, PartCorner{1, 1, 0}, PartCorner{2, 2, 0}};
+      builder.add(mesh, facet, corner, whole);
+      if (corners != nullptr) corners->push_back(whole);
       continue;
     }
     std::vector<GridPoint> kept;
@@ -142,7 +158,7 @@ MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<
     }
     for (std::size_t k = 2; k < kept.size(); ++k)
       if (!is_degenerate(kept[0], kept[k - 1], kept[k])) {
-        builder.add(mesh, facet, {kept[0], kept[k - 1], kept[k]});
+        builder.add(mesh, facet, {kept[0], kept[k - 1], kept[k]}, {where[0], where[k - 1], where[k]});
         if (corners != nullptr) corners->push_back({where[0], where[k - 1], where[k]});
       }
   }

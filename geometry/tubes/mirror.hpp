@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <compare>
 #include <glm/mat3x3.hpp>
 #include <span>
 #include <vector>
@@ -42,10 +43,18 @@ struct MirrorPlane {
   friend bool operator<(const MirrorPlane& a, const MirrorPlane& b);
 };
 
+/// Vertex of a part of a mesh: the point at which the mirror plane cuts the line between two vertices of the
+/// whole mesh, or a vertex of it if both are equal.
+struct PartVertex {
+  VertexId from = 0, to = 0;
+  friend auto operator<=>(const PartVertex&, const PartVertex&) = default;
+};
+
 /// A mesh of some facets of another mesh, or of parts of them.
 struct MeshPart {
   FacetMesh mesh;
-  std::vector<FacetId> origin;  ///< per facet: the facet that it is, or of which it is a part
+  std::vector<FacetId> origin;       ///< per facet: the facet that it is, or of which it is a part
+  std::vector<PartVertex> vertex{};  ///< per vertex, if requested
 };
 
 /// A corner of a part of a facet: the position at the fraction `part` from one of the facet's corners to
@@ -58,11 +67,12 @@ struct PartCorner {
 /// Returns the parts of the facets (sorted) that lie in front of the plane. Facets that the plane cuts end
 /// there, with corners rounded to the grid. Parts in the plane or behind it are omitted. Facets keep their
 /// order. `corners`, if not null, receives the positions of each facet's corners on its original facet,
-/// before rounding.
+/// before rounding. With `named`, the result has MeshPart::vertex, and two vertices of the mesh stay two even
+/// at the same place.
 ///
 /// Law I2 (front): the result contains everything in front of the plane and nothing behind it, up to this
 /// rounding.
 MeshPart in_front_of(const MirrorPlane& plane, const FacetMesh& mesh, std::span<const FacetId> facets,
-                     std::vector<std::array<PartCorner, 3>>* corners = nullptr);
+                     std::vector<std::array<PartCorner, 3>>* corners = nullptr, bool named = false);
 
 }  // namespace tubefoot

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 
 #include "geometry/mesh/facet_cone.hpp"
 
@@ -19,8 +20,8 @@ GridPoint rounded(glm::dvec3 direction) {
 
 int turn(GridPoint a, GridPoint b, GridPoint c) { return sign(dot(cross(a, b), c)); }
 
-/// Removes corners until all turn left.
-void make_convex(std::vector<GridPoint>& corners) {
+/// Removes corners, with their numbers, until all turn left.
+void make_convex(std::vector<GridPoint>& corners, std::vector<std::uint32_t>& numbers) {
   for (std::size_t since_change = 0, k = 0; corners.size() >= 3 && since_change < corners.size();) {
     const std::size_t n = corners.size();
     if (turn(corners[(k + n - 1) % n], corners[k % n], corners[(k + 1) % n]) > 0) {
@@ -28,6 +29,7 @@ void make_convex(std::vector<GridPoint>& corners) {
       ++k;
     } else {
       corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(k % n));
+      numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(k % n));
       since_change = k = 0;  // the turns at its neighbours have changed
     }
   }
@@ -49,14 +51,19 @@ std::uint32_t WindowTubes::ray(GridPoint direction) {
 void WindowTubes::add(std::span<const glm::dvec3> corners, std::uint32_t label) {
   corners_.clear();
   for (const glm::dvec3& corner : corners) corners_.push_back(rounded(corner));
-  make_convex(corners_);
+  kept_.resize(corners_.size());
+  std::iota(kept_.begin(), kept_.end(), 0);
+  make_convex(corners_, kept_);
   const std::size_t n = corners_.size();
   for (std::size_t k = 1; k + 1 < n; k += 2) {
     const GridPoint a = corners_[0], b = corners_[k], c = corners_[k + 1];
-    if (k + 2 < n)
+    if (k + 2 < n) {
       set_.tubes.push_back({ray(a), ray(b), ray(c), ray(corners_[k + 2])});
-    else
+      numbers_.push_back({kept_[0], kept_[k], kept_[k + 1], kept_[k + 2]});
+    } else {
       set_.tubes.push_back({ray(a), ray(b), ray({b.x + c.x, b.y + c.y, b.z + c.z}), ray(c)});
+      numbers_.push_back({kept_[0], kept_[k], kept_[k], kept_[k + 1]});
+    }
     labels_.push_back(label);
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <glm/vec3.hpp>
 #include <span>
 #include <unordered_map>
@@ -30,6 +31,9 @@ class WindowTubes {
   const TubeSet& tubes() const { return set_; }
   /// Returns, per tube, the label of its cone.
   const std::vector<std::uint32_t>& labels() const { return labels_; }
+  /// Returns, per tube and ray, the number of the corner in its cone. The third ray of a triangle, which is a
+  /// sum of two others, has the number of the second ray.
+  const std::vector<std::array<std::uint32_t, 4>>& corner_numbers() const { return numbers_; }
 
  private:
   std::uint32_t ray(GridPoint direction);
@@ -37,7 +41,9 @@ class WindowTubes {
   TubeSet set_;
   std::vector<std::uint32_t> labels_;
   std::unordered_map<GridPoint, std::uint32_t, GridPointHash> rays_;
+  std::vector<std::array<std::uint32_t, 4>> numbers_;
   std::vector<GridPoint> corners_;
+  std::vector<std::uint32_t> kept_;
 };
 
 /// Returns whether a direction lies in a tube, on its walls, or at most `slack_rad` beyond one. Exact without

@@ -16,14 +16,19 @@
 namespace tubefoot {
 namespace {
 
-void check_bistatic(const BistaticHistory& history, const EchoModel& model) {
+void check_shared(const BistaticHistory& history, const EchoModel& model) {
   check(model);
   if (history.shared.edges.size() != history.shared.corners_m.size())
     reject_gradient("the shared footprints have no names of edges: set VisibilityOptions::corner_names");
   if (!history.hits.empty()) reject_gradient("hits of rays have no borders: use the tube engine");
-  if (model.path.over_mirrors() || !history.bistatic.empty() || !model.path.facet_factor.empty())
-    reject_gradient("mirrors and refraction are not supported");
+  if (!history.bistatic.empty() || !model.path.facet_factor.empty())
+    reject_gradient("refraction is not supported");
   if (model.patterns != nullptr) reject_gradient("beam patterns of a separate receiver are not supported");
+}
+
+void check_bistatic(const BistaticHistory& history, const EchoModel& model) {
+  check_shared(history, model);
+  if (model.path.over_mirrors()) reject_gradient("images in mirrors need an EndMotion");
 }
 
 /// The apexes of a history, and the points of names relative to each.
@@ -32,21 +37,37 @@ struct TwoApexes {
   NamedPoints tx, rx;
   glm::dvec3 rx_m;  ///< receive apex relative to the transmit apex
 
-  TwoApexes(const FacetMesh& mesh, const BistaticHistory& history)
+  TwoApexes(const FacetMesh& mesh, const BistaticHistory& history, const FacetMesh* tx_part = nullptr,
+            const FacetMesh* rx_part = nullptr)
       : tx_context{mesh, history.transmit.apex, history.shared.transmit_rays},
         rx_context{mesh, history.receive.apex, history.shared.receive_rays},
-        tx(tx_context, history.grid_unit_m),
-        rx(rx_context, history.grid_unit_m),
+        tx(tx_context, history.grid_unit_m, tx_part),
+        rx(rx_context, history.grid_unit_m, rx_part),
         rx_m(history.shared.receiver_m) {}
   TwoApexes(const TwoApexes&) = delete;
   TwoApexes& operator=(const TwoApexes&) = delete;
+};
 
-  /// Converts a velocity relative to the transmit apex to one relative to the receive apex.
-  PointVelocity of_receiver(const PointVelocity& velocity) const {
-    return [velocity, at_m = rx_m](PointId id, glm::dvec3 at) {
-      return id & ray_bit ? velocity(id, at) : velocity(id, at + at_m) - velocity(receive_apex, at_m);
-    };
+/// Motion of the transmit apex, or of a receive apex at `at_m` from it.
+class MovingApex : public EndMotion {
+ public:
+  MovingApex(std::span<const EchoParameter> parameters, glm::dvec3 at_m, bool is_receiver)
+      : parameters_(parameters), at_m_(at_m), is_receiver_(is_receiver) {}
+  bool select(std::uint32_t) override { return false; }
+  glm::dvec3 of_end(std::size_t parameter) const override {
+    const PointVelocity& velocity = parameters_[parameter].velocity;
+    return is_receiver_ && velocity ? velocity(receive_apex, at_m_) : glm::dvec3(0);
   }
+  glm::dvec3 of_point(std::size_t parameter, PointId id, glm::dvec3 at) const override {
+    const PointVelocity& velocity = parameters_[parameter].velocity;
+    if (!velocity) return glm::dvec3(0);
+    return id & ray_bit ? velocity(id, at) : velocity(id, at + at_m_) - of_end(parameter);
+  }
+
+ private:
+  std::span<const EchoParameter> parameters_;
+  glm::dvec3 at_m_;
+  bool is_receiver_;
 };
 
 /// A polygon that both apexes see, and its derivatives.
@@ -54,7 +75,7 @@ struct DifferentiatedPath {
   const SeenFacet& facet;
   const PlaneFrame& frame;
   std::span<const SharedEdge> edges;
-  std::uint32_t beam;
+  std::uint32_t tx_tube, rx_tube, beam;
   std::uint16_t material;
   /// Factor of the derivatives: Lambert's parameter, or 1 for another model.
   double scale;
@@ -74,7 +95,7 @@ void for_each_path(const BistaticHistory& history, const ReceiveBeams& beams, co
                    const EchoModel& model, const ScatteringParameters& parameters, const Use& use) {
   const CommonVisibility visibility(history);
   const std::vector<double> borders = sample_borders_m(samples);
-  PathPolygonGradient gradient(borders, bistatic_tolerance);
+  PathPolygonGradient gradient(borders, bistatic_tolerance, smooth_angle_rad(model.path));
   PlanarPolygon polygon;
   std::vector<PathEdge> lines;
   for (std::size_t number = visibility.first(); number < visibility.end(); ++number) {
@@ -97,8 +118,8 @@ void for_each_path(const BistaticHistory& history, const ReceiveBeams& beams, co
         lines.push_back({frame.project(edge.from_m), frame.project(edge.to_m)});
       const PathDerivatives* by = gradient.of(polygon, lines, path, parameters.of_material[material]);
       if (by != nullptr)
-        use(DifferentiatedPath{facet, frame, edges, beams.of_tube[piece.receive_tube], material, scale,
-                               lambert, *by});
+        use(DifferentiatedPath{facet, frame, edges, piece.transmit_tube, piece.receive_tube,
+                               beams.of_tube[piece.receive_tube], material, scale, lambert, *by});
     }
   }
 }
@@ -109,21 +130,30 @@ std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const B
                                                   const ReceiveBeams& beams, const RangeSamples& samples,
                                                   const EchoModel& model,
                                                   std::span<const EchoParameter> parameters) {
-  using Numbers = PathDerivatives;
   check_bistatic(history, model);
-  const TwoApexes apexes(mesh, history);
+  std::vector<std::vector<double>> all(
+      parameters.size(), std::vector<double>(std::size_t(beams.count) * std::size_t(samples.count)));
+  MovingApex tx(parameters, glm::dvec3(0), false), rx(parameters, history.shared.receiver_m, true);
+  add_echo_derivatives(mesh, history, beams, samples, model, parameters, tx, rx, all);
+  return all;
+}
+
+void add_echo_derivatives(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
+                          const RangeSamples& samples, const EchoModel& model,
+                          std::span<const EchoParameter> parameters, EndMotion& tx_end, EndMotion& rx_end,
+                          std::vector<std::vector<double>>& all) {
+  using Numbers = PathDerivatives;
+  check_shared(history, model);
+  const TwoApexes apexes(mesh, history, tx_end.part(), rx_end.part());
   const auto count = std::size_t(samples.count);
-  std::vector<std::vector<double>> all(parameters.size(),
-                                       std::vector<double>(std::size_t(beams.count) * count));
   ScatteringParameters scattering(model);
   std::vector<std::size_t> first_own;  // by parameter
   std::vector<PointVelocity> tx_velocities, rx_velocities;
-  for (const EchoParameter& parameter : parameters) {
+  for (std::size_t n = 0; n < parameters.size(); ++n) {
     first_own.push_back(scattering.count);
-    for (const MaterialParameter& own : parameter.by_scattering) scattering.add(own);
-    tx_velocities.push_back(parameter.velocity ? parameter.velocity
-                                               : [](PointId, glm::dvec3) { return glm::dvec3(0); });
-    rx_velocities.push_back(apexes.of_receiver(tx_velocities.back()));
+    for (const MaterialParameter& own : parameters[n].by_scattering) scattering.add(own);
+    tx_velocities.push_back([&tx_end, n](PointId id, glm::dvec3 at) { return tx_end.of_point(n, id, at); });
+    rx_velocities.push_back([&rx_end, n](PointId id, glm::dvec3 at) { return rx_end.of_point(n, id, at); });
   }
   first_own.push_back(scattering.count);
   CornerVelocities tx(apexes.tx, tx_velocities), rx(apexes.rx, rx_velocities);
@@ -133,10 +163,9 @@ std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const B
   FacetId selected = no_facet;
   for_each_path(history, beams, samples, model, scattering, [&](const DifferentiatedPath& path) {
     const PathDerivatives& by = path.by;
-    if (std::exchange(selected, path.facet.facet) != path.facet.facet) {
-      tx.select(path.facet.facet);
-      rx.select(path.facet.facet);
-    }
+    const bool other_facet = std::exchange(selected, path.facet.facet) != path.facet.facet;
+    if (tx_end.select(path.tx_tube) || other_facet) tx.select(path.facet.facet);
+    if (rx_end.select(path.rx_tube) || other_facet) rx.select(path.facet.facet);
     for (std::size_t n = 0; n < parameters.size(); ++n) {
       of_from[n].clear();
       of_to[n].clear();
@@ -145,8 +174,7 @@ std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const B
       from = (edge.of_receiver ? rx : tx).of_corner(edge.from);
       to = (edge.of_receiver ? rx : tx).of_corner(edge.to);
       for (std::size_t n = 0; n < parameters.size(); ++n) {
-        const glm::dvec3 of_apex =
-            edge.of_receiver ? tx_velocities[n](receive_apex, apexes.rx_m) : glm::dvec3(0);
+        const glm::dvec3 of_apex = edge.of_receiver ? rx_end.of_end(n) - tx_end.of_end(n) : glm::dvec3(0);
         const glm::dvec2 of_frame = path.distance() * path.in_plane(tx.of_plane(n).normal);
         of_from[n].push_back(path.in_plane(of_apex + from[n]) + of_frame);
         of_to[n].push_back(path.in_plane(of_apex + to[n]) + of_frame);
@@ -155,7 +183,7 @@ std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const B
     for (std::size_t n = 0; n < parameters.size(); ++n) {
       const EchoParameter& parameter = parameters[n];
       const CornerVelocities::UnitPlane plane = tx.of_plane(n);
-      const glm::dvec3 of_apex = tx_velocities[n](receive_apex, apexes.rx_m);
+      const glm::dvec3 of_apex = rx_end.of_end(n) - tx_end.of_end(n);
       const glm::dvec2 foot = path.in_plane(of_apex) + path.descent() * path.in_plane(plane.normal);
       factor.assign(by.count, 0);
       factor[Numbers::by_absorption] = path.scale * per_db * parameter.by_absorption;
@@ -170,7 +198,21 @@ std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const B
         factor[by.texture + Numbers::by_tilt] = tilt.x;
         factor[by.texture + Numbers::by_tilt + 1] = tilt.y;
         for (int k = 0; k < 3; ++k)
-          factor[by.texture + Numbers::by_place + std::size_t(k)] = path.scale * parameter.apex_velocity[k];
+          factor[by.texture + Numbers::by_place + std::size_t(k)] =
+              path.scale * (parameter.apex_velocity + tx_end.of_end(n))[k];
+      }
+      if (by.loss > 0) {
+        // At fixed coordinates in the frame, a tilt of the frame turns the normals the opposite way.
+        factor[by.loss + Numbers::by_roughness] = path.scale * parameter.by_roughness;
+        double* by_normal = &factor[by.loss + Numbers::by_rough_normal];
+        const glm::dvec3 turn = glm::cross(path.facet.plane.normal, plane.normal);
+        for (const auto& [end, loss] :
+             {std::pair(&tx_end, &model.path.tx.loss), {&rx_end, &model.path.back().loss}})
+          for (std::size_t k = 0; k < loss->rough_normals.size(); ++k) {
+            const glm::dvec3 of_normal =
+                end->of_rough_normal(n, k) + glm::cross(loss->rough_normals[k], turn);
+            for (int i = 0; i < 3; ++i) *by_normal++ = path.scale * of_normal[i];
+          }
       }
       if (path.lambert && !parameter.by_mu.empty()) factor[Numbers::energy] = parameter.by_mu[path.material];
       const std::vector<std::size_t>& own = scattering.numbers[path.material];
@@ -185,7 +227,6 @@ std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const B
         for (std::size_t k = 0; k < by.count; ++k) row[bin] += factor[k] * numbers[k];
     }
   });
-  return all;
 }
 
 EchoGradient echo_gradient(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,

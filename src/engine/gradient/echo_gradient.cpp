@@ -152,6 +152,7 @@ EchoParameter EchoParameter::absorption() {
 EchoParameter EchoParameter::sound_speed(double sound_speed_m_s) {
   EchoParameter parameter;
   parameter.by_range_scale = 1 / sound_speed_m_s;
+  parameter.by_roughness = -2 / sound_speed_m_s;  // the square of the wave number
   return parameter;
 }
 

@@ -41,13 +41,15 @@ struct EchoParameter {
   std::vector<double> by_mu{};  ///< of Lambert's parameter mu (linear) per material; empty: constant
   double by_absorption = 0;     ///< of the one-way absorption in dB/m
   double by_range_scale = 0;    ///< relative change of all range borders
+  double by_roughness = 0;      ///< relative change of MirrorLoss::roughness
   /// A rotation of points, in radians per unit the length of `axis`. `velocity` is rounded then.
   struct Turn {
     glm::dvec3 axis{0}, origin_m{0};
     std::function<bool(PointId)> moves{};
   };
   std::optional<Turn> turn{};   ///< empty: points move along straight lines, and `velocity` is exact
-  glm::dvec3 apex_velocity{0};  ///< of the apex in the local frame, to which textures are fixed
+  glm::dvec3 apex_velocity{0};  ///< of the apex in the local frame, to which textures and the sea surface
+                                ///< are fixed
   /// Rotation vector of the axes of beam patterns about the apex, in radians.
   glm::dvec3 pattern_rotation{0};
   std::vector<MaterialParameter> by_scattering{};  ///< parameters of models that change at the rate 1
@@ -72,7 +74,7 @@ struct EchoParameter {
   /// A parameter of the scattering model of a material.
   static EchoParameter material_scattering(MaterialParameter parameter);
   static EchoParameter absorption();
-  /// Sound speed in m/s of a sonar whose range bins are intervals of time.
+  /// Sound speed in m/s of a sonar whose range bins are intervals of time. The frequency is constant.
   static EchoParameter sound_speed(double sound_speed_m_s);
 };
 

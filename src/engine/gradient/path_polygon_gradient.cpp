@@ -47,6 +47,38 @@ struct LegSlopes {
   }
 };
 
+/// Energy per area at a point.
+double density_at(const PathOnFacet& path, glm::dvec2 p, double tx_range, double rx_range) {
+  const double energy = path.density_at(tx_range, rx_range) * path.texture_at(p);
+  return path.over_mirrors() ? energy * path.passed(path.directions(p, tx_range, rx_range)) : energy;
+}
+
+std::size_t rough_normals(const MirrorLoss* loss) { return loss != nullptr ? loss->rough_normals.size() : 0; }
+
+/// Derivatives of the logarithm of the loss of one leg: by the distance of its apex from the plane and by the
+/// foot point, with normals at rest. Adds those by the normals, and by the roughness, times `energy`.
+struct LossSlopes {
+  double by_distance = 0;
+  glm::dvec2 by_foot{0};
+
+  LossSlopes() = default;
+  LossSlopes(const MirrorLoss* loss, const EndOverPlane& end, glm::dvec2 p, double range, double energy,
+             double& by_roughness, double* by_normals) {
+    if (rough_normals(loss) == 0) return;
+    const glm::dvec3 direction = end.direction(p, range), u = end.seen.u, v = end.seen.v,
+                     away = glm::cross(u, v);  // opposite to the normal towards the apexes
+    const glm::dvec2 offset = p - end.over.foot;
+    for (const glm::dvec3& normal : loss->rough_normals) {
+      const double sine = glm::dot(direction, normal), by_sine = -2 * loss->roughness * sine;
+      by_distance += by_sine * (glm::dot(away, normal) - sine * end.over.distance / range) / range;
+      by_foot +=
+          by_sine * (sine * offset / range - glm::dvec2(glm::dot(u, normal), glm::dot(v, normal))) / range;
+      by_roughness -= energy * loss->roughness * sine * sine;
+      for (int k = 0; k < 3; ++k) *by_normals++ = energy * by_sine * direction[k];
+    }
+  }
+};
+
 }  // namespace
 
 const PathDerivatives* PathPolygonGradient::of(const PlanarPolygon& polygon, std::span<const PathEdge> edges,
@@ -58,6 +90,9 @@ const PathDerivatives* PathPolygonGradient::of(const PlanarPolygon& polygon, std
   out_.count = PathNumbers::own_parameters + parameters.size();
   out_.texture = texture != nullptr ? out_.count : 0;
   if (texture != nullptr) out_.count += PathNumbers::by_place + 3;
+  const std::size_t normals = rough_normals(path.tx_loss) + rough_normals(path.rx_loss);
+  out_.loss = normals > 0 ? out_.count : 0;
+  if (normals > 0) out_.count += PathNumbers::by_rough_normal + 3 * normals;
   out_.numbers.assign((out_.end_bin - out_.first_bin) * out_.count, 0);
   out_.parts.clear();
   cells_.cut(polygon, path.lies, path.seabed.texture,
@@ -83,6 +118,7 @@ void PathPolygonGradient::add_area(const PlanarPolygon& polygon, const PathOnFac
   if (first >= end) return;
   Smoothness smooth;
   smooth.take(path.seabed);
+  smooth.angle_rad = std::min(smooth.angle_rad, mirrors_angle_rad_);
   PathCutter::Work work = smooth.work(tolerance_);
   // The integrand of by_borders is 0, and all others are relative to the energy in size.
   const std::size_t peak = texture != nullptr ? 1 : 0;  // a value to which errors are relative
@@ -96,15 +132,31 @@ void PathPolygonGradient::add_area(const PlanarPolygon& polygon, const PathOnFac
         const std::span<double> values = all.subspan(peak);
         const ReflectivityGradient::Value factor =
             texture != nullptr ? texture->at(path.lies.at(p)) : ReflectivityGradient::Value();
-        const double uniform = path.density_at(tx_range, rx_range), energy = uniform * factor.factor;
+        double uniform = path.density_at(tx_range, rx_range);
+        if (path.over_mirrors()) uniform *= path.passed(path.directions(p, tx_range, rx_range));
+        const double energy = uniform * factor.factor;
         const LegSlopes tx(path.tx, p, model, path.beta_per_m), rx(path.rx, p, model, path.beta_per_m);
         values[PathNumbers::energy] = energy;
         values[PathNumbers::by_absorption] = -energy * (tx_range + rx_range) / length;
         values[PathNumbers::by_borders] = 0;
-        values[PathNumbers::by_tx_distance] = energy * tx.by_log_distance;
-        values[PathNumbers::by_rx_distance] = energy * rx.by_log_distance;
+        LossSlopes tx_loss, rx_loss;
+        if (out_.loss > 0) {
+          double* own = &values[out_.loss];
+          own[PathNumbers::by_roughness] = 0;
+          double* by_normals = own + PathNumbers::by_rough_normal;
+          const auto slopes = [&](const MirrorLoss* loss, const EndOverPlane& leg, double range) {
+            return LossSlopes(loss, leg, p, range, energy, own[PathNumbers::by_roughness], by_normals);
+          };
+          tx_loss = slopes(path.tx_loss, path.tx, tx_range);
+          by_normals += 3 * rough_normals(path.tx_loss);
+          rx_loss = slopes(path.rx_loss, path.rx, rx_range);
+        }
+        values[PathNumbers::by_tx_distance] =
+            energy * (tx.by_log_distance + path.tx.over.distance * tx_loss.by_distance);
+        values[PathNumbers::by_rx_distance] =
+            energy * (rx.by_log_distance + path.rx.over.distance * rx_loss.by_distance);
         const glm::dvec2 by_foot =
-            energy * rx.slope * path.rx.over.distance / (rx.range * rx.range) * rx.offset;
+            energy * path.rx.over.distance * (rx.slope / (rx.range * rx.range) * rx.offset + rx_loss.by_foot);
         values[PathNumbers::by_foot] = by_foot.x;
         values[PathNumbers::by_foot + 1] = by_foot.y;
         for (std::size_t k = 0; k < parameters.size(); ++k) {
@@ -217,7 +269,7 @@ void PathPolygonGradient::add_edges(const PlanarPolygon& polygon, std::span<cons
           from, to,
           [&](double x, std::span<double> values) {
             const glm::dvec2 p = first + x * unit;
-            values[0] = path.density_at(path.tx.range(p), path.rx.range(p)) * path.texture_at(p);
+            values[0] = density_at(path, p, path.tx.range(p), path.rx.range(p));
             values[1] = values[0] * (begin + x * slope);
           },
           sum);
@@ -289,7 +341,7 @@ void PathPolygonGradient::add_arcs(const PlanarPolygon& polygon, const PathOnFac
             const glm::dvec2 p = centre + distance * direction, offset = p - foot;
             const double tx = path.tx.range(p), rx = path.rx.range(p);
             const double growth = glm::dot(direction, p) / tx + glm::dot(direction, offset) / rx;
-            values[0] = path.density_at(tx, rx) * path.texture_at(p) * distance / growth;
+            values[0] = density_at(path, p, tx, rx) * distance / growth;
             values[1] = values[0] * tx_distance / tx;
             values[2] = values[0] * rx_distance / rx;
             values[3] = values[0] * offset.x / rx;

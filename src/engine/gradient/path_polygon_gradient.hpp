@@ -35,6 +35,12 @@ struct PathDerivatives {
     by_tilt,                ///< by the components along u and v of a change of the plane's normal
     by_place = by_tilt + 2  ///< by a translation of both apexes against the texture
   };
+  /// Numbers after all others, over rough mirrors.
+  enum : std::size_t {
+    by_roughness,                       ///< by the relative change of the roughness (MirrorLoss)
+    by_rough_normal = by_roughness + 1  ///< by the components in space of each normal: of the transmit leg,
+                                        ///< then of the receive leg, with apexes and plane at rest
+  };
   /// Derivatives by the corners of the line of an edge (PathEdge).
   struct Part {
     std::size_t bin, edge;
@@ -43,6 +49,7 @@ struct PathDerivatives {
 
   std::size_t first_bin = 0, end_bin = 0, count = own_parameters;
   std::size_t texture = 0;      ///< place of by_tilt; 0 without texture
+  std::size_t loss = 0;         ///< place of by_roughness; 0 without rough mirrors
   std::vector<double> numbers;  ///< [bin - first_bin][number]
   std::vector<Part> parts;
 
@@ -58,9 +65,10 @@ struct PathEdge {
 /// memory: use one per thread.
 class PathPolygonGradient {
  public:
-  /// `tolerance`: relative error of quadratures. `borders` must outlive this object.
-  PathPolygonGradient(std::span<const double> borders, double tolerance)
-      : borders_(borders), tolerance_(tolerance), cutter_(borders) {}
+  /// `tolerance`: relative error of quadratures. `mirrors_angle_rad`: smooth_angle_rad() of the path.
+  /// `borders` must outlive this object.
+  PathPolygonGradient(std::span<const double> borders, double tolerance, double mirrors_angle_rad)
+      : borders_(borders), tolerance_(tolerance), mirrors_angle_rad_(mirrors_angle_rad), cutter_(borders) {}
 
   /// Computes the derivatives of one polygon. Edge k of the polygon lies on the line of edges[k]. Returns
   /// null if no bin receives energy from it. The result is valid until the next call.
@@ -79,7 +87,7 @@ class PathPolygonGradient {
   void integrate(double from, double to, const Function& function, std::span<double> sum, int halvings = 0);
 
   std::span<const double> borders_;
-  double tolerance_;
+  double tolerance_, mirrors_angle_rad_;
   PathCutter cutter_;
   PathDerivatives out_;
   TextureCells cells_;

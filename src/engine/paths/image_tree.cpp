@@ -37,7 +37,9 @@ namespace {
 /// image.
 struct Cone {
   std::vector<glm::dvec3> corners;
-  std::uint32_t own_tube = 0;
+  std::uint32_t tube = 0;  ///< tube (or window) of the image
+  FacetId mirror = no_facet;
+  std::vector<WindowCorner> named;  ///< per corner; empty unless requested
 };
 
 glm::dvec3 unit_direction(const NameContext& context, const CornerName& corner) {
@@ -45,18 +47,25 @@ glm::dvec3 unit_direction(const NameContext& context, const CornerName& corner) 
 }
 
 /// Part of a convex cone with z >= 0.
-std::vector<glm::dvec3> upward(const std::vector<glm::dvec3>& corners) {
-  std::vector<glm::dvec3> kept;
+Cone upward(const Cone& whole) {
+  const std::vector<glm::dvec3>& corners = whole.corners;
+  Cone kept{{}, whole.tube, whole.mirror, {}};
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    const glm::dvec3 &a = corners[k], &b = corners[(k + 1) % corners.size()];
-    if (a.z >= 0) kept.push_back(a);
+    const std::size_t next = (k + 1) % corners.size();
+    const glm::dvec3 &a = corners[k], &b = corners[next];
+    if (a.z >= 0) {
+      kept.corners.push_back(a);
+      if (!whole.named.empty()) kept.named.push_back(whole.named[k]);
+    }
     if ((a.z < 0) == (b.z < 0)) continue;
     // Always from above to below, so that both neighbours of an edge compute the same point.
     const glm::dvec3 &above = a.z < 0 ? b : a, &below = a.z < 0 ? a : b;
     if (above.z == 0) continue;
     glm::dvec3 level = above.z * below - below.z * above;
     level.z = 0;
-    if (level != glm::dvec3(0)) kept.push_back(glm::normalize(level));
+    if (level == glm::dvec3(0)) continue;
+    kept.corners.push_back(glm::normalize(level));
+    if (!whole.named.empty()) kept.named.push_back({whole.named[k].name, whole.named[next].name});
   }
   return kept;
 }
@@ -81,6 +90,25 @@ double part_to_mirror(const Image& image, GridPoint to) {
 }
 
 }  // namespace
+
+CornerName named_in(const FacetMesh& mesh, const Image& image, CornerName name) {
+  const auto convert = [&](PointId& id) {
+    if ((id & ray_bit) || image.vertex.empty()) return;
+    const PartVertex& of = image.vertex[id];
+    id = of.from == of.to ? of.from : static_cast<PointId>(mesh.vertices.size() + id);
+  };
+  convert(name.point);
+  for (PlaneName* plane : {&name.p, &name.q}) {
+    if (!plane->depth) {
+      convert(plane->a);
+      convert(plane->b);
+    } else if (!image.origin.empty()) {
+      plane->a = image.origin[plane->a];
+      plane->b = image.origin[plane->b];
+    }
+  }
+  return name;
+}
 
 bool reaches(const Image& image, GridPoint place) {
   return (!image.last || image.last->side(place) > 0) &&
@@ -134,8 +162,10 @@ struct ImageFinder::State {
       if (mirrors >= most_mirrors) break;
       const Wanted wanted{mirrors + 1 == most_mirrors ? received_at : std::span<const GridPoint>(), found};
       std::vector<std::vector<Image>> children(end - first);
-      tbb::parallel_for(first, end,
-                        [&](std::size_t i) { children[i - first] = children_of(images[i], wanted); });
+      tbb::parallel_for(first, end, [&](std::size_t i) {
+        children[i - first] = children_of(images[i], wanted);
+        for (Image& child : children[i - first]) child.parent = i;
+      });
       for (auto& some : children) std::move(some.begin(), some.end(), std::back_inserter(images));
     }
     return images;
@@ -170,9 +200,7 @@ struct ImageFinder::State {
         if (!(reflection > 0)) continue;
         const std::complex<double> phase = mirrors_.phase.empty() ? 1 : mirrors_.phase[material];
         const FacetId origin = image.origin.empty() ? piece.facet : image.origin[piece.facet];
-        Cone cone{{}, image.own_tube[tube]};
-        for (std::uint32_t k = 0; k < piece.count; ++k)
-          cone.corners.push_back(unit_direction(context, seen.corners[piece.first + k]));
+        Cone cone = cone_of(image, context, tube, piece, origin);
         facets[MirrorPlane::of_facet(mesh_, origin, image.windows.apex)]
               [{reflection, phase.real(), phase.imag()}]
                   .push_back(std::move(cone));
@@ -184,6 +212,17 @@ struct ImageFinder::State {
     return children;
   }
 
+  Cone cone_of(const Image& image, const NameContext& context, std::uint32_t tube, const NamedPiece& piece,
+               FacetId mirror) const {
+    Cone cone{{}, tube, mirror, {}};
+    for (std::uint32_t k = 0; k < piece.count; ++k) {
+      const CornerName& name = image.seen[tube].corners[piece.first + k];
+      cone.corners.push_back(unit_direction(context, name));
+      if (options_.corner_names) cone.named.push_back({named_in(mesh_, image, name)});
+    }
+    return cone;
+  }
+
   void add_surface(const Image& image, const Wanted& wanted, std::vector<Image>& children) const {
     const MirrorPlane plane = MirrorPlane::horizontal(mirrors_.surface->height);
     if (plane.side(image.windows.apex) <= 0) return;
@@ -192,10 +231,7 @@ struct ImageFinder::State {
       const TubeVisibility& seen = image.seen[tube];
       const NameContext context{*image.mesh, image.windows.apex, seen.rays};
       for (const NamedPiece& open : seen.open) {
-        Cone cone{{}, image.own_tube[tube]};
-        for (std::uint32_t k = 0; k < open.count; ++k)
-          cone.corners.push_back(unit_direction(context, seen.corners[open.first + k]));
-        cone.corners = upward(cone.corners);
+        Cone cone = upward(cone_of(image, context, tube, open, no_facet));
         if (cone.corners.size() >= 3) cones.push_back(std::move(cone));
       }
     }
@@ -230,7 +266,8 @@ struct ImageFinder::State {
     WindowTubes windows(apex, image.windows.reach);
     std::vector<glm::dvec3> mirrored;
     child.largest = 0;
-    for (const Cone& cone : cones) {
+    for (std::uint32_t number = 0; number < cones.size(); ++number) {
+      const Cone& cone = cones[number];
       stop_if_wanted();
       mirrored.clear();
       for (auto corner = cone.corners.rbegin(); corner != cone.corners.rend(); ++corner)
@@ -239,7 +276,7 @@ struct ImageFinder::State {
       if (passes <= least_loss_) continue;
       child.largest = std::max(child.largest, passes);
       add_to_mirror(child, cone.corners);
-      windows.add(mirrored, cone.own_tube);
+      windows.add(mirrored, number);
     }
     if (windows.tubes().tubes.empty()) return;
     child.windows = windows.tubes();
@@ -252,9 +289,22 @@ struct ImageFinder::State {
           "one apex has more than {} images, with up to {} mirrors each, because each mirror facet makes its "
           "own image: use fewer and larger mirror facets, a lower order, or an earlier cut-off",
           most_images_, child.mirrors));
-    child.own_tube = windows.labels();
+    for (const std::uint32_t number : windows.labels())
+      child.own_tube.push_back(image.own_tube[cones[number].tube]);
+    if (options_.corner_names) name_windows(windows, cones, child);
     place(child, plane, is_surface);
     children.push_back(std::move(child));
+  }
+
+  /// Sets the origins of the windows of an image. The corners of the windows have the opposite order.
+  static void name_windows(const WindowTubes& windows, const std::vector<Cone>& cones, Image& child) {
+    for (std::size_t window = 0; window < windows.labels().size(); ++window) {
+      const Cone& cone = cones[windows.labels()[window]];
+      const std::array<std::uint32_t, 4>& numbers = windows.corner_numbers()[window];
+      WindowOrigin origin{cone.tube, cone.mirror, {}, numbers[1] == numbers[2]};
+      for (std::size_t k = 0; k < 4; ++k) origin.corners[k] = cone.named[cone.named.size() - 1 - numbers[k]];
+      child.origins.push_back(origin);
+    }
   }
 
   static bool has_window_to(const Image& image, GridPoint place) {
@@ -301,10 +351,12 @@ struct ImageFinder::State {
     }
     std::sort(near.begin(), near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
-    auto world = std::make_shared<const Image::World>(in_front_of(plane, mesh_, near));
+    auto world =
+        std::make_shared<const Image::World>(in_front_of(plane, mesh_, near, nullptr, options_.corner_names));
     child.mesh = &world->part.mesh;
     child.tree = &world->tree;
     child.origin = world->part.origin;
+    child.vertex = world->part.vertex;
     child.world = std::move(world);
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <complex>
 #include <cstdint>
 #include <glm/mat3x3.hpp>
@@ -40,6 +41,22 @@ struct Mirrors {
   std::span<const std::complex<double>> phase{};
 };
 
+/// Corner of the cone in which an image sees a mirror. In the plane of the horizon it is the direction
+/// between two corners.
+struct WindowCorner {
+  CornerName name;
+  std::optional<CornerName> other{};
+};
+
+/// Origin of a window: the part of a mirror that a window of the parent image shows. Names refer to the whole
+/// mesh (named_in()), and to the rays of TubeVisibility::rays of the parent's window.
+struct WindowOrigin {
+  std::uint32_t parent_window = 0;
+  FacetId mirror = no_facet;              ///< no_facet: the sea surface
+  std::array<WindowCorner, 4> corners{};  ///< by ray of the window
+  bool third_is_sum = false;              ///< whether the third ray is the sum of the second and the fourth
+};
+
 /// Apex, or its image in a chain of mirrors. A straight line from the image through its windows has the
 /// length of the path from the true apex over the mirrors. Beyond the windows the image sees the scene in
 /// front of its last mirror.
@@ -55,6 +72,8 @@ struct Image {
   /// Part of the last mirror that the parent sees, from which the windows were made. The two values are its
   /// solid angle in sr and the summed lengths of the borders in rad.
   double mirror_sr = 0, border_rad = 0;
+  std::size_t parent = 0;               ///< index of the parent image in the result of images_of()
+  std::vector<WindowOrigin> origins{};  ///< per window, with VisibilityOptions::corner_names
 
   std::size_t mirror_path = 0;  ///< index of its chain of mirrors in refracting water (refracted_images.hpp)
 
@@ -62,7 +81,8 @@ struct Image {
   const FacetMesh* mesh = nullptr;
   const SceneTree* tree = nullptr;
   std::span<const FacetId> origin{};
-  std::vector<TubeVisibility> seen;  ///< per window; empty for images from which nothing is scattered
+  std::span<const PartVertex> vertex{};  ///< MeshPart::vertex, with VisibilityOptions::corner_names
+  std::vector<TubeVisibility> seen;      ///< per window; empty for images from which nothing is scattered
 
   ApexLook look() const { return {windows, seen, mesh, origin}; }
 
@@ -76,6 +96,11 @@ struct Image {
 double solid_angle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c);
 /// Adds a convex cone of unit vectors to the seen part of the last mirror (`mirror_sr`, `border_rad`).
 void add_to_mirror(Image& image, std::span<const glm::dvec3> corners);
+
+/// Converts a name of a corner that an image sees. In the result, facets and vertices are those of the whole
+/// mesh, which must have been searched with VisibilityOptions::corner_names. Vertex v at which a mirror cuts
+/// a facet is the point mesh.vertices.size() + v.
+CornerName named_in(const FacetMesh& mesh, const Image& image, CornerName name);
 
 /// A direction within this angle of the border of a window counts as inside. Corners of windows are rounded
 /// by up to half of this angle.

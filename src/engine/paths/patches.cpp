@@ -42,7 +42,7 @@ std::size_t longest_edge(const Triangle& t, double& length) {
 
 /// Solid angle of a triangle from the origin, at the given distance from its plane (van Oosterom & Strackee
 /// 1983).
-double solid_angle(const Triangle& t, double area, double plane_distance) {
+double triangle_sr(const Triangle& t, double area, double plane_distance) {
   const double a = glm::length(t[0]), b = glm::length(t[1]), c = glm::length(t[2]);
   return 2 * std::atan2(2 * area * plane_distance, a * b * c + glm::dot(t[0], t[1]) * c +
                                                        glm::dot(t[1], t[2]) * a + glm::dot(t[2], t[0]) * b);
@@ -165,7 +165,7 @@ std::vector<RadiosityPatch> patches_of(const FacetMesh& mesh, GridPoint apex, co
           patch.sine = part.transmit_distance_m;  // divided by the range below
         }
         patch.area_m2 += area_m2;
-        patch.solid_angle_sr += solid_angle(t, seen_m2, part.transmit_distance_m);
+        patch.solid_angle_sr += triangle_sr(t, seen_m2, part.transmit_distance_m);
         if (axis != glm::dvec3(0)) patch.projected_sr += std::abs(projected_solid_angle(t, axis));
       }
     }

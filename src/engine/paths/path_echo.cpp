@@ -76,6 +76,10 @@ class PathTracer {
       add_scattered_paths({mesh_, unit_m_, finder_, beams_, samples_, model_, settings_, true_apex_,
                            true_receive_.reach, refracted_},
                           transmit_, receive_, echo_);
+    return arrivals();
+  }
+
+  PathEcho arrivals() {
     for (const Image& image : settings_.arrivals ? transmit_ : std::span<const Image>())
       if (image.mirrors > 0 || (settings_.direct && !one_place_))
         enclosed_ ? arrive_enclosed(image) : arrive(image);
@@ -487,7 +491,10 @@ PathEcho path_echo(const FacetMesh& mesh, const SceneTree& tree, double grid_uni
                    const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
                    const ReceiveBeams& beams, const RangeSamples& samples, const EchoModel& model,
                    const PathSettings& settings, const PathWater* water) {
-  const ImageFinder finder(mesh, tree, options, settings.mirrors, settings.least(), settings.most_images);
+  VisibilityOptions without_names = options;
+  without_names.corner_names = false;
+  const ImageFinder finder(mesh, tree, without_names, settings.mirrors, settings.least(),
+                           settings.most_images);
   const bool one_place = transmit == receive;
   if (water != nullptr) {
     std::vector<TubeSet> ends{transmit};
@@ -517,6 +524,12 @@ PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const KnownImages&
     throw std::invalid_argument(
         "second scattering treats patches as points, so there is no certified bound for its echoes");
   return PathTracer(mesh, grid_unit_m, images, receive, beams, samples, model, settings).trace();
+}
+
+PathEcho unscattered_echo(const FacetMesh& mesh, double grid_unit_m, const KnownImages& images,
+                          const TubeSet& receive, const ReceiveBeams& beams, const RangeSamples& samples,
+                          const EchoModel& model, const PathSettings& settings) {
+  return PathTracer(mesh, grid_unit_m, images, receive, beams, samples, model, settings).arrivals();
 }
 
 }  // namespace tubefoot

@@ -129,5 +129,9 @@ struct KnownImages {
 PathEcho path_echo(const FacetMesh& mesh, double grid_unit_m, const KnownImages& images,
                    const TubeSet& receive, const ReceiveBeams& beams, const RangeSamples& samples,
                    const EchoModel& model, const PathSettings& settings);
+/// The same without scattered paths.
+PathEcho unscattered_echo(const FacetMesh& mesh, double grid_unit_m, const KnownImages& images,
+                          const TubeSet& receive, const ReceiveBeams& beams, const RangeSamples& samples,
+                          const EchoModel& model, const PathSettings& settings);
 
 }  // namespace tubefoot
