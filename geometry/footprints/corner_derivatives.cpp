@@ -143,15 +143,15 @@ void CornerAdjoint::add_facet(FacetId facet, glm::dvec3 by_normal, double by_off
   const glm::dvec3 first = points_.point(a), to_b = points_.point(b) - first, to_c = points_.point(c) - first;
   by_normal += by_offset * first;
   const glm::dvec3 by_b = glm::cross(to_c, by_normal), by_c = glm::cross(by_normal, to_b);
-  of(a) += by_offset * glm::cross(to_b, to_c) - by_b - by_c;
-  of(b) += by_b;
-  of(c) += by_c;
+  add(a, by_offset * glm::cross(to_b, to_c) - by_b - by_c);
+  add(b, by_b);
+  add(c, by_c);
 }
 
 void CornerAdjoint::add_normal(const PlaneName& name, glm::dvec3 by_normal) {
   if (!name.depth) {
-    of(name.a) += glm::cross(points_.point(name.b), by_normal);
-    of(name.b) += glm::cross(by_normal, points_.point(name.a));
+    add(name.a, glm::cross(points_.point(name.b), by_normal));
+    add(name.b, glm::cross(by_normal, points_.point(name.a)));
     return;
   }
   const NamedPoints::Plane one = points_.plane(name.a), other = points_.plane(name.b);
@@ -161,7 +161,7 @@ void CornerAdjoint::add_normal(const PlaneName& name, glm::dvec3 by_normal) {
 
 void CornerAdjoint::add_corner(const CornerName& corner, FacetId facet, glm::dvec3 by_corner) {
   if (is_vertex_of(points_.context().mesh, corner, facet)) {
-    of(corner.point) += by_corner;
+    add(corner.point, by_corner);
     return;
   }
   const CornerRay ray(points_, corner);
@@ -169,11 +169,15 @@ void CornerAdjoint::add_corner(const CornerName& corner, FacetId facet, glm::dve
   const double along = glm::dot(plane.normal, ray.direction), scale = plane.offset / along,
                by_offset = glm::dot(by_corner, ray.direction) / along;
   add_facet(facet, -by_offset * scale * ray.direction, by_offset);
-  const glm::dvec3 by_direction = scale * (by_corner - by_offset * plane.normal);
+  add_direction(corner, scale * (by_corner - by_offset * plane.normal));
+}
+
+void CornerAdjoint::add_direction(const CornerName& corner, glm::dvec3 by_direction) {
   if (corner.point != no_point) {
-    of(corner.point) += by_direction;
+    add(corner.point, by_direction);
     return;
   }
+  const CornerRay ray(points_, corner);
   add_normal(corner.p, glm::cross(ray.q, by_direction));
   add_normal(corner.q, glm::cross(by_direction, ray.p));
 }

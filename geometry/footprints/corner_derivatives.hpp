@@ -84,9 +84,14 @@ class CornerVelocities {
 class CornerAdjoint {
  public:
   explicit CornerAdjoint(const NamedPoints& points);
+  /// Calls `add` with each derivative by a point. by_vertex() and by_ray() stay empty.
+  CornerAdjoint(const NamedPoints& points, std::function<void(PointId, glm::dvec3)> add)
+      : points_(points), add_(std::move(add)) {}
 
   /// Adds the derivative of the value by the position of a corner on a facet, per metre.
   void add_corner(const CornerName& corner, FacetId facet, glm::dvec3 by_corner);
+  /// Adds the derivative of the value by NamedPoints::direction().
+  void add_direction(const CornerName& corner, glm::dvec3 by_direction);
   /// Adds the derivatives of the value by the facet's plane. The plane is given by its unit normal towards
   /// the apex and by its distance from the apex in metres.
   void add_plane(FacetId facet, glm::dvec3 by_normal, double by_distance);
@@ -95,11 +100,15 @@ class CornerAdjoint {
   const std::vector<glm::dvec3>& by_ray() const { return by_ray_; }
 
  private:
-  glm::dvec3& of(PointId id) { return id & ray_bit ? by_ray_[id & ~ray_bit] : by_vertex_[id]; }
+  void add(PointId id, glm::dvec3 by) {
+    if (add_) return add_(id, by);
+    (id & ray_bit ? by_ray_[id & ~ray_bit] : by_vertex_[id]) += by;
+  }
   void add_facet(FacetId facet, glm::dvec3 by_normal, double by_offset);
   void add_normal(const PlaneName& name, glm::dvec3 by_normal);
 
   const NamedPoints& points_;
+  std::function<void(PointId, glm::dvec3)> add_;
   std::vector<glm::dvec3> by_vertex_, by_ray_;
 };
 

@@ -70,6 +70,23 @@ class MovingApex : public EndMotion {
   bool is_receiver_;
 };
 
+/// Derivatives by the points that an apex sees, relative to it, and by the apex.
+class ApexAdjoint : public EndAdjoint {
+ public:
+  ApexAdjoint(const FacetMesh& mesh, std::size_t rays)
+      : by_vertex(mesh.vertices.size(), glm::dvec3(0)), by_ray(rays, glm::dvec3(0)) {}
+  void select(std::uint32_t) override {}
+  void add_end(glm::dvec3 by) override { by_end += by; }
+  void add_point(PointId id, glm::dvec3 by) override {
+    (id & ray_bit ? by_ray[id & ~ray_bit] : by_vertex[id]) += by;
+  }
+
+  std::vector<glm::dvec3> by_vertex, by_ray;
+  glm::dvec3 by_end{0};
+};
+
+glm::dvec3 vector_of(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
+
 /// A polygon that both apexes see, and its derivatives.
 struct DifferentiatedPath {
   const SeenFacet& facet;
@@ -232,20 +249,42 @@ void add_echo_derivatives(const FacetMesh& mesh, const BistaticHistory& history,
 EchoGradient echo_gradient(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
                            const RangeSamples& samples, const EchoModel& model,
                            std::span<const double> weights, std::span<const MaterialParameter> scattering) {
-  using Numbers = PathDerivatives;
   check_bistatic(history, model);
   check_weights(weights, beams, samples);
-  ScatteringParameters parameters(model);
-  for (const MaterialParameter& parameter : scattering) parameters.add(parameter);
-  const TwoApexes apexes(mesh, history);
-  CornerAdjoint tx(apexes.tx), rx(apexes.rx);
   EchoGradient gradient;
   gradient.by_material_mu.assign(model.material_mu.size(), 0);
   gradient.by_scattering.assign(scattering.size(), 0);
+  ApexAdjoint tx(mesh, history.shared.transmit_rays.size()), rx(mesh, history.shared.receive_rays.size());
+  add_echo_gradient(mesh, history, beams, samples, model, weights, scattering, tx, rx, gradient);
+  gradient.by_receiver = rx.by_end;
+  gradient.by_vertex = std::move(tx.by_vertex);
+  for (std::size_t v = 0; v < gradient.by_vertex.size(); ++v) {
+    gradient.by_vertex[v] += rx.by_vertex[v];
+    gradient.by_receiver -= rx.by_vertex[v];
+  }
+  gradient.by_ray = std::move(tx.by_ray);
+  gradient.by_receive_ray = std::move(rx.by_ray);
+  return gradient;
+}
+
+void add_echo_gradient(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
+                       const RangeSamples& samples, const EchoModel& model, std::span<const double> weights,
+                       std::span<const MaterialParameter> scattering, EndAdjoint& tx_end, EndAdjoint& rx_end,
+                       EchoGradient& gradient) {
+  using Numbers = PathDerivatives;
+  check_shared(history, model);
+  ScatteringParameters parameters(model);
+  for (const MaterialParameter& parameter : scattering) parameters.add(parameter);
+  const TwoApexes apexes(mesh, history, tx_end.part(), rx_end.part());
+  CornerAdjoint tx(apexes.tx, [&](PointId id, glm::dvec3 by) { tx_end.add_point(id, by); }),
+      rx(apexes.rx, [&](PointId id, glm::dvec3 by) { rx_end.add_point(id, by); });
   std::vector<double> sum;
   std::vector<glm::dvec2> by_from, by_to;
   for_each_path(history, beams, samples, model, parameters, [&](const DifferentiatedPath& path) {
     const PathDerivatives& by = path.by;
+    const glm::dvec3 normal = path.facet.plane.normal;
+    tx_end.select(path.tx_tube);
+    rx_end.select(path.rx_tube);
     const double* weight = &weights[path.beam * std::size_t(samples.count)];
     sum.assign(by.count, 0);
     const double* numbers = by.numbers.data();
@@ -266,12 +305,25 @@ EchoGradient echo_gradient(const FacetMesh& mesh, const BistaticHistory& history
     }
     const glm::dvec3 by_foot = path.in_space({sum[Numbers::by_foot], sum[Numbers::by_foot + 1]});
     const double by_rx_distance = sum[Numbers::by_rx_distance];
-    gradient.by_receiver += by_foot + by_rx_distance * path.facet.plane.normal;
+    glm::dvec3 by_apart = by_foot + by_rx_distance * normal;  // by the vector between both ends
     glm::dvec3 by_normal = path.descent() * by_foot + by_rx_distance * apexes.rx_m;
     if (by.texture > 0) {
       const double* moved = &sum[by.texture];
       by_normal += path.in_space({moved[Numbers::by_tilt], moved[Numbers::by_tilt + 1]});
-      for (int k = 0; k < 3; ++k) gradient.by_apex[k] += moved[Numbers::by_place + std::size_t(k)];
+      const glm::dvec3 by_place = vector_of(moved + Numbers::by_place);
+      gradient.by_apex += by_place;
+      tx_end.add_end(by_place);
+    }
+    if (by.loss > 0) {
+      gradient.by_roughness += sum[by.loss + Numbers::by_roughness];
+      const double* moved = &sum[by.loss + Numbers::by_rough_normal];
+      for (const auto& [end, loss] :
+           {std::pair(&tx_end, &model.path.tx.loss), {&rx_end, &model.path.back().loss}})
+        for (std::size_t k = 0; k < loss->rough_normals.size(); ++k, moved += 3) {
+          const glm::dvec3 by_rough = vector_of(moved);
+          end->add_rough_normal(k, by_rough);
+          by_normal += glm::cross(glm::cross(by_rough, loss->rough_normals[k]), normal);
+        }
     }
     for (std::size_t k = 0; k < path.edges.size(); ++k) {
       const SharedEdge& edge = path.edges[k];
@@ -280,18 +332,12 @@ EchoGradient echo_gradient(const FacetMesh& mesh, const BistaticHistory& history
       CornerAdjoint& adjoint = edge.of_receiver ? rx : tx;
       adjoint.add_corner(edge.from, path.facet.facet, of_from);
       adjoint.add_corner(edge.to, path.facet.facet, of_to);
-      if (edge.of_receiver) gradient.by_receiver += of_from + of_to;
+      if (edge.of_receiver) by_apart += of_from + of_to;
     }
+    tx_end.add_end(-by_apart);
+    rx_end.add_end(by_apart);
     tx.add_plane(path.facet.facet, by_normal, sum[Numbers::by_tx_distance] + by_rx_distance);
   });
-  gradient.by_vertex = tx.by_vertex();
-  for (std::size_t v = 0; v < gradient.by_vertex.size(); ++v) {
-    gradient.by_vertex[v] += rx.by_vertex()[v];
-    gradient.by_receiver -= rx.by_vertex()[v];
-  }
-  gradient.by_ray = tx.by_ray();
-  gradient.by_receive_ray = rx.by_ray();
-  return gradient;
 }
 
 }  // namespace tubefoot

@@ -56,4 +56,23 @@ void add_echo_derivatives(const FacetMesh& mesh, const BistaticHistory& history,
                           std::span<const EchoParameter> parameters, EndMotion& tx, EndMotion& rx,
                           std::vector<std::vector<double>>& all);
 
+/// Derivatives of one value by the velocities of an EndMotion.
+class EndAdjoint {
+ public:
+  virtual ~EndAdjoint() = default;
+  /// Selects the tube of the end, or the window of the image, for the other functions.
+  virtual void select(std::uint32_t tube) = 0;
+  virtual void add_end(glm::dvec3 by) = 0;
+  virtual void add_point(PointId id, glm::dvec3 by) = 0;
+  virtual void add_rough_normal(std::size_t, glm::dvec3) {}
+  virtual const FacetMesh* part() const { return nullptr; }
+};
+
+/// Reverse mode between such ends. Adds to `gradient`, except for derivatives by points and by the receiver.
+/// EchoGradient::by_material_mu and by_scattering must have their sizes.
+void add_echo_gradient(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
+                       const RangeSamples& samples, const EchoModel& model, std::span<const double> weights,
+                       std::span<const MaterialParameter> scattering, EndAdjoint& tx, EndAdjoint& rx,
+                       EchoGradient& gradient);
+
 }  // namespace tubefoot

@@ -89,9 +89,11 @@ struct EchoGradient {
   std::vector<glm::dvec3> by_vertex;   ///< per metre
   std::vector<glm::dvec3> by_ray;      ///< of FootprintSet::name_rays, per unit of their integers
   glm::dvec3 by_apex{0};               ///< by a motion of the apex in the local frame, with all points at
-                                       ///< rest relative to the apex, per metre: 0 without textures
+                                       ///< rest relative to the apex, per metre: 0 without textures and
+                                       ///< sea surface
   glm::dvec3 by_pattern_rotation{0};   ///< by rotations of the patterns' axes about x, y and z, per radian
   double by_range_scale = 0;           ///< by the relative change of all range borders
+  double by_roughness = 0;             ///< by the relative change of MirrorLoss::roughness
   std::vector<double> by_material_mu;  ///< by Lambert's parameter mu (linear), per material
   double by_absorption = 0;            ///< by the one-way absorption, per dB/m
   std::vector<double> by_scattering;   ///< by the given parameters of scattering models

@@ -15,7 +15,8 @@ namespace {
 
 glm::dvec3 vector_of(GridPoint p) { return {p.x, p.y, p.z}; }
 
-/// Offset of a mirror's plane from a point, along its unit normal.
+}  // namespace
+
 double offset_m(const MirrorPlane& plane, GridPoint from, double unit_m) {
   const glm::dvec3 normal(double(plane.normal.x), double(plane.normal.y), double(plane.normal.z));
   return -static_cast<double>(plane.side(from)) / glm::length(normal) * unit_m;
@@ -23,7 +24,15 @@ double offset_m(const MirrorPlane& plane, GridPoint from, double unit_m) {
 
 const FacetMesh* part_of(const Image& image) { return image.vertex.empty() ? nullptr : image.mesh; }
 
-}  // namespace
+std::vector<std::uint32_t> first_rays_of(const Image& image) {
+  std::vector<std::uint32_t> first;
+  std::size_t rays = 0;
+  for (const TubeVisibility& seen : image.seen) {
+    first.push_back(static_cast<std::uint32_t>(rays));
+    rays += seen.rays.size();
+  }
+  return first;
+}
 
 ImageMotion::ImageMotion(const FacetMesh& mesh, double unit_m, GridPoint transmit_apex,
                          std::span<const Image> images, std::span<const EchoParameter> parameters)
@@ -183,18 +192,8 @@ glm::dvec3 ImageMotion::of_point(std::size_t image, std::uint32_t window, std::s
   return (velocity ? velocity(id, at_m) : glm::dvec3(0)) - own.apex;
 }
 
-MovingImage::MovingImage(const ImageMotion& motion, std::size_t image) : motion_(motion), image_(image) {
-  std::uint32_t rays = 0;
-  for (const TubeVisibility& seen : motion.images()[image].seen) {
-    first_ray_.push_back(rays);
-    rays += static_cast<std::uint32_t>(seen.rays.size());
-  }
-}
-
 bool MovingImage::select(std::uint32_t window) {
   return std::exchange(window_, window) != window && image_ != 0;
 }
-
-const FacetMesh* MovingImage::part() const { return part_of(motion_.images()[image_]); }
 
 }  // namespace tubefoot

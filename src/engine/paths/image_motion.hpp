@@ -13,6 +13,13 @@
 
 namespace tubefoot {
 
+/// Returns the offset of a mirror's plane from a point, along its unit normal.
+double offset_m(const MirrorPlane& plane, GridPoint from, double unit_m);
+/// Returns the part of the mesh that an image sees, with points of its own (NamedPoints), or null.
+const FacetMesh* part_of(const Image& image);
+/// Returns by window the number of rays of all previous windows (SharedFootprints::transmit_rays).
+std::vector<std::uint32_t> first_rays_of(const Image& image);
+
 /// Velocities of an apex and of its images, for several parameters at once. A window moves with the facet in
 /// which its mirror lies, and with the corners from which it was made. The sea surface is horizontal and at
 /// rest in the local frame. Source: docs/notes/gradients.md, "Mirrors".
@@ -70,7 +77,8 @@ class ImageMotion {
 /// One of these images as the end of paths.
 class MovingImage : public EndMotion {
  public:
-  MovingImage(const ImageMotion& motion, std::size_t image);
+  MovingImage(const ImageMotion& motion, std::size_t image)
+      : motion_(motion), image_(image), first_ray_(first_rays_of(motion.images()[image])) {}
 
   bool select(std::uint32_t window) override;
   glm::dvec3 of_end(std::size_t parameter) const override {
@@ -82,7 +90,7 @@ class MovingImage : public EndMotion {
   glm::dvec3 of_rough_normal(std::size_t parameter, std::size_t normal) const override {
     return motion_.of_rough_normal(image_, window_, parameter, normal);
   }
-  const FacetMesh* part() const override;
+  const FacetMesh* part() const override { return part_of(motion_.images()[image_]); }
 
  private:
   const ImageMotion& motion_;

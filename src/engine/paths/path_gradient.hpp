@@ -24,4 +24,14 @@ std::vector<std::vector<double>> path_derivatives(const FacetMesh& mesh, const S
                                                   std::span<const EchoParameter> parameters,
                                                   const std::function<bool(std::size_t order)>& is_wanted);
 
+/// Reverse mode. Returns the gradient of the sum over beams and samples of weight times energy. `weights`:
+/// [beam][sample]. Rays are those of `transmit` and of `receive`. EchoGradient::by_apex is the derivative by
+/// EchoParameter::apex_velocity.
+EchoGradient path_gradient(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
+                           const VisibilityOptions& options, const TubeSet& transmit, const TubeSet& receive,
+                           const ReceiveBeams& beams, const RangeSamples& samples, const EchoModel& model,
+                           const PathSettings& settings, std::span<const double> weights,
+                           std::span<const MaterialParameter> scattering,
+                           const std::function<bool(std::size_t order)>& is_wanted);
+
 }  // namespace tubefoot

@@ -9,6 +9,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <random>
 #include <stdexcept>
 #include <string>
 
@@ -363,6 +364,71 @@ TEST(PathDerivatives, OfTheScaleOfEverythingAreMinusTwoEnergies) {
     for (std::size_t k = 0; k < energies.size(); ++k)
       EXPECT_NEAR(found[0][k], -2 * energies[k], 1e-7 * largest_of(energies)) << k;
     EXPECT_GT(largest_of(energies), 0);
+  }
+}
+
+TEST(PathGradient, AgreesWithForwardMode) {
+  for (const bool separate : {false, true}) {
+    SCOPED_TRACE(separate);
+    MirrorScene scene = mirror_scene(5, true, true);
+    scene.paths.arrivals = true;
+    scene.paths.mirrors.surface->roughness = 1.5;
+    if (separate) with_separate_receiver(scene);
+    const SceneTree tree(scene.mesh);
+    const std::vector<std::uint32_t> beam = scene.beams();
+    const PathSettings settings = scene.settings();
+    Random random(1);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    const auto any = [&] { return glm::dvec3(uniform(random), uniform(random), uniform(random)); };
+    std::vector<double> weights(beam.size() * std::size_t(scene.samples.count));
+    for (double& weight : weights) weight = uniform(random);
+    const EchoGradient gradient = path_gradient(scene.mesh, tree, metres_per_unit, {}, scene.transmit,
+                                                scene.receive, {int(beam.size()), beam}, scene.samples,
+                                                scene.model(), settings, weights, {}, every_order);
+    std::vector<EchoParameter> parameters;
+    std::vector<double> expected;
+    const auto add = [&](const EchoParameter& parameter, double value) {
+      parameters.push_back(parameter);
+      expected.push_back(value);
+    };
+    glm::dvec3 translation = gradient.by_apex;
+    for (const glm::dvec3& by : gradient.by_vertex) translation -= by;
+    const auto turned = [](const TubeSet& tubes, const std::vector<glm::dvec3>& by, glm::dvec3 axis) {
+      double sum = 0;
+      for (std::size_t k = 0; k < by.size(); ++k)
+        sum +=
+            glm::dot(by[k], glm::cross(axis, glm::dvec3(tubes.rays[k].x, tubes.rays[k].y, tubes.rays[k].z)));
+      return sum;
+    };
+    for (const glm::dvec3 axis : {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)}) {
+      add(EchoParameter::sonar_translation(axis), glm::dot(translation, axis));
+      const double own = turned(scene.transmit, gradient.by_ray, axis) +
+                         turned(scene.receive, gradient.by_receive_ray, axis);
+      add(EchoParameter::mounting_rotation(axis), own);
+      const glm::dvec3 arm = in_metres(scene.receive.apex - scene.transmit.apex);
+      add(EchoParameter::sonar_rotation(axis), own + glm::dot(gradient.by_receiver, glm::cross(axis, arm)));
+    }
+    std::vector<glm::dvec3> velocity;
+    double of_vertices = 0;
+    for (const glm::dvec3& by : gradient.by_vertex) {
+      velocity.push_back(any());
+      of_vertices += glm::dot(velocity.back(), by);
+    }
+    add(everything([&](PointId id, glm::dvec3) { return id & ray_bit ? glm::dvec3(0) : velocity[id]; }),
+        of_vertices);
+    add(EchoParameter::material_mu(0, 2), gradient.by_material_mu[0]);
+    add(EchoParameter::absorption(), gradient.by_absorption);
+    add(EchoParameter::sound_speed(1500), (gradient.by_range_scale - 2 * gradient.by_roughness) / 1500);
+    const std::vector<std::vector<double>> found = scene.derivatives(parameters, every_order);
+    for (std::size_t n = 0; n < parameters.size(); ++n) {
+      double sum = 0, size = 0;
+      for (std::size_t k = 0; k < weights.size(); ++k) {
+        sum += weights[k] * found[n][k];
+        size += std::abs(weights[k] * found[n][k]);
+      }
+      EXPECT_GT(size, 0) << n;
+      EXPECT_NEAR(sum, expected[n], 1e-9 * size + 1e-13 * largest_of(found[1])) << "parameter " << n;
+    }
   }
 }
 
