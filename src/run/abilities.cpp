@@ -147,9 +147,13 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      "derivatives need straight rays: leave out --gradient, or set profile = \"constant\""},
     {mirrors,
      gradient,
+     {reference},
+     "paths over mirrors have no certified derivatives: leave out --reference, or the mirrors and [paths]"},
+    {scatterings,
+     gradient,
      {},
-     "paths over mirrors have no names of corners, which derivatives need: leave out --gradient, or the "
-     "mirrors and [paths]"},
+     "in the second scattering, tubefoot treats patches as points, which have no derivatives: leave out "
+     "--gradient, or set scatterings = 1"},
     {separate_receiver,
      gradient,
      {reference},

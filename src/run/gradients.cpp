@@ -10,9 +10,12 @@
 #include "engine/gradient/bistatic_gradient.hpp"
 #include "engine/gradient/certified_gradient.hpp"
 #include "engine/gradient/validity.hpp"
+#include "engine/paths/path_gradient.hpp"
 #include "files/usage_error.hpp"
 #include "geometry/numbers/scalars.hpp"
+#include "run/paths.hpp"
 #include "run/survey.hpp"
+#include "run/transmission_images.hpp"
 #include "scene/surfaces/scattering.hpp"
 
 // This file converts parameters of a scene to parameters of the engine (engine/gradient/echo_gradient.hpp),
@@ -123,6 +126,24 @@ void add_steps(const Transmission& transmission, std::size_t s,
   }
 }
 
+/// Adds the derivatives of paths over mirrors, [parameter][beam][sample].
+void add_paths_to(std::vector<std::vector<double>>& derivatives, const Transmission& transmission,
+                  std::size_t s, const PathSettings& settings, const ReceiveBeams& beams,
+                  const EchoModel& model, const std::vector<EchoParameter>& parameters) {
+  const PathEnds ends(transmission, s);
+  const TransmissionSurface& surface = transmission.surface_mesh();
+  try {
+    const std::vector<std::vector<double>> more = path_derivatives(
+        surface.mesh(), surface.tree(), transmission.scene().grid.unit_m(), transmission.request().visibility,
+        ends.transmit, ends.receive, beams, transmission.sensor(s).samples(), model, settings, parameters,
+        [&](std::size_t order) { return is_order_wanted(transmission.scene(), order); });
+    for (std::size_t k = 0; k < more.size(); ++k)
+      for (std::size_t bin = 0; bin < more[k].size(); ++bin) derivatives[k][bin] += more[k][bin];
+  } catch (const std::length_error& error) {
+    throw too_many_images(transmission.sensor(s).description(), error);
+  }
+}
+
 /// Returns the model without lists that contain nothing, which certified_derivatives() rejects.
 EchoModel without_null_lists(EchoModel model) {
   const auto clear = [](auto& list) {
@@ -188,18 +209,21 @@ void require_gradients(const Survey& survey, const RunRequest& request) {
           "--reference or the patterns, or select another sensor with --sensor",
           description.sensors[s].name));
   for (std::size_t s = 0; s < chosen.size(); ++s) {
-    if (chosen[s].pings == 0 || !survey.sensors[s].sensor->has_separate_receiver()) continue;
+    const Sensor& sensor = *survey.sensors[s].sensor;
+    const bool paths = path_settings(survey.scene, sensor.frequency_khz()).has_value();
+    if (chosen[s].pings == 0 || !(paths || sensor.has_separate_receiver())) continue;
     const std::string& name = description.sensors[s].name;
-    if (survey.sensors[s].sensor->has_patterns())
-      throw UsageError(fmt::format(
-          "--gradient: sensor '{}' has a separate receiver and beam patterns, for which there are "
-          "no derivatives: leave out the patterns, or select another sensor with --sensor",
-          name));
+    const char* legs = paths ? "paths via mirrors" : "a separate receiver";
+    if (sensor.has_patterns())
+      throw UsageError(
+          fmt::format("--gradient: sensor '{}' has {} and beam patterns, for which there are no derivatives: "
+                      "leave out the patterns, or select another sensor with --sensor",
+                      name, legs));
     if (request.gradient_steps)
       throw UsageError(fmt::format(
-          "--gradient-steps: sensor '{}' has a separate receiver, for which no step is proven: leave "
-          "out --gradient-steps, or select another sensor with --sensor",
-          name));
+          "--gradient-steps: sensor '{}' has {}, for which no step is proven: leave out --gradient-steps, or "
+          "select another sensor with --sensor",
+          name, legs));
   }
   const bool by_sound_speed = std::ranges::find(parameters, GradientParameter::Kind::sound_speed,
                                                 &GradientParameter::kind) != parameters.end();
@@ -254,10 +278,11 @@ std::vector<std::string> one_sided_derivatives(const std::vector<Recording>& rec
 void add_gradients(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
   const std::vector<GradientParameter> all =
       gradient_parameters(transmission.scene().description, transmission.request().gradient);
-  const bool separate = transmission.has_separate_receiver();
+  const bool direct = is_order_wanted(transmission.scene(), 1),
+             separate = transmission.has_separate_receiver();
   const std::optional<BistaticHistory> both =
-      separate ? std::optional(transmission.trace_both()) : std::nullopt;
-  const History* one = separate ? nullptr : &traced(transmission, sums);
+      direct && separate ? std::optional(transmission.trace_both()) : std::nullopt;
+  const History* one = separate || !direct ? nullptr : &traced(transmission, sums);
   const FacetMesh& mesh = transmission.surface_mesh().mesh();
   for (const std::size_t s : plan.sensors) {
     if (sums.chosen(s).pings == 0) continue;
@@ -279,9 +304,12 @@ void add_gradients(const EchoContribution& plan, const Transmission& transmissio
       const RangeSamples& samples = transmission.sensor(s).samples();
       if (transmission.request().gradient_steps) add_steps(transmission, s, own_parameters, parameters, sums);
       if (!plan.tolerance) {
-        const auto derivatives = separate
-                                     ? echo_derivatives(mesh, *both, beams, samples, echo_model, parameters)
-                                     : echo_derivatives(mesh, *one, beams, samples, echo_model, parameters);
+        std::vector<std::vector<double>> derivatives(
+            parameters.size(), std::vector<double>(std::size_t(beams.count) * std::size_t(samples.count)));
+        if (both) derivatives = echo_derivatives(mesh, *both, beams, samples, echo_model, parameters);
+        if (one) derivatives = echo_derivatives(mesh, *one, beams, samples, echo_model, parameters);
+        if (const auto paths = path_settings(transmission.scene(), transmission.sensor(s).frequency_khz()))
+          add_paths_to(derivatives, transmission, s, *paths, beams, echo_model, parameters);
         for (std::size_t k = 0; k < channels.size(); ++k)
           sums.add_to_channel(transmission, s, channels[k], 0, derivatives[k]);
         return;

@@ -8,10 +8,14 @@
 #include <glm/geometric.hpp>
 
 #include "engine/gradient/bistatic_gradient.hpp"
+#include "engine/paths/path_gradient.hpp"
 #include "files/usage_error.hpp"
+#include "geometry/numbers/grid_vector.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
 #include "run/gradients.hpp"
+#include "run/paths.hpp"
+#include "run/transmission_images.hpp"
 
 // This file sums reverse-mode gradients over transmissions. Derivatives by points become derivatives by
 // poses: a translation of the apex moves all vertices the opposite way, and a rotation turns all rays.
@@ -73,8 +77,26 @@ glm::dvec3 by_rotation_of(const std::vector<GridPoint>& rays, const std::vector<
   return sum;
 }
 
+/// Rays of an EchoGradient, and the receive apex relative to the transmit apex.
+struct GradientRays {
+  const std::vector<GridPoint>& transmit;
+  const std::vector<GridPoint>* receive = nullptr;  ///< null: one apex
+  glm::dvec3 receiver_m{0};
+
+  explicit GradientRays(const SeenByEnds& seen)
+      : transmit(seen.two ? seen.two->shared.transmit_rays : seen.one->footprints.name_rays) {
+    if (!seen.two) return;
+    receive = &seen.two->shared.receive_rays;
+    receiver_m = seen.two->shared.receiver_m;
+  }
+  GradientRays(const PathEnds& ends, double unit_m)
+      : transmit(ends.transmit.rays),
+        receive(&ends.receive.rays),
+        receiver_m(displacement_m(ends.transmit.apex, ends.receive.apex, unit_m)) {}
+};
+
 /// Adds the gradient of a transmission's energies to those of its sensor and scene.
-void add_echo_gradient(const Transmission& transmission, std::size_t s, const SeenByEnds& seen,
+void add_echo_gradient(const Transmission& transmission, std::size_t s, const GradientRays& rays,
                        const EchoGradient& echo, WeightedGradient& sum) {
   const Scene& scene = transmission.scene();
   const FacetMesh& mesh = transmission.surface_mesh().mesh();
@@ -84,14 +106,13 @@ void add_echo_gradient(const Transmission& transmission, std::size_t s, const Se
     sum.by_vertex[v] += echo.by_vertex[v];
     by_all_vertices += echo.by_vertex[v];
   }
-  by_rotation +=
-      by_rotation_of(seen.two ? seen.two->shared.transmit_rays : seen.one->footprints.name_rays, echo.by_ray);
-  if (seen.two) {
-    by_rotation += by_rotation_of(seen.two->shared.receive_rays, echo.by_receive_ray);
-    by_turned_receiver = glm::cross(seen.two->shared.receiver_m, echo.by_receiver);
+  by_rotation += by_rotation_of(rays.transmit, echo.by_ray);
+  if (rays.receive != nullptr) {
+    by_rotation += by_rotation_of(*rays.receive, echo.by_receive_ray);
+    by_turned_receiver = glm::cross(rays.receiver_m, echo.by_receiver);
   }
   for (std::size_t m = 0; m < echo.by_material_mu.size(); ++m) sum.by_mu[m] += echo.by_material_mu[m];
-  sum.by_sound_speed += echo.by_range_scale / scene.sound_speed_m_s;
+  sum.by_sound_speed += (echo.by_range_scale - 2 * echo.by_roughness) / scene.sound_speed_m_s;
   sum.by_absorption += echo.by_absorption / 1000;
   const Sensor& sensor = transmission.sensor(s);
   const glm::dquat& attitude = transmission.pose().attitude;
@@ -172,17 +193,39 @@ WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
         std::optional<SeenByEnds> seen;
         for (const std::size_t s : group.sensors) {
           if (s >= weights.size() || weights[s].empty()) continue;
-          if (!seen) seen.emplace(transmission);
           const SensorModel model = transmission.model(s);
           const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(number);
-          const auto gradient_of = [&](const auto& history) {
-            return echo_gradient(transmission.surface_mesh().mesh(), history,
-                                 transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(),
-                                 model.model, weights_of(transmission, s, weights[s]), scattering);
+          const ReceiveBeams beams = transmission.beams_by_fans(s, fans);
+          const RangeSamples& samples = transmission.sensor(s).samples();
+          const std::vector<double> own_weights = weights_of(transmission, s, weights[s]);
+          const auto add = [&](const GradientRays& rays, const EchoGradient& echo) {
+            for (std::size_t k = 0; k < names.size(); ++k)
+              sum.by_scattering[names[k]] += echo.by_scattering[k];
+            add_echo_gradient(transmission, s, rays, echo, sum);
           };
-          const EchoGradient echo = seen->two ? gradient_of(*seen->two) : gradient_of(*seen->one);
-          for (std::size_t k = 0; k < names.size(); ++k) sum.by_scattering[names[k]] += echo.by_scattering[k];
-          add_echo_gradient(transmission, s, *seen, echo, sum);
+          if (is_order_wanted(survey.scene, 1)) {
+            if (!seen) seen.emplace(transmission);
+            const auto gradient_of = [&](const auto& history) {
+              return echo_gradient(transmission.surface_mesh().mesh(), history, beams, samples, model.model,
+                                   own_weights, scattering);
+            };
+            add(GradientRays(*seen), seen->two ? gradient_of(*seen->two) : gradient_of(*seen->one));
+          }
+          if (const auto paths = path_settings(survey.scene, transmission.sensor(s).frequency_khz())) {
+            const PathEnds ends(transmission, s);
+            const auto gradient = [&] {
+              try {
+                return path_gradient(transmission.surface_mesh().mesh(), transmission.surface_mesh().tree(),
+                                     survey.scene.grid.unit_m(), request.visibility, ends.transmit,
+                                     ends.receive, beams, samples, model.model, *paths, own_weights,
+                                     scattering,
+                                     [&](std::size_t order) { return is_order_wanted(survey.scene, order); });
+              } catch (const std::length_error& error) {
+                throw too_many_images(transmission.sensor(s).description(), error);
+              }
+            };
+            add(GradientRays(ends, survey.scene.grid.unit_m()), gradient());
+          }
         }
       }
       if (watch != nullptr) ++watch->pings;
