@@ -30,9 +30,11 @@ void check_gradient(const History& history, const EchoModel& model) {
   if (set.corner_names.size() != set.corners_m.size())
     reject_gradient("the footprints have no names of corners: set VisibilityOptions::corner_names");
   if (!history.hits.empty()) reject_gradient("hits of rays have no borders: use the tube engine");
-  if (model.path.over_mirrors() || model.path.rx || !model.path.facet_factor.empty() ||
-      !model.path.tx.facet_map.empty())
-    reject_gradient("mirrors, a receive leg of its own and refraction are not supported");
+  if (model.path.over_mirrors() || model.path.rx)
+    reject_gradient("mirrors and a receive leg of its own are not supported");
+  if (!(model.path.facet_factor.empty() && model.path.tx.facet_map.empty()) &&
+      std::ranges::any_of(model.reflectivity, [](const auto& texture) { return texture != nullptr; }))
+    reject_gradient("textures on an apparent surface are not supported");
 }
 
 /// A visible polygon and its derivatives.
@@ -41,8 +43,9 @@ struct DifferentiatedPolygon {
   std::uint32_t first_corner, corners;  ///< in the footprint set
   const FacetPlane& plane;
   const PlaneFrame& frame;
-  /// Factor of the derivatives: Lambert's parameter, or 1 for another model.
+  /// Factor of the derivatives: Path::facet_factor, times Lambert's parameter with Lambert's law.
   double scale;
+  double facet_factor;
   bool lambert;
   std::uint16_t material;
   const PolygonDerivatives& by;
@@ -78,8 +81,9 @@ void for_each_polygon(const History& history, const RangeSamples& samples, const
       const PolygonDerivatives* by =
           gradient.of({polygon, plane, frame, surface, lies, parameters.of_material[material]});
       if (by != nullptr)
-        use(DifferentiatedPolygon{footprint, piece.first, piece.count, plane, frame, lambert ? surface.mu : 1,
-                                  lambert, material, *by});
+        use(DifferentiatedPolygon{footprint, piece.first, piece.count, plane, frame,
+                                  lambert ? surface.mu : surface.factor, surface.factor, lambert, material,
+                                  *by});
     }
   }
 }
@@ -243,10 +247,13 @@ std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const H
           put(Numbers::by_place, parameter.apex_velocity);
           put(Numbers::by_turn, rotations[n]);
           if (polygon.lambert && !parameter.by_mu.empty())
-            factor[Numbers::energy] = parameter.by_mu[polygon.material];
+            factor[Numbers::energy] = polygon.facet_factor * parameter.by_mu[polygon.material];
+          if (parameter.by_facet_factor)
+            factor[Numbers::energy] += polygon.scale * parameter.by_facet_factor(polygon.footprint.facet);
           const std::vector<std::size_t>& own = scattering.numbers[polygon.material];
           for (std::size_t k = 0; k < own.size(); ++k)
-            if (own[k] >= first_own[n] && own[k] < first_own[n + 1]) factor[Numbers::own_parameters + k] = 1;
+            if (own[k] >= first_own[n] && own[k] < first_own[n + 1])
+              factor[Numbers::own_parameters + k] = polygon.facet_factor;
           if (velocity_of[n] != at_rest) {
             const CornerVelocities::UnitPlane plane = corners.of_plane(velocity_of[n]);
             const glm::dvec2 tilt = polygon.in_plane(plane.normal);
@@ -293,6 +300,7 @@ EchoGradient echo_gradient(const FacetMesh& mesh, const History& history, const 
   EchoGradient gradient;
   gradient.by_material_mu.assign(model.material_mu.size(), 0);
   gradient.by_scattering.assign(scattering.size(), 0);
+  gradient.by_facet_factor.assign(model.path.facet_factor.size(), 0);
   BeamGains gains(model.patterns, beams, weights, count, model.pattern_tolerance);
   glm::dvec3 turned(0);
   std::vector<glm::dvec2> by_corner;
@@ -309,7 +317,10 @@ EchoGradient echo_gradient(const FacetMesh& mesh, const History& history, const 
         const double* numbers = by.numbers.data();
         for (std::size_t bin = by.first_bin; bin < by.end_bin; ++bin, numbers += by.count)
           for (std::size_t k = 0; k < by.count; ++k) sum[k] += weight_of(bin) * numbers[k];
-        if (polygon.lambert) gradient.by_material_mu[polygon.material] += sum[Numbers::energy];
+        if (polygon.lambert)
+          gradient.by_material_mu[polygon.material] += polygon.facet_factor * sum[Numbers::energy];
+        if (!gradient.by_facet_factor.empty())
+          gradient.by_facet_factor[footprint.facet] += polygon.scale * sum[Numbers::energy];
         for (std::size_t k = Numbers::by_absorption; k < Numbers::own_parameters; ++k)
           sum[k] *= polygon.scale;
         gradient.by_absorption += per_db * sum[Numbers::by_absorption];
@@ -318,7 +329,7 @@ EchoGradient echo_gradient(const FacetMesh& mesh, const History& history, const 
         turned += vector_at(&sum[Numbers::by_turn]);
         const std::vector<std::size_t>& own = parameters.numbers[polygon.material];
         for (std::size_t k = 0; k < own.size(); ++k)
-          gradient.by_scattering[own[k]] += sum[Numbers::own_parameters + k];
+          gradient.by_scattering[own[k]] += polygon.facet_factor * sum[Numbers::own_parameters + k];
         by_corner.assign(polygon.corners, glm::dvec2(0));
         for (const PolygonDerivatives::Part& part : by.parts) {
           const double factor = polygon.scale * weight_of(part.bin);

@@ -19,8 +19,9 @@
 // tubes, and intersections of facets. They hold for one apex and exact binning, with any scattering model,
 // beam patterns, and textures that are maps or Perlin noise. The directions that BeamPatterns::least selects
 // turn with the patterns.
-// Textures stay at their place in the local frame if an object moves. Functions throw std::invalid_argument
-// for mirrors, refraction, receiver pairs and hits of rays, and for a history without names of corners
+// Textures stay at their place in the local frame if an object moves. On an apparent surface, points are
+// apparent positions (apparent_parameters.hpp). Functions throw std::invalid_argument for mirrors, apparent
+// surfaces with textures, receiver pairs and hits of rays, and for a history without names of corners
 // (VisibilityOptions::corner_names). EchoModel::pattern_tolerance is the tolerance
 // of quadratures with patterns and textures.
 namespace tubefoot {
@@ -53,6 +54,8 @@ struct EchoParameter {
   /// Rotation vector of the axes of beam patterns about the apex, in radians.
   glm::dvec3 pattern_rotation{0};
   std::vector<MaterialParameter> by_scattering{};  ///< parameters of models that change at the rate 1
+  /// Relative change of Path::facet_factor; empty: constant.
+  std::function<double(FacetId)> by_facet_factor{};
 
   /// Translation of the apex with its tubes and patterns, in metres along a unit vector.
   static EchoParameter sonar_translation(glm::dvec3 axis);
@@ -97,6 +100,8 @@ struct EchoGradient {
   std::vector<double> by_material_mu;  ///< by Lambert's parameter mu (linear), per material
   double by_absorption = 0;            ///< by the one-way absorption, per dB/m
   std::vector<double> by_scattering;   ///< by the given parameters of scattering models
+  /// By the relative change of Path::facet_factor, per facet; empty without factors.
+  std::vector<double> by_facet_factor{};
   // For a history with two apexes. `by_ray` is of the transmitter then.
   std::vector<glm::dvec3> by_receive_ray{};  ///< of SharedFootprints::receive_rays
   glm::dvec3 by_receiver{0};                 ///< by the receive apex with its rays, per metre

@@ -274,6 +274,7 @@ void EigenrayBranches::add_seen(FacetId facet, const std::array<Corner, 3>& corn
   if (!fine_.mesh.weights.empty())
     surface_mesh_.refined.weights.push_back({corners[0].weights, corners[1].weights, corners[2].weights});
   surface_mesh_.facets_folded += glm::dot(normal_of(lies), towards) * glm::dot(normal_of(seen), middle) < 0;
+  surface_mesh_.factor_rule.push_back(FactorRule::branch);
   surface_mesh_.facet_factor.push_back(
       is_wide ? facet_factor(lies, seen, returns, centre != nullptr ? &centre->returned : nullptr, absorption,
                              [model](double sine) { return sigma_of(model, sine); })

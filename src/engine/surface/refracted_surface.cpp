@@ -241,6 +241,8 @@ ApparentSurface seen_of(FineFacets fine, const Images& images, const WorldGrid& 
     surface_mesh.refined.parent.push_back(fine.mesh.parent[f]);
     if (!fine.mesh.weights.empty()) surface_mesh.refined.weights.push_back(fine.mesh.weights[f]);
     if (origin != nullptr) origin->push_back(FacetId(f));
+    surface_mesh.factor_rule.push_back(middle && middle->seen() ? FactorRule::corners_and_centre
+                                                                : FactorRule::corners);
     const ScatteringModel* model = models.empty() ? nullptr : models[material].get();
     surface_mesh.facet_factor.push_back(facet_factor(
         corners, seen, returns, middle && middle->seen() ? &middle->returned : nullptr,

@@ -60,11 +60,19 @@ struct RayOfPart {
   std::array<Corner, 3> corners;
 };
 
+/// Points of a facet whose rays determine the facet's factor.
+enum class FactorRule : std::uint8_t {
+  corners,
+  corners_and_centre,
+  branch  ///< a part to which several rays lead (eigenray_branches.hpp)
+};
+
 struct ApparentSurface {
   /// Apparent facets whose corners and centre have an eigenray, and the base facet of each.
   RefinedMesh refined;
   std::vector<glm::dvec3> truth;           ///< true position of each vertex
   std::vector<double> facet_factor;        ///< for EchoModel::facet_factor
+  std::vector<FactorRule> factor_rule;     ///< by facet
   double reference_speed_m_s = 0;          ///< sound speed that converts travel times into ranges
   double largest_travel_path_error_m = 0;  ///< over all remaining edges; for short edges a bound
   std::size_t facets_in_shadow = 0;        ///< omitted facets, which lie wholly or partly where no ray leads
