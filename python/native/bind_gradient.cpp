@@ -57,6 +57,7 @@ py::dict gradient(const std::shared_ptr<NativeScene>& scene,
   all["scattering"] = sum.by_scattering;
   all["sound_speed"] = sum.by_sound_speed;
   all["absorption"] = sum.by_absorption;
+  all["profile"] = sum.by_profile;
   py::list sonars, objects;
   for (const WeightedGradient::OfSonar& sonar : sum.sonars)
     sonars.append(py::make_tuple(vectors(sonar.by_position), vectors(sonar.by_rotation),

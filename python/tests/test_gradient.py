@@ -364,9 +364,7 @@ def test_settings_without_derivatives_are_rejected(scene, option, reason):
 
 
 @pytest.mark.parametrize("section, keys, reason", [
-    ("paths", {"scatterings": 2, "order": 2}, "patches as points"),
-    ("water", {"sound_speed_m_s": 1500, "profile": "gradient", "gradient_per_s": 0.5, "profile_bottom_m": 40,
-               "surface_height_m": 6}, "straight rays")])
+    ("paths", {"scatterings": 2, "order": 2}, "patches as points")])
 def test_scenes_without_derivatives_are_rejected(section, keys, reason):
     scene = tubefoot.Scene.from_dict({**KEYS, section: keys})
     for compute in (lambda: tubefoot.run(scene, gradient=["water.absorption"]), lambda: scene.gradient(np.ones((2, 8, 30)))):

@@ -66,6 +66,7 @@ class EnergyFit:
             if name not in known:
                 raise UsageError(f"parameters: there is no parameter {name!r}{meant(name, known)}")
         if update is None:
+            self._reject_changes_of_times(scene)
             self._places = [_place(keys, name) for name in self.parameters]
         elif initial is None:
             raise UsageError("initial: 'update' needs first values of the parameters")
@@ -81,6 +82,16 @@ class EnergyFit:
                 raise UsageError(f"sigma of {name!r}: expected numbers above 0 of shape {values.shape}")
             self._sigma[name] = of
         self._known: tuple[bytes, bool, Any, Any] = (b"", False, None, None)
+
+    def _reject_changes_of_times(self, scene: Scene) -> None:
+        """In stratified water, a change of the sound speed at the sonar changes the times of range bins."""
+        water = self._keys.get("water", {})
+        if (water.get("profile", "constant") if isinstance(water, Mapping) else "constant") == "constant":
+            return
+        for name in self.parameters:
+            if name.startswith("water.") and name != "water.absorption" or name in [f"{s}.position.up" for s in scene.sensors]:
+                raise UsageError(f"parameters: in stratified water, {name} changes the sound speed at the sonar, so that the "
+                                 "ranges must change too: give 'update'")
 
     def scene(self, x: npt.ArrayLike) -> Scene:
         """Returns the scene for the values of the parameters."""

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
@@ -55,6 +55,7 @@ class Gradient:
     scattering: dict[str, float]  #: by the parameters of other scattering models, by name: ``material.NAME.KEY``
     sound_speed: float  #: per m/s, for range bins that are intervals of time, at fixed beam patterns
     absorption: float  #: one-way absorption, per dB/km
+    profile: dict[str, float] = field(default_factory=dict)  #: by further parameters of the sound-speed profile, by name
 
     def __getitem__(self, name: str) -> float:
         all_ = self._named()
@@ -64,7 +65,7 @@ class Gradient:
 
     def _named(self) -> dict[str, float]:
         named = {"water.sound_speed": self.sound_speed, "water.absorption": self.absorption}
-        named |= {f"material.{name}.mu": value for name, value in self.mu.items()} | self.scattering
+        named |= {f"material.{name}.mu": value for name, value in self.mu.items()} | self.scattering | self.profile
         for name, parts in (*self.components.items(), *self.sonars.items()):
             for kind, axes in AXES.items():
                 values = getattr(parts, kind, None)
@@ -115,4 +116,5 @@ def _from_native(scene: Scene, native: dict[str, Any]) -> Gradient:
     sonars = {name: SonarGradient(position, rotation, mounting if f"{name}.mounting.yaw" in known else None, patterns)
               for name, (position, rotation, mounting, patterns) in zip(scene.sensors, native["sonars"])}
     mu = {name: float(value) for name, value in zip(scene.materials, native["mu"]) if f"material.{name}.mu" in known}
-    return Gradient(sonars, components, mu, native["scattering"], float(native["sound_speed"]), float(native["absorption"]))
+    return Gradient(sonars, components, mu, native["scattering"], float(native["sound_speed"]), float(native["absorption"]),
+                    native["profile"])

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "files/shown.hpp"
 #include "files/usage_error.hpp"
 #include "files/words.hpp"
 #include "scene/description/scene_description.hpp"
+#include "scene/scene_water.hpp"
 #include "scene/surfaces/scattering.hpp"
 
 // This file derives the names of the parameters of derivatives from a scene.
@@ -44,7 +46,38 @@ void add_scattering(const MaterialDescription& material, std::size_t number,
   }
 }
 
-std::vector<ParameterFamily> families_of(const SceneDescription& description) {
+/// Adds the parameters of the sound speed.
+void add_sound_speed(const WaterDescription& water, const SceneWater* known,
+                     std::vector<ParameterFamily>& families) {
+  constexpr const char* per_speed = "J m-2 m-1 s";
+  using enum GradientParameter::Kind;
+  std::optional<SceneWater> own;
+  if (known == nullptr && water.profile != "constant") known = &own.emplace(water);
+  const bool refracts = known != nullptr && known->refracts();
+  families.push_back({"water.sound_speed",
+                      {},
+                      sound_speed,
+                      0,
+                      per_speed,
+                      fmt::format("sound speed{} [m/s], for range bins that are intervals of time",
+                                  refracts ? ", by an equal increase at all depths" : "")});
+  if (!refracts) return;
+  if (water.profile == "gradient")
+    families.push_back({"water.gradient_per_s",
+                        {},
+                        profile_gradient,
+                        0,
+                        "J m-2 s",
+                        "gradient of the sound speed [1/s], with the sound speed at the surface fixed"});
+  if (water.profile != "table" && water.profile != "cast") return;
+  std::vector<std::string> numbers;
+  for (std::size_t k = 0; k < known->profile().points().size(); ++k) numbers.push_back(std::to_string(k));
+  families.push_back(
+      {"water.profile", std::move(numbers), profile, 0, per_speed,
+       "sound speed at a point of the profile, by the number of the row, counted from 0 [m/s]"});
+}
+
+std::vector<ParameterFamily> families_of(const SceneDescription& description, const SceneWater* water) {
   using enum GradientParameter::Kind;
   using Axes = std::array<const char*, 3>;
   constexpr Axes of_frame{"east", "north", "up"}, own{"x", "y", "z"}, angles{"yaw", "tilt", "roll"};
@@ -83,12 +116,7 @@ std::vector<ParameterFamily> families_of(const SceneDescription& description) {
     else
       add_scattering(description.materials[m], m, families);
   }
-  families.push_back({"water.sound_speed",
-                      {},
-                      sound_speed,
-                      0,
-                      "J m-2 m-1 s",
-                      "sound speed [m/s], for range bins that are intervals of time"});
+  add_sound_speed(description.water, water, families);
   families.push_back({"water.absorption", {}, absorption, 0, "J m-2 km", "one-way absorption [dB/km]"});
   return families;
 }
@@ -101,10 +129,10 @@ std::string family_text(const ParameterFamily& family) {
              : fmt::format("{}.{}|...|{}", family.stem, family.axes.front(), family.axes.back());
 }
 
-std::string all_names(const SceneDescription& description) {
+std::string all_names(const SceneDescription& description, const SceneWater* water) {
   constexpr std::size_t most = 40;
   std::string names;
-  const std::vector<ParameterFamily> families = families_of(description);
+  const std::vector<ParameterFamily> families = families_of(description, water);
   for (std::size_t k = 0; k < std::min(most, families.size()); ++k)
     names += (k == 0 ? "" : ", ") + family_text(families[k]);
   if (families.size() > most) names += fmt::format(", and {} more lines", families.size() - most);
@@ -113,9 +141,10 @@ std::string all_names(const SceneDescription& description) {
 
 }  // namespace
 
-std::vector<GradientParameter> gradient_parameters(const SceneDescription& description) {
+std::vector<GradientParameter> gradient_parameters(const SceneDescription& description,
+                                                   const SceneWater* water) {
   std::vector<GradientParameter> parameters;
-  for (const ParameterFamily& family : families_of(description)) {
+  for (const ParameterFamily& family : families_of(description, water)) {
     const auto add = [&](const std::string& axis, int number) {
       parameters.push_back(
           {family.stem + axis, family.kind, family.owner, number, family.units, family.meaning, family.key});
@@ -128,10 +157,11 @@ std::vector<GradientParameter> gradient_parameters(const SceneDescription& descr
 }
 
 std::vector<GradientParameter> gradient_parameters(const SceneDescription& description,
-                                                   const std::vector<std::string>& names) {
+                                                   const std::vector<std::string>& names,
+                                                   const SceneWater* water) {
   std::vector<GradientParameter> chosen;
   if (names.empty()) return chosen;
-  const std::vector<GradientParameter> all = gradient_parameters(description);
+  const std::vector<GradientParameter> all = gradient_parameters(description, water);
   for (const std::string& name : names) {
     const auto found = std::ranges::find(all, name, &GradientParameter::name);
     if (found == all.end()) {
@@ -141,7 +171,7 @@ std::vector<GradientParameter> gradient_parameters(const SceneDescription& descr
       throw UsageError(
           fmt::format("--gradient: there is no parameter '{}'{}: the parameters of the scene are {}",
                       shown(name), similar.empty() ? "" : fmt::format(" (did you mean '{}'?)", similar),
-                      shown(all_names(description))));
+                      shown(all_names(description, water))));
     }
     if (std::ranges::find(chosen, name, &GradientParameter::name) != chosen.end())
       throw UsageError(
@@ -171,7 +201,7 @@ std::vector<std::string> gradient_names(const std::string& list) {
 }
 
 std::string gradient_help(const SceneDescription& description) {
-  const std::vector<ParameterFamily> families = families_of(description);
+  const std::vector<ParameterFamily> families = families_of(description, nullptr);
   std::size_t width = 0;
   for (const ParameterFamily& family : families) width = std::max(width, family_text(family).size());
   std::string help;

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 
+#include "engine/gradient/apparent_parameters.hpp"
 #include "engine/gradient/bistatic_gradient.hpp"
 #include "engine/gradient/certified_gradient.hpp"
 #include "engine/gradient/validity.hpp"
@@ -14,6 +16,7 @@
 #include "files/usage_error.hpp"
 #include "geometry/numbers/scalars.hpp"
 #include "run/paths.hpp"
+#include "run/refraction.hpp"
 #include "run/survey.hpp"
 #include "run/transmission_images.hpp"
 #include "scene/surfaces/scattering.hpp"
@@ -74,7 +77,11 @@ std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter
     case GradientParameter::Kind::scattering:
       return EchoParameter::material_scattering(scattering_parameter(scene.description, parameter));
     case GradientParameter::Kind::sound_speed:
+      if (scene.water->refracts()) return EchoParameter();
       return EchoParameter::sound_speed(scene.sound_speed_m_s);
+    case GradientParameter::Kind::profile:
+    case GradientParameter::Kind::profile_gradient:
+      return EchoParameter();
     case GradientParameter::Kind::absorption: {
       EchoParameter by_km = EchoParameter::absorption();
       by_km.by_absorption /= 1000;
@@ -85,6 +92,26 @@ std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter
 }
 
 namespace {
+
+/// Returns the derivatives of energies in stratified water.
+std::vector<std::vector<double>> refracted_derivatives(
+    const Transmission& transmission, const History& history, const ReceiveBeams& beams,
+    const RangeSamples& samples, const EchoModel& model,
+    const std::vector<const GradientParameter*>& parameters, std::vector<EchoParameter> at_rest) {
+  const Scene& scene = transmission.scene();
+  const TransmissionSurface& surface = transmission.surface_mesh();
+  require_one_ray(transmission, history);
+  std::vector<StratifiedParameter> stratified;
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    stratified.push_back({std::move(at_rest[k]), sound_speed_change(*parameters[k], scene.water->profile())});
+  const ApparentMap water = apparent_map_of_one(transmission);
+  std::vector<std::vector<double>> derivatives =
+      echo_derivatives(surface.mesh(), history, beams, samples, model,
+                       apparent_parameters(stratified, *surface.apparent(), water, scene.grid, model));
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    require_finite(transmission, parameters[k]->name, derivatives[k]);
+  return derivatives;
+}
 
 /// Returns the largest step for which the run proves that the visible polygons keep their corners.
 double largest_step(const GradientParameter& parameter, const Transmission& transmission, std::size_t s) {
@@ -162,6 +189,44 @@ MaterialParameter scattering_parameter(const SceneDescription& description,
           scattering_derivative(description.materials[parameter.owner], parameter.key, parameter.axis)};
 }
 
+std::vector<double> sound_speed_change(const GradientParameter& parameter, const SoundSpeedProfile& profile) {
+  if (!parameter.is_of_sound_speed()) return {};
+  std::vector<double> change;
+  for (const ProfilePoint& point : profile.points())
+    change.push_back(parameter.kind == GradientParameter::Kind::sound_speed        ? 1
+                     : parameter.kind == GradientParameter::Kind::profile_gradient ? point.depth_m
+                                                                                   : 0);
+  if (parameter.kind == GradientParameter::Kind::profile) change.at(std::size_t(parameter.axis)) = 1;
+  return change;
+}
+
+ApparentMap apparent_map_of_one(const Transmission& transmission) {
+  return apparent_map_of(transmission.loaded_scene(), transmission.pings(),
+                         transmission.scene().grid.to_metres(transmission.tubes().apex));
+}
+
+void require_one_ray(const Transmission& transmission, const History& history) {
+  const std::vector<FactorRule>& rules = transmission.surface_mesh().apparent()->factor_rule;
+  if (std::ranges::none_of(history.footprints.footprints, [&](const Footprint& footprint) {
+        return footprint.piece_count > 0 && rules[footprint.facet] == FactorRule::branch;
+      }))
+    return;
+  throw InputError(transmission.scene().description.water.place,
+                   fmt::format("{} has no derivatives: several rays lead to a visible facet: leave out "
+                               "--gradient, or reduce 'refraction_turns'",
+                               transmission.name()));
+}
+
+void require_finite(const Transmission& transmission, const std::string& parameter,
+                    std::span<const double> derivatives) {
+  if (std::ranges::all_of(derivatives, [](double by) { return std::isfinite(by); })) return;
+  throw InputError(
+      transmission.scene().description.water.place,
+      fmt::format("{} has no derivative by {}: a ray touches a caustic, or is level where it starts or ends: "
+                  "move the sonar, or leave out --gradient",
+                  transmission.name(), parameter));
+}
+
 glm::dvec3 mounting_axis(const Sensor& sensor, const glm::dquat& attitude, int angle) {
   // attitude = carrier * turn(-yaw, z) turn(-tilt, x) turn(roll, y): see attitude_from_angles().
   const SensorDescription& d = sensor.description();
@@ -225,16 +290,19 @@ void require_gradients(const Survey& survey, const RunRequest& request) {
           "select another sensor with --sensor",
           name, legs));
   }
-  const bool by_sound_speed = std::ranges::find(parameters, GradientParameter::Kind::sound_speed,
-                                                &GradientParameter::kind) != parameters.end();
+  if (request.gradient_steps && survey.scene.water->refracts())
+    throw UsageError(
+        "--gradient-steps: no step is proven in stratified water, where apparent positions do not move along "
+        "straight lines: leave out --gradient-steps, or set profile = \"constant\"");
+  const auto of_sound_speed = std::ranges::find_if(parameters, &GradientParameter::is_of_sound_speed);
+  const bool by_sound_speed = of_sound_speed != parameters.end();
   for (std::size_t s = 0; s < chosen.size(); ++s)
     for (const PatternDescription* one : {&description.sensors[s].transmit, &description.sensors[s].receive})
       if (by_sound_speed && chosen[s].pings > 0 && (one->pattern == "line" || one->pattern == "piston"))
         throw UsageError(fmt::format(
-            "--gradient water.sound_speed: the pattern \"{}\" of sensor '{}' depends on the wavelength, and "
-            "there is no derivative of it: leave out this parameter, or use a pattern of the kind "
-            "gaussian or table",
-            one->pattern, description.sensors[s].name));
+            "--gradient {}: the pattern \"{}\" of sensor '{}' depends on the wavelength, and there is no "
+            "derivative of it: leave out this parameter, or use a pattern of the kind gaussian or table",
+            of_sound_speed->name, one->pattern, description.sensors[s].name));
   if (survey.loaded_scene->is_tiled()) return;
   for (const GradientParameter& parameter : parameters) {
     if (!parameter.is_of_object()) continue;
@@ -276,8 +344,8 @@ std::vector<std::string> one_sided_derivatives(const std::vector<Recording>& rec
 }
 
 void add_gradients(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
-  const std::vector<GradientParameter> all =
-      gradient_parameters(transmission.scene().description, transmission.request().gradient);
+  const std::vector<GradientParameter> all = gradient_parameters(
+      transmission.scene().description, transmission.request().gradient, transmission.scene().water.get());
   const bool direct = is_order_wanted(transmission.scene(), 1),
              separate = transmission.has_separate_receiver();
   const std::optional<BistaticHistory> both =
@@ -307,7 +375,11 @@ void add_gradients(const EchoContribution& plan, const Transmission& transmissio
         std::vector<std::vector<double>> derivatives(
             parameters.size(), std::vector<double>(std::size_t(beams.count) * std::size_t(samples.count)));
         if (both) derivatives = echo_derivatives(mesh, *both, beams, samples, echo_model, parameters);
-        if (one) derivatives = echo_derivatives(mesh, *one, beams, samples, echo_model, parameters);
+        if (one)
+          derivatives = transmission.surface_mesh().apparent() != nullptr
+                            ? refracted_derivatives(transmission, *one, beams, samples, echo_model,
+                                                    own_parameters, parameters)
+                            : echo_derivatives(mesh, *one, beams, samples, echo_model, parameters);
         if (const auto paths = path_settings(transmission.scene(), transmission.sensor(s).frequency_khz()))
           add_paths_to(derivatives, transmission, s, *paths, beams, echo_model, parameters);
         for (std::size_t k = 0; k < channels.size(); ++k)

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "engine/gradient/echo_gradient.hpp"
+#include "engine/water/apparent_map.hpp"
 #include "run/contributions.hpp"
 #include "run/gradient_parameters.hpp"
 #include "run/ping_sums.hpp"
@@ -31,6 +33,19 @@ std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter
 /// Returns the engine's parameter for a parameter of the kind `scattering`.
 MaterialParameter scattering_parameter(const SceneDescription& description,
                                        const GradientParameter& parameter);
+
+/// Returns the change of the sound speed by point of the profile, per unit of the parameter; empty: none.
+std::vector<double> sound_speed_change(const GradientParameter& parameter, const SoundSpeedProfile& profile);
+
+/// Returns the map that made the apparent surface of a transmission.
+ApparentMap apparent_map_of_one(const Transmission& transmission);
+
+/// Throws InputError if several rays lead to a visible facet. Its echoes have no derivative, and
+/// mixed-eigenray returns are not differentiated.
+void require_one_ray(const Transmission& transmission, const History& history);
+/// Throws InputError for a derivative that is not finite in stratified water.
+void require_finite(const Transmission& transmission, const std::string& parameter,
+                    std::span<const double> derivatives);
 
 /// Rotation vector of the sonar, in the local frame, for a change of one mounting angle: 0 yaw, 1 tilt,
 /// 2 roll. `attitude`: of the sonar.

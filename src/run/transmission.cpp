@@ -118,7 +118,8 @@ std::vector<Look> Transmission::looks(std::span<const TubeSet> tubes) const {
 const TransmissionSurface& Transmission::surface_mesh() const {
   if (!loaded_scene().has_surface_per_transmission()) return transmissions_.whole_;
   if (!surface_mesh_) {
-    surface_mesh_.emplace(surface_mesh_of(*this));
+    // Derivatives by vertices of the scene need the places of refined vertices.
+    surface_mesh_.emplace(surface_mesh_of(*this, !request().gradient.empty()));
     own_engine_.emplace(surface_mesh_->mesh(), surface_mesh_->tree(), scene().grid.unit_m(),
                         request().visibility);
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "engine/gradient/apparent_parameters.hpp"
 #include "engine/gradient/bistatic_gradient.hpp"
 #include "engine/paths/path_gradient.hpp"
 #include "files/usage_error.hpp"
@@ -99,7 +100,7 @@ struct GradientRays {
 void add_echo_gradient(const Transmission& transmission, std::size_t s, const GradientRays& rays,
                        const EchoGradient& echo, WeightedGradient& sum) {
   const Scene& scene = transmission.scene();
-  const FacetMesh& mesh = transmission.surface_mesh().mesh();
+  const FacetMesh& mesh = scene.mesh;
   glm::dvec3 by_all_vertices(0), by_rotation = echo.by_pattern_rotation, by_turned_receiver(0);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (echo.by_vertex[v] == glm::dvec3(0)) continue;
@@ -124,6 +125,67 @@ void add_echo_gradient(const Transmission& transmission, std::size_t s, const Gr
     if (!sensor.description().look_at_m)
       sonar.by_mounting[transmission.ping()][k] += glm::dot(mounting_axis(sensor, attitude, k), by_rotation);
   }
+}
+
+/// Parameters of the sound speed in stratified water.
+struct ProfileParameters {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> changes;
+
+  explicit ProfileParameters(const Scene& scene) {
+    if (!scene.water->refracts()) return;
+    for (const GradientParameter& parameter : gradient_parameters(scene.description, scene.water.get())) {
+      if (!parameter.is_of_sound_speed()) continue;
+      names.push_back(parameter.name);
+      changes.push_back(sound_speed_change(parameter, scene.water->profile()));
+    }
+  }
+  void add(const std::vector<double>& by, WeightedGradient& sum) const {
+    for (std::size_t k = 0; k < names.size(); ++k)
+      (names[k] == "water.sound_speed" ? sum.by_sound_speed : sum.by_profile[names[k]]) += by[k];
+  }
+};
+
+/// Returns the derivatives by vertices of the scene from those by vertices of a refined mesh. These keep
+/// their places on the facets of the scene.
+std::vector<glm::dvec3> by_base_vertex(const FacetMesh& base, const RefinedMesh& refined,
+                                       const std::vector<glm::dvec3>& by_vertex) {
+  std::vector<glm::dvec3> sum(base.vertices.size(), glm::dvec3(0));
+  std::vector<bool> done(by_vertex.size());
+  for (std::size_t f = 0; f < refined.mesh.facets.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId v = refined.mesh.facets[f][k];
+      if (done[v]) continue;
+      done[v] = true;
+      const auto [second, third] = refined.weights[f][k];
+      const std::array<VertexId, 3>& corners = base.facets[refined.parent[f]];
+      const std::int64_t weights[]{whole_weight - second - third, second, third};
+      for (std::size_t c = 0; c < 3; ++c)
+        if (weights[c] != 0) sum[corners[c]] += double(weights[c]) / double(whole_weight) * by_vertex[v];
+    }
+  return sum;
+}
+
+/// Converts the gradient of an apparent surface to one by the vertices of the scene. `sum` receives the
+/// derivatives by the profile.
+EchoGradient of_true_positions(const Transmission& transmission, EchoGradient echo, const EchoModel& model,
+                               const ProfileParameters& profile,
+                               std::span<const MaterialParameter> scattering, WeightedGradient& sum) {
+  const Scene& scene = transmission.scene();
+  const ApparentSurface& surface = *transmission.surface_mesh().apparent();
+  const StratifiedGradient by = stratified_gradient(echo, surface, apparent_map_of_one(transmission),
+                                                    scene.grid, model, profile.changes, scattering);
+  echo.by_vertex = by_base_vertex(scene.mesh, surface.refined, by.by_vertex);
+  // The definition of EchoGradient::by_apex has all points at rest relative to the apex.
+  echo.by_apex = by.by_apex;
+  for (const glm::dvec3& of_vertex : echo.by_vertex) echo.by_apex += of_vertex;
+  require_finite(transmission, "the vertices of the scene", {&echo.by_apex.x, 3});
+  require_finite(transmission, "water.absorption", {&by.by_absorption, 1});
+  echo.by_absorption = by.by_absorption;
+  echo.by_scattering = by.by_scattering;
+  echo.by_range_scale = 0;
+  profile.add(by.by_sound_speed, sum);
+  return echo;
 }
 
 /// Sums derivatives by vertices to derivatives by the poses of objects.
@@ -172,9 +234,11 @@ WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
     const std::vector<glm::dvec3> zeros(pings.times_s.size(), glm::dvec3(0));
     sum.sonars.push_back({zeros, zeros, zeros, zeros});
   }
+  const ProfileParameters profile(survey.scene);
   std::vector<std::string> names;
   std::vector<MaterialParameter> scattering;
-  for (const GradientParameter& parameter : gradient_parameters(survey.scene.description))
+  for (const GradientParameter& parameter :
+       gradient_parameters(survey.scene.description, survey.scene.water.get()))
     if (parameter.kind == GradientParameter::Kind::scattering) {
       names.push_back(parameter.name);
       scattering.push_back(scattering_parameter(survey.scene.description, parameter));
@@ -209,7 +273,12 @@ WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
               return echo_gradient(transmission.surface_mesh().mesh(), history, beams, samples, model.model,
                                    own_weights, scattering);
             };
-            add(GradientRays(*seen), seen->two ? gradient_of(*seen->two) : gradient_of(*seen->one));
+            EchoGradient echo = seen->two ? gradient_of(*seen->two) : gradient_of(*seen->one);
+            if (transmission.surface_mesh().apparent() != nullptr) {
+              require_one_ray(transmission, *seen->one);
+              echo = of_true_positions(transmission, std::move(echo), model.model, profile, scattering, sum);
+            }
+            add(GradientRays(*seen), echo);
           }
           if (const auto paths = path_settings(survey.scene, transmission.sensor(s).frequency_khz())) {
             const PathEnds ends(transmission, s);

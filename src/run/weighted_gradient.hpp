@@ -22,6 +22,7 @@ struct WeightedGradient {
   std::map<std::string, double> by_scattering;  ///< by parameters of other scattering models, by name
   double by_sound_speed = 0;  ///< per m/s, for range bins that are intervals of time, at fixed beam patterns
   double by_absorption = 0;   ///< by the one-way absorption, per dB/km
+  std::map<std::string, double> by_profile;  ///< by further parameters of the sound-speed profile, by name
   struct OfSonar {
     std::vector<glm::dvec3> by_position;  ///< by ping, per metre
     std::vector<glm::dvec3> by_rotation;  ///< by ping, per radian about the sonar's own axes

@@ -99,66 +99,72 @@ struct FactorIntegrals {
   }
 };
 
+/// A change of a facet and of the water, per unit of a parameter. Velocities are those of true positions in
+/// the local frame.
+struct FacetChange {
+  std::array<glm::dvec3, 3> corners{};
+  glm::dvec3 apex{0};
+  std::size_t water = ApparentMotion::no_change;
+  double absorption_db_per_m = 0;
+  const ScatteringDerivative* model = nullptr;
+
+  bool none() const {
+    return corners == std::array<glm::dvec3, 3>{} && apex == glm::dvec3(0) &&
+           water == ApparentMotion::no_change && model == nullptr;
+  }
+};
+
 /// Rays and slopes of the vertices and centres of an apparent surface.
 class ApparentVelocities {
  public:
-  ApparentVelocities(std::span<const StratifiedParameter> parameters, const ApparentSurface& surface,
+  ApparentVelocities(std::vector<WaterChange> changes, const ApparentSurface& surface,
                      const ApparentMap& apparent_map, const WorldGrid& grid, const EchoModel& model)
-      : parameters_(parameters.begin(), parameters.end()),
+      : changes_(std::move(changes)),
         surface_(surface),
         apparent_map_(apparent_map),
         grid_(grid),
         scattering_(model.scattering),
         material_(model.material),
-        absorption_db_per_m_(model.absorption_db_per_m) {
-    for (const StratifiedParameter& parameter : parameters_) {
-      if (parameter.sound_speed_m_s.empty() && parameter.at_rest.by_absorption == 0) {
-        change_of_.push_back(ApparentMotion::no_change);
-        continue;
-      }
-      change_of_.push_back(changes_.size());
-      changes_.push_back({parameter.sound_speed_m_s, parameter.at_rest.by_absorption});
-    }
-  }
+        absorption_db_per_m_(model.absorption_db_per_m) {}
 
-  glm::dvec3 velocity(std::size_t parameter, VertexId vertex) {
-    if (is_at_rest(parameter, vertex)) return glm::dvec3(0);
+  const ApparentMap& apparent_map() const { return apparent_map_; }
+  const ApparentSurface& surface() const { return surface_; }
+  std::uint16_t material(FacetId facet) const { return material_[facet]; }
+
+  /// Velocity of an apparent vertex relative to the apex. `water`: number of a change.
+  glm::dvec3 velocity(VertexId vertex, glm::dvec3 point, glm::dvec3 apex, std::size_t water) {
+    if (point == glm::dvec3(0) && apex == glm::dvec3(0) && water == ApparentMotion::no_change)
+      return glm::dvec3(0);
     const Node& node = at_vertex(vertex);
-    if (!node.motion) return glm::dvec3(no_derivative);
-    return motion_of(parameter, node, velocity_at(parameter, vertex)).at;
+    return node.motion ? node.motion->of(point, apex, water).at : glm::dvec3(no_derivative);
   }
 
   /// Relative change of the factor of a facet.
-  double factor_change(std::size_t parameter, FacetId facet) {
+  double factor_change(FacetId facet, const FacetChange& change) {
+    if (change.none()) return 0;
     const FactorRule rule = surface_.factor_rule[facet];
-    const StratifiedParameter& own = parameters_[parameter];
-    const std::array<VertexId, 3>& vertices = surface_.refined.mesh.facets[facet];
-    if (own_of(own, facet) == nullptr &&
-        std::ranges::all_of(vertices, [&](VertexId v) { return is_at_rest(parameter, v); }))
-      return 0;
     if (rule == FactorRule::branch) return no_derivative;
+    const std::array<VertexId, 3>& vertices = surface_.refined.mesh.facets[facet];
     std::array<MovingVector, 3> corners, seen;
     std::array<FactorNode, 3> nodes;
-    glm::dvec3 middle_by(0);
     for (std::size_t k = 0; k < 3; ++k) {
-      const glm::dvec3 by = velocity_at(parameter, vertices[k]);
       const Node& node = at_vertex(vertices[k]);
       if (!node.motion) return no_derivative;
-      const ApparentMotion::Velocity motion = motion_of(parameter, node, by);
-      corners[k] = {surface_.truth[vertices[k]], by};
-      middle_by += by / 3.0;
+      const ApparentMotion::Velocity motion = node.motion->of(change.corners[k], change.apex, change.water);
+      corners[k] = {surface_.truth[vertices[k]], change.corners[k]};
       seen[k] = {grid_.to_metres(surface_.refined.mesh.vertices[vertices[k]]) - apparent_map_.apex_m(),
                  motion.at};
       nodes[k] = node_of(rule == FactorRule::corners ? 1.0 / 3 : 1.0 / 12, node, motion, seen[k]);
     }
     const MovingVector lies = normal_of_corners(corners), apparent = normal_of_corners(seen);
     FactorIntegrals integrals{scattering_.empty() ? nullptr : scattering_[material_[facet]].get(),
-                              own_of(own, facet), absorption_db_per_m_, own.at_rest.by_absorption};
+                              change.model, absorption_db_per_m_, change.absorption_db_per_m};
     for (const FactorNode& node : nodes) integrals.add(node, lies, apparent);
     if (rule == FactorRule::corners_and_centre) {
-      const Node& centre = at_centre(facet, (corners[0].at + corners[1].at + corners[2].at) / 3.0);
+      const MovingVector middle = (corners[0] + corners[1] + corners[2]).scaled(1.0 / 3);
+      const Node& centre = at_centre(facet, middle.at);
       if (!centre.motion) return no_derivative;
-      integrals.add(node_of(0.75, centre, motion_of(parameter, centre, middle_by),
+      integrals.add(node_of(0.75, centre, centre.motion->of(middle.by, change.apex, change.water),
                             (seen[0] + seen[1] + seen[2]).scaled(1.0 / 3)),
                     lies, apparent);
     }
@@ -181,30 +187,6 @@ class ApparentVelocities {
             motion.log_density,
             {node.returned.arrival, motion.arrival},
             seen};
-  }
-
-  const ScatteringDerivative* own_of(const StratifiedParameter& parameter, FacetId facet) const {
-    for (const MaterialParameter& own : parameter.at_rest.by_scattering)
-      if (own.material == material_[facet]) return &own.derivative;
-    return nullptr;
-  }
-
-  /// Returns whether neither a vertex nor its ray changes.
-  bool is_at_rest(std::size_t parameter, VertexId vertex) const {
-    return change_of_[parameter] == ApparentMotion::no_change &&
-           parameters_[parameter].at_rest.apex_velocity == glm::dvec3(0) &&
-           velocity_at(parameter, vertex) == glm::dvec3(0);
-  }
-
-  /// Velocity of the true position in the local frame.
-  glm::dvec3 velocity_at(std::size_t parameter, VertexId vertex) const {
-    const EchoParameter& own = parameters_[parameter].at_rest;
-    return own.apex_velocity + (own.velocity
-                                    ? own.velocity(vertex, surface_.truth[vertex] - apparent_map_.apex_m())
-                                    : glm::dvec3(0));
-  }
-  ApparentMotion::Velocity motion_of(std::size_t parameter, const Node& node, glm::dvec3 velocity) const {
-    return node.motion->of(velocity, parameters_[parameter].at_rest.apex_velocity, change_of_[parameter]);
   }
 
   const Node& at_vertex(VertexId vertex) {
@@ -231,8 +213,6 @@ class ApparentVelocities {
     node.motion.emplace(apparent_map_, at_m, image, changes_);
   }
 
-  std::vector<StratifiedParameter> parameters_;
-  std::vector<std::size_t> change_of_;  // by parameter
   std::vector<WaterChange> changes_;
   const ApparentSurface& surface_;
   ApparentMap apparent_map_;
@@ -244,27 +224,110 @@ class ApparentVelocities {
   std::unordered_map<FacetId, Node> centres_;
 };
 
+/// The effect of one parameter on an apparent surface.
+struct ApparentEffect {
+  std::shared_ptr<ApparentVelocities> velocities;
+  EchoParameter at_rest;
+  std::size_t water;
+
+  /// Velocity of the true position in the local frame.
+  glm::dvec3 velocity_of(VertexId vertex) const {
+    return at_rest.apex_velocity + (at_rest.velocity
+                                        ? at_rest.velocity(vertex, velocities->surface().truth[vertex] -
+                                                                       velocities->apparent_map().apex_m())
+                                        : glm::dvec3(0));
+  }
+  glm::dvec3 apparent_velocity(VertexId vertex) const {
+    return velocities->velocity(vertex, velocity_of(vertex), at_rest.apex_velocity, water);
+  }
+  double factor_change(FacetId facet) const {
+    FacetChange change;
+    for (std::size_t k = 0; k < 3; ++k)
+      change.corners[k] = velocity_of(velocities->surface().refined.mesh.facets[facet][k]);
+    change.apex = at_rest.apex_velocity;
+    change.water = water;
+    change.absorption_db_per_m = at_rest.by_absorption;
+    for (const MaterialParameter& own : at_rest.by_scattering)
+      if (own.material == velocities->material(facet)) change.model = &own.derivative;
+    return velocities->factor_change(facet, change);
+  }
+};
+
 }  // namespace
 
 std::vector<EchoParameter> apparent_parameters(std::span<const StratifiedParameter> parameters,
                                                const ApparentSurface& surface,
                                                const ApparentMap& apparent_map, const WorldGrid& grid,
                                                const EchoModel& model) {
+  std::vector<WaterChange> changes;
+  std::vector<std::size_t> change_of;
+  for (const StratifiedParameter& own : parameters) {
+    const bool changes_water = !own.sound_speed_m_s.empty() || own.at_rest.by_absorption != 0;
+    change_of.push_back(changes_water ? changes.size() : ApparentMotion::no_change);
+    if (changes_water) changes.push_back({own.sound_speed_m_s, own.at_rest.by_absorption});
+  }
   const auto velocities =
-      std::make_shared<ApparentVelocities>(parameters, surface, apparent_map, grid, model);
+      std::make_shared<ApparentVelocities>(std::move(changes), surface, apparent_map, grid, model);
   std::vector<EchoParameter> result;
   for (std::size_t n = 0; n < parameters.size(); ++n) {
-    const StratifiedParameter& own = parameters[n];
-    EchoParameter& seen = result.emplace_back(own.at_rest);
+    const EchoParameter& at_rest = parameters[n].at_rest;
+    const auto effect = std::make_shared<const ApparentEffect>(velocities, at_rest, change_of[n]);
+    EchoParameter& seen = result.emplace_back(at_rest);
     seen.turn.reset();
-    const bool moves = own.at_rest.velocity || own.at_rest.apex_velocity != glm::dvec3(0);
-    if (!own.sound_speed_m_s.empty() || moves)
-      seen.velocity = [velocities, n, of_rays = own.at_rest.velocity](PointId id, glm::dvec3 at) {
-        if (id & ray_bit) return of_rays ? of_rays(id, at) : glm::dvec3(0);
-        return velocities->velocity(n, id);
+    if (at_rest.velocity || at_rest.apex_velocity != glm::dvec3(0) || !parameters[n].sound_speed_m_s.empty())
+      seen.velocity = [effect](PointId id, glm::dvec3 at) {
+        if (id & ray_bit) return effect->at_rest.velocity ? effect->at_rest.velocity(id, at) : glm::dvec3(0);
+        return effect->apparent_velocity(id);
       };
-    if (seen.velocity || own.at_rest.by_absorption != 0 || !own.at_rest.by_scattering.empty())
-      seen.by_facet_factor = [velocities, n](FacetId facet) { return velocities->factor_change(n, facet); };
+    if (seen.velocity || at_rest.by_absorption != 0 || !at_rest.by_scattering.empty())
+      seen.by_facet_factor = [effect](FacetId facet) { return effect->factor_change(facet); };
+  }
+  return result;
+}
+
+StratifiedGradient stratified_gradient(const EchoGradient& gradient, const ApparentSurface& surface,
+                                       const ApparentMap& apparent_map, const WorldGrid& grid,
+                                       const EchoModel& model, std::span<const std::vector<double>> changes,
+                                       std::span<const MaterialParameter> scattering) {
+  std::vector<WaterChange> all;
+  for (const std::vector<double>& change : changes) all.push_back({change, 0});
+  all.push_back({{}, 1});
+  const std::size_t absorption = changes.size();
+  ApparentVelocities velocities(std::move(all), surface, apparent_map, grid, model);
+  StratifiedGradient result;
+  result.by_vertex.assign(surface.truth.size(), glm::dvec3(0));
+  result.by_sound_speed.assign(changes.size(), 0);
+  result.by_absorption = gradient.by_absorption;
+  result.by_scattering = gradient.by_scattering;
+  constexpr std::size_t none = ApparentMotion::no_change;
+  constexpr glm::dvec3 still(0), axes[]{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (VertexId v = 0; v < gradient.by_vertex.size(); ++v) {
+    const glm::dvec3 by = gradient.by_vertex[v];
+    if (by == still) continue;
+    for (int k = 0; k < 3; ++k) {
+      result.by_vertex[v][k] += glm::dot(by, velocities.velocity(v, axes[k], still, none));
+      result.by_apex[k] += glm::dot(by, velocities.velocity(v, still, axes[k], none));
+    }
+    for (std::size_t n = 0; n < changes.size(); ++n)
+      result.by_sound_speed[n] += glm::dot(by, velocities.velocity(v, still, still, n));
+  }
+  for (FacetId f = 0; f < gradient.by_facet_factor.size(); ++f) {
+    const double by = gradient.by_facet_factor[f];
+    if (by == 0) continue;
+    const auto changed = [&](FacetChange change) { return by * velocities.factor_change(f, change); };
+    for (int k = 0; k < 3; ++k) {
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        FacetChange change;
+        change.corners[corner] = axes[k];
+        result.by_vertex[surface.refined.mesh.facets[f][corner]][k] += changed(change);
+      }
+      result.by_apex[k] += changed({.apex = axes[k]});
+    }
+    for (std::size_t n = 0; n < changes.size(); ++n) result.by_sound_speed[n] += changed({.water = n});
+    result.by_absorption += changed({.water = absorption, .absorption_db_per_m = 1});
+    for (std::size_t n = 0; n < scattering.size(); ++n)
+      if (scattering[n].material == velocities.material(f))
+        result.by_scattering[n] += changed({.model = &scattering[n].derivative});
   }
   return result;
 }

@@ -20,10 +20,10 @@
 // beam patterns, and textures that are maps or Perlin noise. The directions that BeamPatterns::least selects
 // turn with the patterns.
 // Textures stay at their place in the local frame if an object moves. On an apparent surface, points are
-// apparent positions (apparent_parameters.hpp). Functions throw std::invalid_argument for mirrors, apparent
-// surfaces with textures, receiver pairs and hits of rays, and for a history without names of corners
-// (VisibilityOptions::corner_names). EchoModel::pattern_tolerance is the tolerance
-// of quadratures with patterns and textures.
+// apparent positions (apparent_parameters.hpp). Functions throw std::invalid_argument for mirrors, textures
+// on apparent surfaces, receiver pairs and hits of rays. They also throw it for a history without names of
+// corners (VisibilityOptions::corner_names). EchoModel::pattern_tolerance is the tolerance of quadratures
+// with patterns and textures.
 namespace tubefoot {
 
 /// The receive apex of a history with two apexes, among the points of an EchoParameter. It moves relative to

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests derivatives of energies in stratified water: central differences of whole echoes with a refinement
-// that stays fixed, isovelocity water as a profile, laws, and places without a derivative.
+// that stays fixed, isovelocity water as a profile, and laws.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -221,7 +221,6 @@ TEST(ApparentGradient, IsTheCentralDifferenceWithAScatteringModel) {
   compare_with_differences(scene, all, 1e-5);
 }
 
-// The factor of a facet is proportional to none of mu.
 TEST(ApparentGradient, EnergiesAreLinearInMu) {
   const StratifiedScene scene = rough_stratified(5);
   const std::vector<double> energies = scene.energies();
@@ -297,6 +296,59 @@ TEST(ApparentGradient, OfEverythingMovedOrTurnedHorizontallyIsZero) {
                   1e-7 * (std::abs(a) + std::abs(b) + std::abs(c)) + 1e-9 * largest(by[3 * law]))
           << law << " " << k;
     }
+}
+
+// The refined mesh has cut facets here. Its vertices are those of ApparentSurface::truth.
+TEST(ApparentGradient, ReverseModeIsTheWeightedSumOfForwardMode) {
+  StratifiedScene scene = rough_stratified(11);
+  scene.factor_tolerance_db = 0.05;
+  add_gsab(scene);
+  const WaterColumn column = scene.water();
+  const ApparentMap map = scene.map(column);
+  const ApparentSurface surface = scene.surface(map);
+  const EchoModel model = scene.model(surface);
+  const FacetMesh& mesh = surface.refined.mesh;
+  const History history = scene.history(mesh);
+  const std::vector<std::uint32_t> own = scene.beams();
+  const ReceiveBeams beams{int(own.size()), own};
+  const MaterialParameter width{
+      0, ScatteringDerivative::gsab({0.02, 0.3, 2e-3, 1.7, 5e-3, 0.6}, ScatteringDerivative::Gsab::oblique)};
+  const std::vector<std::vector<double>> changes{{0, 1, 0, 0, 0}, {0, 0, 0, 1, 0}};
+  std::vector<StratifiedParameter> parameters{{{}, changes[0]}, {{}, changes[1]}};
+  for (const glm::dvec3 axis : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)}) {
+    parameters.push_back({EchoParameter::sonar_translation(axis)});
+    parameters.push_back({EchoParameter::object_translation(mesh, 1, axis)});
+  }
+  parameters.push_back({EchoParameter::absorption()});
+  parameters.push_back({EchoParameter::material_scattering(width)});
+  const auto by = echo_derivatives(mesh, history, beams, scene.samples, model,
+                                   apparent_parameters(parameters, surface, map, scene.grid, model));
+  test::Random random(4);
+  std::vector<double> weights(own.size() * std::size_t(scene.samples.count));
+  for (double& w : weights) w = test::uniform(random, -1000, 1000) / 1000.0;
+  const std::vector<MaterialParameter> scattering{width};
+  const StratifiedGradient gradient =
+      stratified_gradient(echo_gradient(mesh, history, beams, scene.samples, model, weights, scattering),
+                          surface, map, scene.grid, model, changes, scattering);
+  std::vector<bool> object(mesh.vertices.size());
+  for (std::size_t f = 0; f < mesh.facets.size(); ++f)
+    for (const VertexId v : mesh.facets[f]) object[v] = mesh.component[f] == 1;
+  glm::dvec3 by_object(0);
+  for (std::size_t v = 0; v < object.size(); ++v)
+    if (object[v]) by_object += gradient.by_vertex[v];
+  const double reverse[]{gradient.by_sound_speed[0], gradient.by_sound_speed[1],
+                         gradient.by_apex.x,         by_object.x,
+                         gradient.by_apex.z,         by_object.z,
+                         gradient.by_absorption,     gradient.by_scattering[0]};
+  for (std::size_t n = 0; n < by.size(); ++n) {
+    double sum = 0, magnitudes = 0;
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      sum += weights[k] * by[n][k];
+      magnitudes += std::abs(weights[k] * by[n][k]);
+    }
+    EXPECT_GT(magnitudes, 0) << n;
+    EXPECT_NEAR(reverse[n], sum, 1e-10 * magnitudes) << n;
+  }
 }
 
 }  // namespace

@@ -128,8 +128,8 @@ TEST(ApparentMotion, IsTheCentralDifferenceByPointApexAndWater) {
   }
 }
 
-// With the straight distance d, one gradient gives cosh(g T) = 1 + g^2 d^2 / (2 c1 c2), and the tube area of
-// docs/notes/refraction.md, (6).
+// One gradient gives cosh(g T) = 1 + g^2 d^2 / (2 c1 c2), with the straight distance d. The tube area is (6)
+// of docs/notes/refraction.md.
 TEST(ApparentMotion, HasTheClosedFormOfOneGradient) {
   const double g = 0.3, c0 = 1480;
   const WaterColumn water{SoundSpeedProfile({{0, c0}, {100, c0 + 100 * g}}), {}};
