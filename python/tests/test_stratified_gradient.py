@@ -153,8 +153,6 @@ def test_vertices_of_cut_facets_move_with_the_facets():
 
 @pytest.mark.parametrize("change, reason", [
     (lambda keys: keys["sensors"][0].update(receiver_arm_m=[0, 0.5, 0]), "separate receiver need straight rays"),
-    (lambda keys: keys["materials"][0].update(reflectivity=[{"kind": "perlin", "wavelength_m": 1.5}]),
-     "derivatives with a micro-texture need straight rays"),
     (lambda keys: keys.update(sea_surface={"height_m": SURFACE, "loss_db": 1}, paths={"order": 2}, run={}),
      "derivatives of paths via mirrors need straight rays"),
 ])
@@ -179,13 +177,14 @@ def test_patterns_that_depend_on_the_wavelength_have_no_derivative_by_the_profil
         tubefoot.run(tubefoot.Scene.from_dict(keys), gradient=["water.gradient_per_s"])
 
 
-def test_models_and_patterns_have_derivatives():
+def test_models_patterns_and_textures_have_derivatives():
     keys = copy.deepcopy(KEYS)
-    keys["materials"][0] = {"name": "sand", "law": "gsab", "specular_db": -12, "specular_width_deg": 15, "oblique_db": -27}
+    keys["materials"][0] = {"name": "sand", "law": "gsab", "specular_db": -12, "specular_width_deg": 15, "oblique_db": -27,
+                            "reflectivity": [{"kind": "perlin", "wavelength_m": 1.5, "octaves": 1}]}
     keys["sensors"][0] |= {"beams": 4, "samples": 12, "pings": 1, "transmit_pattern": "gaussian",
                            "transmit_beam_width_deg": 20, "receive_pattern": "gaussian", "receive_beam_width_deg": 6}
     keys["water"]["absorption_db_per_km"] = 0.0
-    names = ["camera.position.up", "camera.patterns.x", "material.sand.oblique_db", "water.sound_speed"]
+    names = ["camera.position.up", "camera.patterns.z", "material.sand.oblique_db", "water.sound_speed"]
     echoes = tubefoot.run(tubefoot.Scene.from_dict(keys), gradient=names)["camera"]
     for name, place, step in (("camera.position.up", ("trajectory", None, "position_m", STEP, 2), STEP),
                               ("material.sand.oblique_db", ("materials", 0, "oblique_db", 1e-3, None), 1e-3),
@@ -195,7 +194,12 @@ def test_models_and_patterns_have_derivatives():
                       - energy_of(changed(section, index, key, -change, component, keys))) / (2 * step)
         derivative = echoes.gradient[name]
         assert np.abs(difference - derivative).max() < 3e-5 * np.abs(derivative).max(), name
-    assert np.abs(echoes.gradient["camera.patterns.x"]).max() > 0
+    assert np.abs(echoes.gradient["camera.patterns.z"]).max() > 0
+    weights = np.random.default_rng(8).normal(size=echoes.energy.shape)
+    gradient = tubefoot.Scene.from_dict(keys).gradient(weights)
+    for name in names:
+        parts = weights * echoes.gradient[name]
+        assert gradient[name] == pytest.approx(parts.sum(), rel=0, abs=1e-6 * np.abs(parts).sum()), name
 
 
 def test_a_facet_with_several_rays_has_no_derivative(tmp_path):

@@ -155,11 +155,6 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      {gradient},
      "derivatives with a separate receiver need straight rays: leave out --gradient, or set profile = "
      "\"constant\""},
-    {refraction,
-     micro_texture,
-     {gradient},
-     "derivatives with a micro-texture need straight rays: leave out --gradient, or set profile = "
-     "\"constant\""},
     {mirrors,
      gradient,
      {reference},

@@ -281,6 +281,8 @@ std::vector<EchoParameter> apparent_parameters(std::span<const StratifiedParamet
       };
     if (seen.velocity || at_rest.by_absorption != 0 || !at_rest.by_scattering.empty())
       seen.by_facet_factor = [effect](FacetId facet) { return effect->factor_change(facet); };
+    if (at_rest.velocity || at_rest.apex_velocity != glm::dvec3(0))
+      seen.true_velocity = [effect](VertexId vertex) { return effect->velocity_of(vertex); };
   }
   return result;
 }
@@ -295,7 +297,8 @@ StratifiedGradient stratified_gradient(const EchoGradient& gradient, const Appar
   const std::size_t absorption = changes.size();
   ApparentVelocities velocities(std::move(all), surface, apparent_map, grid, model);
   StratifiedGradient result;
-  result.by_vertex.assign(surface.truth.size(), glm::dvec3(0));
+  result.by_vertex = gradient.by_true_vertex;
+  result.by_vertex.resize(surface.truth.size(), glm::dvec3(0));
   result.by_sound_speed.assign(changes.size(), 0);
   result.by_absorption = gradient.by_absorption;
   result.by_scattering = gradient.by_scattering;

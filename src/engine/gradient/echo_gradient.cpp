@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -32,9 +34,9 @@ void check_gradient(const History& history, const EchoModel& model) {
   if (!history.hits.empty()) reject_gradient("hits of rays have no borders: use the tube engine");
   if (model.path.over_mirrors() || model.path.rx)
     reject_gradient("mirrors and a receive leg of its own are not supported");
-  if (!(model.path.facet_factor.empty() && model.path.tx.facet_map.empty()) &&
+  if (!model.path.facet_factor.empty() && model.path.tx.facet_map.empty() &&
       std::ranges::any_of(model.reflectivity, [](const auto& texture) { return texture != nullptr; }))
-    reject_gradient("textures on an apparent surface are not supported");
+    reject_gradient("textures on an apparent surface need maps to true positions");
 }
 
 /// A visible polygon and its derivatives.
@@ -48,6 +50,7 @@ struct DifferentiatedPolygon {
   double facet_factor;
   bool lambert;
   std::uint16_t material;
+  bool displaced;  ///< whether a texture refers to true positions that differ from apparent ones
   const PolygonDerivatives& by;
   glm::dvec3 in_space(glm::dvec2 v) const { return v.x * frame.u + v.y * frame.v; }
   glm::dvec2 in_plane(glm::dvec3 v) const { return {glm::dot(v, frame.u), glm::dot(v, frame.v)}; }
@@ -78,15 +81,46 @@ void for_each_polygon(const History& history, const RangeSamples& samples, const
       polygon.assign(std::span(set.corners_m).subspan(piece.first, piece.count), plane, frame);
       if (polygon.offsets.size() != piece.count) continue;
       gains.select(footprint.tube, std::span(set.corners_m).subspan(piece.first, piece.count));
+      const bool displaced = surface.texture != nullptr && !model.path.tx.facet_map.empty();
       const PolygonDerivatives* by =
-          gradient.of({polygon, plane, frame, surface, lies, parameters.of_material[material]});
+          gradient.of({polygon, plane, frame, surface, lies, displaced, parameters.of_material[material]});
       if (by != nullptr)
         use(DifferentiatedPolygon{footprint, piece.first, piece.count, plane, frame,
                                   lambert ? surface.mu : surface.factor, surface.factor, lambert, material,
-                                  *by});
+                                  displaced, *by});
     }
   }
 }
+
+/// Triangle of a facet in its plane, for vectors that are linear on the facet.
+class LinearOnFacet {
+ public:
+  LinearOnFacet(const NamedPoints& points, const DifferentiatedPolygon& polygon)
+      : vertices_(points.context().mesh.facets[polygon.footprint.facet]),
+        first_(polygon.in_plane(points.point(vertices_[0]))),
+        a_(polygon.in_plane(points.point(vertices_[1])) - first_),
+        b_(polygon.in_plane(points.point(vertices_[2])) - first_),
+        area_(a_.x * b_.y - a_.y * b_.x) {}
+
+  const std::array<VertexId, 3>& vertices() const { return vertices_; }
+  /// Value at the foot point, and slopes by x and y, of the vectors at the vertices.
+  std::array<glm::dvec3, 3> field(const std::array<glm::dvec3, 3>& at) const {
+    const glm::dvec3 first = at[1] - at[0], second = at[2] - at[0];
+    const glm::dvec3 x = (b_.y * first - a_.y * second) / area_, y = (a_.x * second - b_.x * first) / area_;
+    return {at[0] - first_.x * x - first_.y * y, x, y};
+  }
+  /// The transposed map: derivatives by the vectors at the vertices.
+  std::array<glm::dvec3, 3> by_vertex(const std::array<glm::dvec3, 3>& by_field) const {
+    const glm::dvec3 x = by_field[1] - first_.x * by_field[0], y = by_field[2] - first_.y * by_field[0];
+    const glm::dvec3 second = (b_.y * x - b_.x * y) / area_, third = (a_.x * y - a_.y * x) / area_;
+    return {by_field[0] - second - third, second, third};
+  }
+
+ private:
+  std::array<VertexId, 3> vertices_;
+  glm::dvec2 first_, a_, b_;
+  double area_;
+};
 
 /// Returns by vertex whether it belongs to a component. Throws std::invalid_argument if another component
 /// shares one of these vertices.
@@ -244,8 +278,27 @@ std::vector<std::vector<double>> echo_derivatives(const FacetMesh& mesh, const H
           const auto put = [&](std::size_t first, glm::dvec3 v) {
             for (int k = 0; k < 3; ++k) factor[first + std::size_t(k)] = polygon.scale * v[k];
           };
-          put(Numbers::by_place, parameter.apex_velocity);
-          put(Numbers::by_turn, rotations[n]);
+          if (polygon.displaced) {
+            // Points of the apparent plane keep their places between the corners, so that apparent corners
+            // move the texture too.
+            const LinearOnFacet facet(points, polygon);
+            const glm::dmat3& linear = model.path.tx.facet_map[polygon.footprint.facet].linear;
+            std::array<glm::dvec3, 3> moves{};
+            for (std::size_t k = 0; k < 3; ++k) {
+              const VertexId v = facet.vertices()[k];
+              if (parameter.true_velocity) moves[k] = parameter.true_velocity(v);
+              if (velocity_of[n] != at_rest)
+                moves[k] -= linear * velocities[velocity_of[n]](v, points.point(v));
+            }
+            const std::array<glm::dvec3, 3> field = facet.field(moves);
+            for (std::size_t k = 0; k < 3; ++k) put(Numbers::by_place + 3 * k, field[k]);
+          } else {
+            const glm::dvec3 turn = rotations[n];
+            put(Numbers::by_place,
+                parameter.apex_velocity - polygon.plane.distance_m * glm::cross(turn, polygon.plane.normal));
+            put(Numbers::by_place_x, glm::cross(turn, polygon.frame.u));
+            put(Numbers::by_place_y, glm::cross(turn, polygon.frame.v));
+          }
           if (polygon.lambert && !parameter.by_mu.empty())
             factor[Numbers::energy] = polygon.facet_factor * parameter.by_mu[polygon.material];
           if (parameter.by_facet_factor)
@@ -303,6 +356,9 @@ EchoGradient echo_gradient(const FacetMesh& mesh, const History& history, const 
   gradient.by_facet_factor.assign(model.path.facet_factor.size(), 0);
   BeamGains gains(model.patterns, beams, weights, count, model.pattern_tolerance);
   glm::dvec3 turned(0);
+  std::vector<glm::dvec3> by_apparent;  // by apparent vertices, through the places of textures
+  if (!model.path.tx.facet_map.empty()) by_apparent.assign(mesh.vertices.size(), glm::dvec3(0));
+  gradient.by_true_vertex = by_apparent;
   std::vector<glm::dvec2> by_corner;
   std::vector<double> sum;
   for_each_polygon(
@@ -325,8 +381,23 @@ EchoGradient echo_gradient(const FacetMesh& mesh, const History& history, const 
           sum[k] *= polygon.scale;
         gradient.by_absorption += per_db * sum[Numbers::by_absorption];
         gradient.by_range_scale += sum[Numbers::by_borders];
-        gradient.by_apex += vector_at(&sum[Numbers::by_place]);
-        turned += vector_at(&sum[Numbers::by_turn]);
+        const std::array<glm::dvec3, 3> by_place{vector_at(&sum[Numbers::by_place]),
+                                                 vector_at(&sum[Numbers::by_place_x]),
+                                                 vector_at(&sum[Numbers::by_place_y])};
+        if (polygon.displaced) {
+          const LinearOnFacet facet(points, polygon);
+          const glm::dmat3 transposed =
+              glm::transpose(model.path.tx.facet_map[polygon.footprint.facet].linear);
+          const std::array<glm::dvec3, 3> by_vertex = facet.by_vertex(by_place);
+          for (std::size_t k = 0; k < 3; ++k) {
+            gradient.by_true_vertex[facet.vertices()[k]] += by_vertex[k];
+            by_apparent[facet.vertices()[k]] -= transposed * by_vertex[k];
+          }
+        } else {
+          gradient.by_apex += by_place[0];
+          turned += glm::cross(polygon.frame.u, by_place[1]) + glm::cross(polygon.frame.v, by_place[2]) -
+                    polygon.plane.distance_m * glm::cross(polygon.plane.normal, by_place[0]);
+        }
         const std::vector<std::size_t>& own = parameters.numbers[polygon.material];
         for (std::size_t k = 0; k < own.size(); ++k)
           gradient.by_scattering[own[k]] += polygon.facet_factor * sum[Numbers::own_parameters + k];
@@ -345,6 +416,7 @@ EchoGradient echo_gradient(const FacetMesh& mesh, const History& history, const 
         adjoint.add_plane(footprint.facet, by_normal, sum[Numbers::by_distance]);
       });
   gradient.by_vertex = adjoint.by_vertex();
+  for (std::size_t v = 0; v < by_apparent.size(); ++v) gradient.by_vertex[v] += by_apparent[v];
   gradient.by_ray = adjoint.by_ray();
   if (model.patterns == nullptr) return gradient;
   // See echo_derivatives().

@@ -20,10 +20,11 @@
 // beam patterns, and textures that are maps or Perlin noise. The directions that BeamPatterns::least selects
 // turn with the patterns.
 // Textures stay at their place in the local frame if an object moves. On an apparent surface, points are
-// apparent positions (apparent_parameters.hpp). Functions throw std::invalid_argument for mirrors, textures
-// on apparent surfaces, receiver pairs and hits of rays. They also throw it for a history without names of
-// corners (VisibilityOptions::corner_names). EchoModel::pattern_tolerance is the tolerance of quadratures
+// apparent positions (apparent_parameters.hpp). EchoModel::pattern_tolerance is the tolerance of quadratures
 // with patterns and textures.
+// Functions throw std::invalid_argument for mirrors, receiver pairs and hits of rays. They also throw it for
+// a history without names of corners (VisibilityOptions::corner_names), and for textures on an apparent
+// surface without Leg::facet_map.
 namespace tubefoot {
 
 /// The receive apex of a history with two apexes, among the points of an EchoParameter. It moves relative to
@@ -56,6 +57,8 @@ struct EchoParameter {
   std::vector<MaterialParameter> by_scattering{};  ///< parameters of models that change at the rate 1
   /// Relative change of Path::facet_factor; empty: constant.
   std::function<double(FacetId)> by_facet_factor{};
+  /// Velocity of the true position of an apparent vertex in the local frame, for textures; empty: at rest.
+  std::function<glm::dvec3(VertexId)> true_velocity{};
 
   /// Translation of the apex with its tubes and patterns, in metres along a unit vector.
   static EchoParameter sonar_translation(glm::dvec3 axis);
@@ -102,6 +105,8 @@ struct EchoGradient {
   std::vector<double> by_scattering;   ///< by the given parameters of scattering models
   /// By the relative change of Path::facet_factor, per facet; empty without factors.
   std::vector<double> by_facet_factor{};
+  /// By the true positions of apparent vertices against the textures, per metre; empty without textures.
+  std::vector<glm::dvec3> by_true_vertex{};
   // For a history with two apexes. `by_ray` is of the transmitter then.
   std::vector<glm::dvec3> by_receive_ray{};  ///< of SharedFootprints::receive_rays
   glm::dvec3 by_receiver{0};                 ///< by the receive apex with its rays, per metre

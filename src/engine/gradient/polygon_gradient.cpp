@@ -26,8 +26,9 @@ enum : std::size_t {
   area_tilt,
   plain_area = area_tilt + 2,
   area_place = plain_area,
-  area_turn = area_place + 3,
-  area_scale = area_turn + 3,
+  area_place_x = area_place + 3,
+  area_place_y = area_place_x + 3,
+  area_scale = area_place_y + 3,
   textured_area
 };
 
@@ -264,13 +265,14 @@ void PolygonGradient::add_area(const SeenPolygon& seen, const PlanarPolygon& par
     *s++ = -2 * r * f;
     tilt *= rest * factor.factor;
     if (texture != nullptr) {
-      const glm::dvec3 by_place = sigma * rest * factor.gradient, by_turn = glm::cross(at, by_place);
-      const double by_scale = glm::dot(by_place, at);
+      const glm::dvec3 by_place = sigma * rest * factor.gradient;
+      const double by_scale = glm::dot(by_place, seen.displaced ? p.x * seen.lies.u + p.y * seen.lies.v : at);
       tilt += by_scale / distance * p;
       *s++ = tilt.x;
       *s++ = tilt.y;
       for (int k = 0; k < 3; ++k) *s++ = by_place[k];
-      for (int k = 0; k < 3; ++k) *s++ = by_turn[k];
+      for (int k = 0; k < 3; ++k) *s++ = p.x * by_place[k];
+      for (int k = 0; k < 3; ++k) *s++ = p.y * by_place[k];
       *s++ = by_scale;
     } else {
       *s++ = tilt.x;
@@ -310,7 +312,7 @@ void PolygonGradient::add_area(const SeenPolygon& seen, const PlanarPolygon& par
       numbers[Numbers::by_tilt] += value[area_tilt - 1];
       numbers[Numbers::by_tilt + 1] += value[area_tilt];
       if (texture != nullptr) {
-        for (std::size_t k = 0; k < 6; ++k) numbers[Numbers::by_place + k] += value[area_place - 1 + k];
+        for (std::size_t k = 0; k < 9; ++k) numbers[Numbers::by_place + k] += value[area_place - 1 + k];
         numbers[Numbers::by_distance] += value[area_scale - 1];
       }
       for (std::size_t k = 0; k < seen.parameters.size(); ++k)

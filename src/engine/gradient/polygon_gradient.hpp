@@ -28,13 +28,14 @@ struct PolygonDerivatives {
   /// Numbers of a row and bin.
   enum : std::size_t {
     energy,
-    by_absorption,                 ///< by beta, per metre
-    by_borders,                    ///< by the relative change of all borders of range bins
-    by_distance,                   ///< by D, at fixed (x, y)
-    by_tilt,                       ///< by the components of dn along u and v, at fixed (x, y)
-    by_place = by_tilt + 2,        ///< by a translation of the apex against the texture
-    by_turn = by_place + 3,        ///< by a rotation about the apex against the texture
-    own_parameters = by_turn + 3,  ///< by parameters of the scattering model
+    by_absorption,                    ///< by beta, per metre
+    by_borders,                       ///< by the relative change of all borders of range bins
+    by_distance,                      ///< by D, at fixed (x, y)
+    by_tilt,                          ///< by the components of dn along u and v, at fixed (x, y)
+    by_place = by_tilt + 2,           ///< by a translation of all true places against the texture
+    by_place_x = by_place + 3,        ///< the same by a translation times x
+    by_place_y = by_place_x + 3,      ///< the same by a translation times y
+    own_parameters = by_place_y + 3,  ///< by parameters of the scattering model
   };
   /// Derivatives by the corners of an edge, which joins corner `edge` and the next one.
   struct Part {
@@ -59,7 +60,8 @@ struct SeenPolygon {
   const FacetPlane& plane;
   const PlaneFrame& frame;
   SurfaceProperties surface;
-  LyingPlane lies;  ///< with a texture
+  LyingPlane lies;         ///< with a texture
+  bool displaced = false;  ///< whether `lies` is an affine map from apparent to true positions
   std::span<const ScatteringDerivative* const> parameters;
 };
 
