@@ -188,6 +188,33 @@ TEST(ApparentMotion, RigidMotionsAndAllSpeedsAreLaws) {
   }
 }
 
+// A sonar on a border belongs to the layer below, and the end of a ray to the layer from which it arrives.
+TEST(ApparentMotion, OnABorderOfLayersIsTheLimitOfOneSide) {
+  const WaterColumn water = column({{0, 1520}, {20, 1490}, {40, 1490}, {70, 1512}});
+  const auto motion_of = [&](glm::dvec3 apex, glm::dvec3 at, bool of_apex) {
+    const ApparentMap map(water, apex, surface_m, {}, reference_m_s);
+    const glm::dvec3 unit(0.3, 0.4, 0.8), none(0);
+    return ApparentMotion(map, at, *map.apparent(at)).of(of_apex ? none : unit, of_apex ? unit : none);
+  };
+  const auto expect_same = [](const ApparentMotion::Velocity& a, const ApparentMotion::Velocity& b) {
+    EXPECT_LT(glm::length(a.at - b.at), 1e-7);
+    EXPECT_LT(glm::length(a.arrival - b.arrival), 1e-8);
+    EXPECT_NEAR(a.log_density, b.log_density, 1e-7);
+  };
+  constexpr double off_m = 1e-6;
+  for (const double depth_m : {20.0, 40.0}) {
+    const glm::dvec3 apex(0, 0, -depth_m), below(0, 0, -depth_m - off_m);
+    for (const glm::dvec3 at : {glm::dvec3(30, 12, -60), glm::dvec3(30, 12, -11), glm::dvec3(40, 0, -40)}) {
+      if (at.z == apex.z) continue;
+      SCOPED_TRACE(testing::Message() << depth_m << " " << at.z);
+      expect_same(motion_of(apex, at, true), motion_of(below, at, true));
+    }
+    const glm::dvec3 from(3, 2, -5), upwards(3, 2, -81), at(30, 12, -depth_m);
+    expect_same(motion_of(from, at, false), motion_of(from, at + glm::dvec3(0, 0, off_m), false));
+    expect_same(motion_of(upwards, at, false), motion_of(upwards, at - glm::dvec3(0, 0, off_m), false));
+  }
+}
+
 TEST(ApparentMotion, RejectsAChangeOfAnotherProfile) {
   const WaterColumn water = column(cases[0].points);
   const ApparentMap map(water, cases[0].apex, surface_m);
