@@ -43,8 +43,8 @@ struct MirrorPlane {
   friend bool operator<(const MirrorPlane& a, const MirrorPlane& b);
 };
 
-/// Vertex of a part of a mesh: the point at which the mirror plane cuts the line between two vertices of the
-/// whole mesh, or a vertex of it if both are equal.
+/// Vertex of a part of a mesh. It is the point at which the mirror plane cuts the line between two vertices
+/// of the whole mesh. If both are equal, it is this vertex.
 struct PartVertex {
   VertexId from = 0, to = 0;
   friend auto operator<=>(const PartVertex&, const PartVertex&) = default;

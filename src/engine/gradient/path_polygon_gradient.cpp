@@ -55,8 +55,8 @@ double density_at(const PathOnFacet& path, glm::dvec2 p, double tx_range, double
 
 std::size_t rough_normals(const MirrorLoss* loss) { return loss != nullptr ? loss->rough_normals.size() : 0; }
 
-/// Derivatives of the logarithm of the loss of one leg: by the distance of its apex from the plane and by the
-/// foot point, with normals at rest. Adds those by the normals, and by the roughness, times `energy`.
+/// Derivatives of the logarithm of the loss of one leg by the distance of its apex from the plane, and by the
+/// foot point. Normals are at rest. Adds those by the normals, and by the roughness, times `energy`.
 struct LossSlopes {
   double by_distance = 0;
   glm::dvec2 by_foot{0};

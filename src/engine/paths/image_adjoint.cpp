@@ -8,7 +8,7 @@
 #include "geometry/footprints/corner_derivatives.hpp"
 #include "geometry/numbers/grid_vector.hpp"
 
-// Transposes the steps of ImageMotion, in the opposite order: each image passes its derivatives to its parent
+// Transposes the steps of ImageMotion, in the opposite order. Each image passes its derivatives to its parent
 // image, to the points of its mirror and to those of its windows.
 
 namespace tubefoot {
