@@ -15,6 +15,7 @@
 
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "fixtures/world/path_scenes.hpp"
+#include "fixtures/world/textures.hpp"
 
 namespace tubefoot {
 namespace {
@@ -41,6 +42,7 @@ struct MirrorScene {
   double absorption_db_per_m = 0.2;
   PathSettings paths;
   std::vector<std::shared_ptr<const ScatteringModel>> scattering{};
+  std::vector<std::shared_ptr<const ReflectivityField>> reflectivity{};
 
   MirrorScene() {
     paths.order = 3;
@@ -51,6 +53,7 @@ struct MirrorScene {
     EchoModel model{mu, mesh.material, absorption_db_per_m};
     model.path.tx.apex_m = in_metres(transmit.apex);
     model.scattering = scattering;
+    model.reflectivity = reflectivity;
     return model;
   }
   PathSettings settings() const {
@@ -300,6 +303,20 @@ TEST(PathDerivatives, BeforeAMirrorFacetAreCentralDifferences) {
     with_separate_receiver(scene);
     expect_differences(scene, motions_with_quay(scene));
   }
+}
+
+TEST(PathDerivatives, OfModelsAndTexturesAreCentralDifferences) {
+  MirrorScene scene = mirror_scene(5, true, true);
+  ScatteringModel::Gsab parameters;
+  parameters.specular = 0.2;
+  parameters.specular_width_rad = 0.3;
+  parameters.oblique = 0.01;
+  parameters.oblique_exponent = 1.7;
+  scene.scattering = {std::make_shared<const ScatteringModel>(ScatteringModel::gsab(parameters)), nullptr};
+  scene.reflectivity = {test::perlin(1.5, 2), nullptr};
+  scene.paths.mirrors.surface->roughness = 1.5;
+  expect_differences(
+      scene, {sonar_moves({0, 0, 1}), mounting_turns({0, 0, 1}), object_turns(scene, quay, {1, 0, 0})});
 }
 
 TEST(PathDerivatives, OfArrivalsAreCentralDifferences) {
