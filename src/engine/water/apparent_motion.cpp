@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "engine/water/ray_arc.hpp"
 
@@ -16,9 +18,10 @@
 namespace tubefoot {
 namespace {
 
-/// A number with its derivatives. The first variable is the Snell parameter or the range.
+/// A number with its derivatives. The first variable is the Snell parameter or the range. The last two are
+/// the sound speeds of the points of the profile above and below a layer.
 struct RayNumber {
-  enum : std::size_t { by_first, by_depth, by_apex, by_change, variables };
+  enum : std::size_t { by_first, by_depth, by_apex, by_upper, by_lower, variables };
   double at = 0;
   std::array<double, variables> by{};
 
@@ -81,41 +84,38 @@ RayNumber arc_ratio(const RayNumber& q2, int sign) {
   return q2.through(value, sign * slope);
 }
 
-/// The profile as a function of depth and of a change of its points.
-class MovingProfile {
+/// The profile in one layer as a function of depth and of its two points.
+class MovingLayer {
  public:
-  MovingProfile(const SoundSpeedProfile& profile, const std::vector<double>* change)
-      : profile_(profile), change_(change != nullptr && !change->empty() ? change : nullptr) {}
+  MovingLayer(const SoundSpeedProfile& profile, std::size_t layer) : profile_(profile), layer_(layer) {}
 
-  RayNumber gradient(std::size_t layer) const {
-    RayNumber g(profile_.gradient_per_s(layer));
-    g.by[RayNumber::by_change] = gradient_change(layer);
+  bool has_upper() const { return layer_ > 0; }
+  bool has_lower() const { return layer_ < profile_.points().size(); }
+  RayNumber gradient() const {
+    RayNumber g(profile_.gradient_per_s(layer_));
+    if (!has_upper() || !has_lower()) return g;
+    g.by[RayNumber::by_lower] = 1 / (profile_.bottom_m(layer_) - profile_.top_m(layer_));
+    g.by[RayNumber::by_upper] = -g.by[RayNumber::by_lower];
     return g;
   }
-  RayNumber speed(std::size_t layer, const RayNumber& depth_m) const {
-    RayNumber c = depth_m.through(profile_.speed_in(layer, depth_m.at), profile_.gradient_per_s(layer));
-    if (change_ == nullptr) return c;
-    const std::size_t above = layer == 0 ? 0 : layer - 1;
-    c.by[RayNumber::by_change] += (*change_)[above];
-    if (layer > 0)
-      c.by[RayNumber::by_change] += gradient_change(layer) * (depth_m.at - profile_.top_m(layer));
+  RayNumber speed(const RayNumber& depth_m) const {
+    RayNumber c = depth_m.through(profile_.speed_in(layer_, depth_m.at), profile_.gradient_per_s(layer_));
+    double share = has_upper() ? 0 : 1;  // of the lower point
+    if (has_upper() && has_lower())
+      share = (depth_m.at - profile_.top_m(layer_)) / (profile_.bottom_m(layer_) - profile_.top_m(layer_));
+    c.by[RayNumber::by_upper] += 1 - share;
+    c.by[RayNumber::by_lower] += share;
     return c;
   }
 
  private:
-  double gradient_change(std::size_t layer) const {
-    if (change_ == nullptr || layer == 0 || layer == profile_.points().size()) return 0;
-    return ((*change_)[layer] - (*change_)[layer - 1]) / (profile_.bottom_m(layer) - profile_.top_m(layer));
-  }
-
   const SoundSpeedProfile& profile_;
-  const std::vector<double>* change_;
+  std::size_t layer_;
 };
 
 /// A ray with derivatives at fixed range.
 struct MovingRay {
   RayNumber time, launch_across, launch_down, arrival_across, arrival_down, area, absorption_db;
-  double length_m = 0;
   RayNumber launch_speed, arrival_speed;
 };
 
@@ -124,15 +124,15 @@ struct RayEnds {
 };
 
 /// An arc of one gradient in closed form, see EigenrayFinder::within_layer().
-MovingRay within_layer(const WaterColumn& water, const MovingProfile& profile, std::size_t layer,
-                       const RayEnds& ends) {
+MovingRay within_layer(const WaterColumn& water, std::size_t layer, const RayEnds& ends) {
+  const MovingLayer profile(water.profile, layer);
   const RayNumber x = RayNumber::variable(ends.range_m, RayNumber::by_first),
                   z = RayNumber::variable(ends.depth_m, RayNumber::by_depth),
                   source = RayNumber::variable(ends.source_m, RayNumber::by_apex);
-  const RayNumber g = profile.gradient(layer), cs = profile.speed(layer, source),
-                  cr = profile.speed(layer, z), dz = z - source, chord = root(squared(x) + squared(dz)),
-                  half = root(squared(cs + cr) + squared(g * x)), straight = (cs + cr) / half,
-                  tilt = g / half, sine = dz / chord, y2 = squared(g * chord) / (4 * cs * cr);
+  const RayNumber g = profile.gradient(), cs = profile.speed(source), cr = profile.speed(z), dz = z - source,
+                  chord = root(squared(x) + squared(dz)), half = root(squared(cs + cr) + squared(g * x)),
+                  straight = (cs + cr) / half, tilt = g / half, sine = dz / chord,
+                  y2 = squared(g * chord) / (4 * cs * cr);
   MovingRay ray;
   ray.launch_across = straight / chord - sine * tilt;
   ray.launch_down = sine * straight + squared(x) / chord * tilt;
@@ -140,9 +140,7 @@ MovingRay within_layer(const WaterColumn& water, const MovingProfile& profile, s
   ray.arrival_down = sine * straight - squared(x) / chord * tilt;
   ray.time = chord / root(cs * cr) * arc_ratio(y2, -1);
   ray.area = cr / cs * squared(chord) * (1 + y2);
-  const RayNumber length = chord * arc_ratio(squared(tilt * x), 1);
-  ray.absorption_db = water.absorption_in(layer) * length;
-  ray.length_m = length.at;
+  ray.absorption_db = water.absorption_in(layer) * chord * arc_ratio(squared(tilt * x), 1);
   ray.launch_speed = cs;
   ray.arrival_speed = cr;
   return ray;
@@ -151,28 +149,30 @@ MovingRay within_layer(const WaterColumn& water, const MovingProfile& profile, s
 /// Follows a ray through its layers, at a fixed Snell parameter.
 class LayerWalk {
  public:
-  LayerWalk(const WaterColumn& water, const MovingProfile& profile, const RayEnds& ends, const Eigenray& ray)
+  LayerWalk(const WaterColumn& water, const RayEnds& ends, const Eigenray& ray)
       : water_(water),
-        profile_(profile),
         ends_(ends),
         ray_{water.profile.at(ends.source_m), std::abs(ray.launch_sine), ray.launch_cosine},
+        launched_down_(ray.launch_sine > 0),
         p_(RayNumber::variable(ray_.p(), RayNumber::by_first)) {}
 
   /// Returns false if the ray does not lead to the end point, because a decision was within rounding.
-  bool follow(bool down, int turns) {
+  bool follow(int turns) {
     const SoundSpeedProfile& layers = water_.profile;
+    bool down = launched_down_;
     std::size_t layer = layers.layer_at(ends_.source_m);
     RayNumber z = RayNumber::variable(ends_.source_m, RayNumber::by_apex);
-    launch_speed_ = profile_.speed(layer, z);
-    launch_sine_ = sine(launch_speed_);
+    launch_ = {layer, MovingLayer(layers, layer).speed(z), {}, down};
+    launch_.sine = sine(launch_.speed);
     const RayNumber end = RayNumber::variable(ends_.depth_m, RayNumber::by_depth);
     for (std::size_t steps = 0; steps < 8 * layers.layers() * std::size_t(2 + turns); ++steps) {
       const auto ahead_m = [&] { return down ? layers.bottom_m(layer) : layers.top_m(layer); };
       const auto ends_here = [&] {
         return turns == 0 && (down ? ends_.depth_m <= ahead_m() : ends_.depth_m >= ahead_m());
       };
+      const MovingLayer profile(layers, layer);
       const double g = layers.gradient_per_s(layer);
-      const RayNumber c1 = profile_.speed(layer, z);
+      const RayNumber c1 = profile.speed(z);
       const bool turning =
           turns > 0 && (down ? g > 0 : g < 0) && ray_.sine2_at(layers.speed_in(layer, ahead_m())) <= 0;
       if (turning) {
@@ -181,12 +181,10 @@ class LayerWalk {
       }
       const bool last = ends_here();
       if (!last && std::isinf(ahead_m())) return false;
-      const RayNumber to = last ? end : RayNumber(ahead_m()), c2 = profile_.speed(layer, to);
-      turning ? turn(layer, c1, c2) : cross(layer, down ? to - z : z - to, c1, c2);
+      const RayNumber to = last ? end : RayNumber(ahead_m()), c2 = profile.speed(to);
+      add(layer, turning ? turn(profile, c1, c2) : cross(profile, down ? to - z : z - to, c1, c2));
       if (last) {
-        arrival_speed_ = c2;
-        arrival_sine_ = sine(c2);
-        down_at_end_ = down;
+        arrival_ = {layer, c2, sine(c2), down};
         return true;
       }
       z = to;
@@ -197,51 +195,74 @@ class LayerWalk {
     return false;
   }
 
-  MovingRay ray(bool launched_down) const {
+  /// The ray, whose variable by_upper is the sound speed of a point of the profile.
+  MovingRay ray(std::size_t point) const {
+    const Legs sums = sums_by(point);
+    const RayNumber launch_speed = by_point(launch_, launch_.speed, point),
+                    launch_sine = by_point(launch_, launch_.sine, point),
+                    arrival_speed = by_point(arrival_, arrival_.speed, point),
+                    arrival_sine = by_point(arrival_, arrival_.sine, point);
     MovingRay ray;
-    ray.time = time_;
-    ray.launch_across = launch_speed_ / reach_;
-    ray.launch_down = launched_down ? launch_sine_ : -launch_sine_;
-    ray.arrival_across = arrival_speed_ / reach_;
-    ray.arrival_down = down_at_end_ ? arrival_sine_ : -arrival_sine_;
-    const RayNumber spread = dx_dp_.at < 0 ? -dx_dp_ : dx_dp_;
-    ray.area = reach_ * launch_sine_ * arrival_sine_ * spread / squared(launch_speed_);
-    ray.absorption_db = absorption_db_;
-    ray.length_m = length_m_;
-    ray.launch_speed = launch_speed_;
-    ray.arrival_speed = arrival_speed_;
-    const RayNumber x = p_ * reach_;
+    ray.time = sums.time;
+    ray.launch_across = launch_speed / sums.reach;
+    ray.launch_down = launch_.down ? launch_sine : -launch_sine;
+    ray.arrival_across = arrival_speed / sums.reach;
+    ray.arrival_down = arrival_.down ? arrival_sine : -arrival_sine;
+    const RayNumber spread = sums.dx_dp.at < 0 ? -sums.dx_dp : sums.dx_dp;
+    ray.area = sums.reach * launch_sine * arrival_sine * spread / squared(launch_speed);
+    ray.absorption_db = sums.absorption_db;
+    ray.launch_speed = launch_speed;
+    ray.arrival_speed = arrival_speed;
+    const RayNumber x = p_ * sums.reach;
     for (RayNumber* value : {&ray.time, &ray.launch_across, &ray.launch_down, &ray.arrival_across,
                              &ray.arrival_down, &ray.area, &ray.absorption_db}) {
       const double by_range = value->by[RayNumber::by_first] / x.by[RayNumber::by_first];
       value->by[RayNumber::by_first] = by_range;
-      for (const std::size_t k : {RayNumber::by_depth, RayNumber::by_apex, RayNumber::by_change})
+      for (const std::size_t k : {RayNumber::by_depth, RayNumber::by_apex, RayNumber::by_upper})
         value->by[k] -= by_range * x.by[k];
     }
     return ray;
   }
 
+  /// Points of the profile on which the ray depends.
+  std::vector<std::size_t> points() const {
+    std::vector<std::size_t> all;
+    for (const auto& [point, sums] : by_point_) all.push_back(point);
+    return all;
+  }
+
  private:
+  /// Sums over layers, as in RaySums.
+  struct Legs {
+    RayNumber reach, dx_dp, time, absorption_db;
+    std::array<RayNumber*, 4> all() { return {&reach, &dx_dp, &time, &absorption_db}; }
+  };
+  struct End {
+    std::size_t layer = 0;
+    RayNumber speed, sine;
+    bool down = true;
+  };
+
   RayNumber sine(const RayNumber& c) const {
     RayNumber s(ray_.sine_at(c.at));
     const RayNumber cosine = p_ * c;
     for (std::size_t k = 0; k < RayNumber::variables; ++k) s.by[k] = -cosine.at * cosine.by[k] / s.at;
     return s;
   }
-  // The formulas of arc_reach(), arc_dx_dp(), arc_time_s() and arc_length_m().
-  void cross(std::size_t layer, const RayNumber& dz, const RayNumber& c1, const RayNumber& c2) {
+  // The formulas of arc_reach(), arc_dx_dp(), arc_time_s() and arc_length_m(). `absorption_db` contains the
+  // length.
+  Legs cross(const MovingLayer& profile, const RayNumber& dz, const RayNumber& c1,
+             const RayNumber& c2) const {
     const RayNumber s1 = sine(c1), s2 = sine(c2), per_dz = (c1 + c2) / (s1 + s2), reach = dz * per_dz;
     const RayNumber slope = squared(p_) * per_dz / (1 + s2);
-    const RayNumber chord = dz * root(1 + squared(p_ * per_dz)),
-                    sag = chord * p_ * profile_.gradient(layer) / 2;
-    reach_ += reach;
-    dx_dp_ += reach / (s1 * s2);
-    time_ += dz * (log1p_ratio((c2 - c1) / c1) / c1 + slope * log1p_ratio((c2 - c1) * slope));
-    add_length(layer, chord * arc_ratio(squared(sag), 1));
+    const RayNumber chord = dz * root(1 + squared(p_ * per_dz)), sag = chord * p_ * profile.gradient() / 2;
+    return {reach, reach / (s1 * s2),
+            dz * (log1p_ratio((c2 - c1) / c1) / c1 + slope * log1p_ratio((c2 - c1) * slope)),
+            chord * arc_ratio(squared(sag), 1)};
   }
   // The formulas of turning_arc().
-  void turn(std::size_t layer, const RayNumber& c1, const RayNumber& c2) {
-    const RayNumber s1 = sine(c1), s2 = sine(c2), signed_g = profile_.gradient(layer),
+  Legs turn(const MovingLayer& profile, const RayNumber& c1, const RayNumber& c2) const {
+    const RayNumber s1 = sine(c1), s2 = sine(c2), signed_g = profile.gradient(),
                     g = signed_g.at < 0 ? -signed_g : signed_g, reach = (s1 + s2) / (squared(p_) * g);
     const auto atanh = [](const RayNumber& s) {
       return s.through(std::atanh(s.at), 1 / ((1 - s.at) * (1 + s.at)));
@@ -249,24 +270,41 @@ class LayerWalk {
     const auto asin = [](const RayNumber& s) {
       return s.through(std::asin(s.at), 1 / std::sqrt((1 - s.at) * (1 + s.at)));
     };
-    reach_ += reach;
-    dx_dp_ += -(reach / (s1 * s2));
-    time_ += (atanh(s1) + atanh(s2)) / g;
-    add_length(layer, (asin(s1) + asin(s2)) / (p_ * g));
+    return {reach, -(reach / (s1 * s2)), (atanh(s1) + atanh(s2)) / g, (asin(s1) + asin(s2)) / (p_ * g)};
   }
-  void add_length(std::size_t layer, const RayNumber& length) {
-    absorption_db_ += water_.absorption_in(layer) * length;
-    length_m_ += length.at;
+  void add(std::size_t layer, Legs leg) {
+    leg.absorption_db = water_.absorption_in(layer) * leg.absorption_db;
+    const MovingLayer profile(water_.profile, layer);
+    for (std::size_t k = 0; k < 4; ++k) {
+      RayNumber& value = *leg.all()[k];
+      if (profile.has_upper()) by_point_[layer - 1][k] += value.by[RayNumber::by_upper];
+      if (profile.has_lower()) by_point_[layer][k] += value.by[RayNumber::by_lower];
+      value.by[RayNumber::by_upper] = value.by[RayNumber::by_lower] = 0;
+      *sums_.all()[k] += value;
+    }
+  }
+  Legs sums_by(std::size_t point) const {
+    Legs sums = sums_;
+    if (const auto known = by_point_.find(point); known != by_point_.end())
+      for (std::size_t k = 0; k < 4; ++k) sums.all()[k]->by[RayNumber::by_upper] = known->second[k];
+    return sums;
+  }
+  static RayNumber by_point(const End& end, RayNumber value, std::size_t point) {
+    const double by = (point + 1 == end.layer ? value.by[RayNumber::by_upper] : 0) +
+                      (point == end.layer ? value.by[RayNumber::by_lower] : 0);
+    value.by[RayNumber::by_upper] = by;
+    value.by[RayNumber::by_lower] = 0;
+    return value;
   }
 
   const WaterColumn& water_;
-  const MovingProfile& profile_;
   RayEnds ends_;
   SnellRay ray_;
-  RayNumber p_, reach_, dx_dp_, time_, absorption_db_, launch_speed_, launch_sine_, arrival_speed_,
-      arrival_sine_;
-  double length_m_ = 0;
-  bool down_at_end_ = true;
+  bool launched_down_;
+  RayNumber p_;
+  Legs sums_;
+  std::map<std::size_t, std::array<double, 4>> by_point_;
+  End launch_, arrival_;
 };
 
 /// Returns whether the ray stays in the layer of the source. A source on a border belongs to the layer below.
@@ -280,21 +318,12 @@ bool stays_in_layer(const SoundSpeedProfile& profile, std::size_t layer, const R
   return std::isfinite(ahead_m) && snell.sine2_at(profile.speed_in(layer, ahead_m)) <= 0;
 }
 
-MovingRay moving_ray(const WaterColumn& water, const MovingProfile& profile, const RayEnds& ends,
-                     const Eigenray& ray) {
-  const std::size_t layer = water.profile.layer_at(ends.source_m);
-  if (stays_in_layer(water.profile, layer, ends, ray)) return within_layer(water, profile, layer, ends);
-  LayerWalk walk(water, profile, ends, ray);
-  const bool down = ray.launch_sine > 0;
-  MovingRay moving;
-  if (walk.follow(down, ray.turns)) moving = walk.ray(down);
-  constexpr double same = 1e-9;
-  if (!(std::abs(moving.time.at - ray.time_s) <= same * ray.time_s))
-    moving.time.at = std::numeric_limits<double>::quiet_NaN();
-  return moving;
-}
-
 constexpr double nepers_per_db = std::numbers::ln10 / 10;
+
+RayNumber log_density_of(const MovingRay& ray) {
+  return -2 * nepers_per_db * ray.absorption_db - 2 * logarithm(ray.area) -
+         2 * (logarithm(ray.launch_speed) - logarithm(ray.arrival_speed));
+}
 
 }  // namespace
 
@@ -307,31 +336,46 @@ ApparentMotion::ApparentMotion(const ApparentMap& apparent_map, glm::dvec3 point
     throw std::invalid_argument("derivatives of apparent positions need a path without mirrors");
   const WaterColumn& water = apparent_map.water();
   const RayEnds ends{apparent_map.finder().source_depth_m(), apparent_map.depth_m(point_m), range_m_};
-  bool known = false;
-  for (std::size_t k = 0; k < std::max<std::size_t>(changes.size(), 1); ++k) {
-    const WaterChange* change = changes.empty() ? nullptr : &changes[k];
-    const bool moves = change != nullptr && !change->sound_speed_m_s.empty();
-    if (moves && change->sound_speed_m_s.size() != water.profile.points().size())
+  const bool by_speeds =
+      std::ranges::any_of(changes, [](const WaterChange& change) { return !change.sound_speed_m_s.empty(); });
+  const auto slopes = [](const MovingRay& ray, std::size_t variable) {
+    return Values{ray.time.by[variable],         ray.launch_across.by[variable],
+                  ray.launch_down.by[variable],  ray.arrival_across.by[variable],
+                  ray.arrival_down.by[variable], log_density_of(ray).by[variable]};
+  };
+  std::vector<std::pair<std::size_t, Values>> by_point;
+  MovingRay ray;
+  const std::size_t layer = water.profile.layer_at(ends.source_m);
+  bool found = true;
+  if (stays_in_layer(water.profile, layer, ends, image.ray)) {
+    ray = within_layer(water, layer, ends);
+    const MovingLayer own(water.profile, layer);
+    if (own.has_upper()) by_point.emplace_back(layer - 1, slopes(ray, RayNumber::by_upper));
+    if (own.has_lower()) by_point.emplace_back(layer, slopes(ray, RayNumber::by_lower));
+  } else {
+    LayerWalk walk(water, ends, image.ray);
+    found = walk.follow(image.ray.turns);
+    if (found) ray = walk.ray(water.profile.layers());  // no point
+    if (found && by_speeds)
+      for (const std::size_t point : walk.points())
+        by_point.emplace_back(point, slopes(walk.ray(point), RayNumber::by_upper));
+  }
+  constexpr double same = 1e-9;
+  if (!found || !(std::abs(ray.time.at - image.ray.time_s) <= same * image.ray.time_s))
+    ray.time.at = std::numeric_limits<double>::quiet_NaN();
+  at_ = {ray.time.at,           ray.launch_across.at, ray.launch_down.at,
+         ray.arrival_across.at, ray.arrival_down.at,  ray.time.at};
+  if (range_m_ > 0) by_range_ = slopes(ray, RayNumber::by_first);
+  by_depth_ = slopes(ray, RayNumber::by_depth);
+  by_apex_ = slopes(ray, RayNumber::by_apex);
+  for (const WaterChange& change : changes) {
+    const std::vector<double>& speeds = change.sound_speed_m_s;
+    if (!speeds.empty() && speeds.size() != water.profile.points().size())
       throw std::invalid_argument("a change of the sound speed needs one number per point of the profile");
     Values own{};
-    if (moves || !known) {
-      const MovingRay ray =
-          moving_ray(water, {water.profile, moves ? &change->sound_speed_m_s : nullptr}, ends, image.ray);
-      const RayNumber log_density = -2 * nepers_per_db * ray.absorption_db - 2 * logarithm(ray.area) -
-                                    2 * (logarithm(ray.launch_speed) - logarithm(ray.arrival_speed));
-      const std::array<RayNumber, count> all{ray.time,           ray.launch_across, ray.launch_down,
-                                             ray.arrival_across, ray.arrival_down,  log_density};
-      for (std::size_t n = 0; n < count; ++n) {
-        at_[n] = std::isfinite(ray.time.at) ? all[n].at : ray.time.at;
-        by_range_[n] = range_m_ > 0 ? all[n].by[RayNumber::by_first] : 0;
-        by_depth_[n] = all[n].by[RayNumber::by_depth];
-        by_apex_[n] = all[n].by[RayNumber::by_apex];
-        own[n] = all[n].by[RayNumber::by_change];
-      }
-      known = true;
-    }
-    if (change == nullptr) continue;
-    own[density] -= 2 * nepers_per_db * change->absorption_db_per_m * image.ray.length_m;
+    own[density] = -2 * nepers_per_db * change.absorption_db_per_m * image.ray.length_m;
+    for (const auto& [point, by] : by_point)
+      for (std::size_t n = 0; n < count && !speeds.empty(); ++n) own[n] += speeds[point] * by[n];
     by_change_.push_back(own);
   }
 }
@@ -343,7 +387,7 @@ ApparentMotion::Velocity ApparentMotion::of(glm::dvec3 point, glm::dvec3 apex, s
   for (std::size_t n = 0; n < count; ++n) {
     by[n] = by_range_[n] * range - by_depth_[n] * point.z - by_apex_[n] * apex.z;
     if (change != no_change) by[n] += by_change_[change][n];
-    by[n] += 0 * at_[n];  // not finite without a ray
+    by[n] += 0 * at_[time];  // not finite without a ray
   }
   const double across = reference_speed_ * (by[time] * at_[launch_across] + at_[time] * by[launch_across]),
                moves = reference_speed_ * at_[time] * at_[launch_across],
