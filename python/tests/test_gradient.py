@@ -125,14 +125,14 @@ def test_derivatives_include_models_patterns_and_textures():
 
 MODELS = [{"name": "sand", "law": "gsab", "specular_db": -14.0, "specular_width_deg": 12.0, "oblique_db": -25.0,
            "oblique_exponent": 1.7, "transition_db": -21.0, "transition_width_deg": 25.0},
-          {"name": "steel", "law": "table", "table_grazing_deg": [8.0, 31.0, 66.0], "table_db": [-30.0, -22.0, -19.0]}]
+          {"name": "steel", "law": "table", "table_grazing_deg": [8.0, 31.0, 52.0, 66.0], "table_db": [-30.0, -22.0, -20.0, -19.0]}]
 
 
 def test_derivatives_by_the_keys_of_scattering_models():
     keys = {**KEYS, "materials": MODELS}
     scene = tubefoot.Scene.from_dict(keys)
     names = [name for name in scene.gradient_parameters() if name.startswith("material.")]
-    assert len(names) == 6 + 2 * 3
+    assert len(names) == 6 + 2 * 4
     echoes = tubefoot.run(scene, gradient=names)["camera"]
     reverse = scene.gradient(np.ones_like(echoes.energy))
     for name in names:
@@ -429,10 +429,10 @@ def test_fits_set_keys_of_scattering_models():
     fit = tubefoot.EnergyFit(keys, names, np.zeros((2, 8, 30)))
     assert list(fit.initial) == [12.0, -22.0, 1.7]
     moved = tubefoot.EnergyFit({**keys, "materials": [{**MODELS[0], "specular_width_deg": 12.5, "oblique_exponent": 1.8},
-                                                      {**MODELS[1], "table_db": [-30.0, -21.5, -19.0]}]}, names,
+                                                      {**MODELS[1], "table_db": [-30.0, -21.5, -20.0, -19.0]}]}, names,
                                np.zeros((2, 8, 30)))
     assert (fit.residuals([12.5, -21.5, 1.8]) == moved.residuals(moved.initial)).all()
-    assert MODELS[1]["table_db"] == [-30.0, -22.0, -19.0]
+    assert MODELS[1]["table_db"] == [-30.0, -22.0, -20.0, -19.0]
     assert fit.half_squares(fit.initial)[1] == pytest.approx(fit.jacobian(fit.initial).T @ fit.residuals(fit.initial), rel=1e-8)
 
 

@@ -113,20 +113,20 @@ def test_derivatives_do_not_change_energies(scene, echoes):
 
 
 def test_the_uniform_change_of_a_table_is_the_sum_of_its_points(tmp_path, echoes):
-    (tmp_path / "profile.csv").write_text("depth_m,sound_speed_m_s\n0,1500\n2.25,1504.5\n12,1524\n")
+    (tmp_path / "profile.csv").write_text("depth_m,sound_speed_m_s\n0,1500\n2.25,1504.5\n4,1508\n12,1524\n")
     keys = copy.deepcopy(KEYS)
     keys["water"] = {"profile": "table", "profile_file": "profile.csv",
                      **{key: KEYS["water"][key] for key in ("surface_height_m", "absorption_db_per_km", "refraction_gap_m",
                                                             "refraction_tolerance_db")}}
     table = tubefoot.Scene.from_dict(keys, tmp_path)
-    names = [f"water.profile.{k}" for k in range(3)]
+    names = [f"water.profile.{k}" for k in range(4)]
     assert [name for name in table.gradient_parameters() if name.startswith("water.")] == [
         "water.sound_speed", *names, "water.absorption"]
     result = tubefoot.run(table, gradient=["water.sound_speed", *names])["camera"]
     by = [result.gradient[name] for name in names]
     for whole, parts in ((result.gradient["water.sound_speed"], sum(by)),
                          (echoes.gradient["water.sound_speed"], sum(by)),
-                         (echoes.gradient["water.gradient_per_s"], 2.25 * by[1] + 12 * by[2])):
+                         (echoes.gradient["water.gradient_per_s"], 2.25 * by[1] + 4 * by[2] + 12 * by[3])):
         assert np.abs(parts).max() > 0
         assert np.abs(whole - parts).max() < 1e-6 * np.abs(parts).max()
 

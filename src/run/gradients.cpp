@@ -52,7 +52,8 @@ std::optional<EchoParameter> engine_parameter(const GradientParameter& parameter
   const Scene& scene = transmission.scene();
   const Sensor& sensor = transmission.sensor(s);
   const Pose& pose = transmission.pose();
-  const glm::dvec3 axis = axis_vector(parameter.axis);
+  const bool has_axis = parameter.is_of_sonar() || parameter.is_of_object();
+  const glm::dvec3 axis = axis_vector(has_axis ? parameter.axis : 0);
   if (parameter.is_of_sonar() && parameter.owner != s) return std::nullopt;
   const std::uint16_t component = gradient_component(scene.description, parameter);
   switch (parameter.kind) {
