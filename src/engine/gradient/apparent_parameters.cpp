@@ -253,6 +253,16 @@ struct ApparentEffect {
   }
 };
 
+/// Computes each value of a function once, because many polygons have the same facets and vertices.
+template <class Key, class Value, class Function>
+auto computed_once(Function function) {
+  return [function, known = std::make_shared<std::unordered_map<Key, Value>>()](Key key) {
+    const auto [entry, is_new] = known->try_emplace(key);
+    if (is_new) entry->second = function(key);
+    return entry->second;
+  };
+}
+
 }  // namespace
 
 std::vector<EchoParameter> apparent_parameters(std::span<const StratifiedParameter> parameters,
@@ -275,12 +285,15 @@ std::vector<EchoParameter> apparent_parameters(std::span<const StratifiedParamet
     EchoParameter& seen = result.emplace_back(at_rest);
     seen.turn.reset();
     if (at_rest.velocity || at_rest.apex_velocity != glm::dvec3(0) || !parameters[n].sound_speed_m_s.empty())
-      seen.velocity = [effect](PointId id, glm::dvec3 at) {
+      seen.velocity = [effect, of_vertex = computed_once<VertexId, glm::dvec3>([effect](VertexId vertex) {
+                                 return effect->apparent_velocity(vertex);
+                               })](PointId id, glm::dvec3 at) {
         if (id & ray_bit) return effect->at_rest.velocity ? effect->at_rest.velocity(id, at) : glm::dvec3(0);
-        return effect->apparent_velocity(id);
+        return of_vertex(id);
       };
     if (seen.velocity || at_rest.by_absorption != 0 || !at_rest.by_scattering.empty())
-      seen.by_facet_factor = [effect](FacetId facet) { return effect->factor_change(facet); };
+      seen.by_facet_factor =
+          computed_once<FacetId, double>([effect](FacetId facet) { return effect->factor_change(facet); });
     if (at_rest.velocity || at_rest.apex_velocity != glm::dvec3(0))
       seen.true_velocity = [effect](VertexId vertex) { return effect->velocity_of(vertex); };
   }
