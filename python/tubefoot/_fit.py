@@ -90,8 +90,8 @@ class EnergyFit:
             return
         for name in self.parameters:
             if name.startswith("water.") and name != "water.absorption" or name in [f"{s}.position.up" for s in scene.sensors]:
-                raise UsageError(f"parameters: in stratified water, {name} changes the sound speed at the sonar, so that the "
-                                 "ranges must change too: give 'update'")
+                raise UsageError(f"parameters: with this sound-speed profile, {name} can change the sound speed at the sonar, "
+                                 "so that the ranges must change too: give 'update'")
 
     def scene(self, x: npt.ArrayLike) -> Scene:
         """Returns the scene for the values of the parameters."""

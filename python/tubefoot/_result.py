@@ -490,7 +490,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         label_level: with ``labels``: level in dB below the two-way peak of the beam pattern. An object owns a label only
             through contributions above this level; by default 20.
         gradient: names of parameters (:meth:`Scene.gradient_parameters`): also compute the derivatives of energies by them
-            (:attr:`SensorResult.gradient`).
+            (:attr:`SensorResult.gradient`), and those of the signals of smooth materials (:attr:`Signals.gradient`).
         gradient_steps: with ``gradient``: also prove how far each parameter may move before the visible edges change
             (:attr:`SensorResult.gradient_step`).
         output: folder for the files of ``tubefoot run -o``. The files appear only when complete.

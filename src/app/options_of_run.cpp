@@ -72,8 +72,8 @@ void add_run(CLI::App& app, CommandOptions& requested) {
   command
       ->add_option(
           "--gradient", run.gradient,
-          "also compute the derivatives of energies by these parameters, separated by commas. 'help' "
-          "lists the parameters of the scene (docs/gradients.md)")
+          "also compute the derivatives of energies, and of the signals of smooth materials, by these "
+          "parameters, separated by commas. 'help' lists the parameters of the scene (docs/gradients.md)")
       ->option_text("PARAM")
       ->group(what);
   command

@@ -239,10 +239,11 @@ glm::dvec3 mounting_axis(const Sensor& sensor, const glm::dquat& attitude, int a
   return attitude * (glm::conjugate(sensor.mounting()) * of_carrier);
 }
 
-std::vector<OutputChannel> gradient_channels(const SceneDescription& description, const RunRequest& request,
-                                             std::size_t beams, std::size_t samples) {
+std::vector<OutputChannel> gradient_channels(const Scene& scene, const RunRequest& request, std::size_t beams,
+                                             std::size_t samples) {
   std::vector<OutputChannel> channels;
-  for (const GradientParameter& parameter : gradient_parameters(description, request.gradient)) {
+  for (const GradientParameter& parameter :
+       gradient_parameters(scene.description, request.gradient, scene.water.get())) {
     const std::string meaning = "derivative of energy by the " + parameter.meaning;
     const auto add = [&](const std::string& channel, bool is_by_beam, const std::string& units,
                          const std::string& text) {
@@ -265,7 +266,8 @@ std::vector<OutputChannel> gradient_channels(const SceneDescription& description
 
 void require_gradients(const Survey& survey, const RunRequest& request) {
   const SceneDescription& description = survey.scene.description;
-  const std::vector<GradientParameter> parameters = gradient_parameters(description, request.gradient);
+  const std::vector<GradientParameter> parameters =
+      gradient_parameters(description, request.gradient, survey.scene.water.get());
   if (parameters.empty()) return;
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
   for (std::size_t s = 0; s < chosen.size(); ++s)
@@ -296,10 +298,10 @@ void require_gradients(const Survey& survey, const RunRequest& request) {
         "--gradient-steps: no step is proven in stratified water, where apparent positions do not move along "
         "straight lines: leave out --gradient-steps, or set profile = \"constant\"");
   const auto of_sound_speed = std::ranges::find_if(parameters, &GradientParameter::is_of_sound_speed);
-  const bool by_sound_speed = of_sound_speed != parameters.end();
   for (std::size_t s = 0; s < chosen.size(); ++s)
     for (const PatternDescription* one : {&description.sensors[s].transmit, &description.sensors[s].receive})
-      if (by_sound_speed && chosen[s].pings > 0 && (one->pattern == "line" || one->pattern == "piston"))
+      if (of_sound_speed != parameters.end() && chosen[s].pings > 0 &&
+          (one->pattern == "line" || one->pattern == "piston"))
         throw UsageError(fmt::format(
             "--gradient {}: the pattern \"{}\" of sensor '{}' depends on the wavelength, and there is no "
             "derivative of it: leave out this parameter, or use a pattern of the kind gaussian or table",

@@ -19,8 +19,8 @@
 namespace tubefoot {
 
 /// Returns the output channels of the derivatives that a run requests.
-std::vector<OutputChannel> gradient_channels(const SceneDescription& description, const RunRequest& request,
-                                             std::size_t beams, std::size_t samples);
+std::vector<OutputChannel> gradient_channels(const Scene& scene, const RunRequest& request, std::size_t beams,
+                                             std::size_t samples);
 
 /// Throws UsageError if the run requests derivatives that a sensor or an object does not permit. The table
 /// of abilities.hpp contains all other reasons.

@@ -38,7 +38,7 @@ struct RunRequest {
   /// With `labels`: labels count the energy that is received within this level [dB] below the two-way peak
   /// of a beam pattern.
   double label_level_db = 20;
-  /// Parameters by which the run also differentiates energies (gradient_parameters.hpp).
+  /// Parameters by which the run also differentiates energies and signals (gradient_parameters.hpp).
   std::vector<std::string> gradient{};
   /// With `gradient`: the run also proves steps of the parameters without a change of visible polygons.
   bool gradient_steps = false;

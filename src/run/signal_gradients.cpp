@@ -4,12 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
+#include <set>
 
 #include "run/gradients.hpp"
 #include "run/paths.hpp"
 #include "run/signals.hpp"
 #include "run/stored_pings.hpp"
+#include "run/survey.hpp"
 
 // This file selects the sensors whose signals have derivatives, and computes these for each transmission.
 
@@ -24,7 +27,8 @@ bool moves_signals(const GradientParameter& parameter) {
 }
 
 std::vector<GradientParameter> parameters_of_signals(const Survey& survey, const RunRequest& request) {
-  std::vector<GradientParameter> all = gradient_parameters(survey.scene.description, request.gradient);
+  std::vector<GradientParameter> all =
+      gradient_parameters(survey.scene.description, request.gradient, survey.scene.water.get());
   std::erase_if(all, [](const GradientParameter& parameter) { return !moves_signals(parameter); });
   return all;
 }
@@ -33,9 +37,12 @@ std::string channel_of_signals(const GradientParameter& parameter) {
   return "signals_gradient." + parameter.name;
 }
 
-bool records_smooth_surfaces(const Survey& survey, std::size_t s) {
-  return survey.sensors[s].sensor->signals() != nullptr &&
-         std::ranges::any_of(survey.scene.smooth, [](const auto& surface) { return surface.has_value(); });
+/// Returns the smooth surfaces of the scene's facets, by material.
+std::map<std::uint16_t, const SmoothSurface*> smooth_surfaces(const Scene& scene) {
+  std::map<std::uint16_t, const SmoothSurface*> surfaces;
+  for (const std::uint16_t material : std::set(scene.mesh.material.begin(), scene.mesh.material.end()))
+    if (const SmoothSurface* surface = scene.smooth_surface(material)) surfaces.emplace(material, surface);
+  return surfaces;
 }
 
 /// Returns the reason why the signals of a sensor have no derivatives.
@@ -50,18 +57,17 @@ std::optional<std::string> obstacle(const Survey& survey, std::size_t s, const R
   if (sensor.has_patterns()) return "the sensor has beam patterns";
   if (!model.stop_and_hop && !scene.trajectories[scene.sensor_trajectory[s]].is_fixed())
     return "the sensor moves during a ping";
-  if (!(model.waveform.taper > 0)) return "the waveform has no flanks: set 'taper' above 0";
-  for (std::size_t material = 0; material < scene.smooth.size(); ++material) {
-    const std::optional<SmoothSurface>& surface = scene.smooth[material];
-    if (surface && (surface->fluid || surface->roughness_m > 0))
+  if (!(model.waveform.taper > 0)) return "the waveform has no flanks: set 'pulse_taper' above 0";
+  for (const auto& [material, surface] : smooth_surfaces(scene))
+    if (surface->fluid || surface->roughness_m > 0)
       return fmt::format("the smooth material '{}' is a fluid or has 'roughness_m'",
                          scene.description.materials[material].name);
-  }
   return std::nullopt;
 }
 
 bool has_signal_gradients(const Survey& survey, std::size_t s, const RunRequest& request) {
-  return !request.gradient.empty() && records_smooth_surfaces(survey, s) && !obstacle(survey, s, request);
+  return !request.gradient.empty() && survey.sensors[s].sensor->signals() != nullptr &&
+         !smooth_surfaces(survey.scene).empty() && !obstacle(survey, s, request);
 }
 
 }  // namespace
@@ -79,19 +85,24 @@ std::vector<OutputChannel> signal_gradient_channels(const Survey& survey, std::s
 
 std::vector<std::string> missing_signal_gradients(const Survey& survey, const RunRequest& request) {
   std::vector<std::string> warnings;
-  for (std::size_t s = 0; s < survey.sensors.size() && !request.gradient.empty(); ++s)
-    if (records_smooth_surfaces(survey, s))
-      if (const auto reason = obstacle(survey, s, request))
-        warnings.push_back(
-            fmt::format("sensor '{}': energies have derivatives, but signals have none, because {}",
-                        survey.sensors[s].sensor->description().name, *reason));
+  if (request.gradient.empty() || survey.loaded_scene->is_tiled() || smooth_surfaces(survey.scene).empty())
+    return warnings;
+  const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s) {
+    if (chosen[s].pings == 0 || survey.sensors[s].sensor->signals() == nullptr) continue;
+    if (const auto reason = obstacle(survey, s, request))
+      warnings.push_back(
+          fmt::format("sensor '{}': energies have derivatives, but signals have none, because {}",
+                      survey.sensors[s].sensor->description().name, *reason));
+  }
   return warnings;
 }
 
 std::vector<SignalRecording::Derivative> recorded_signal_gradients(const Survey& survey, std::size_t s,
                                                                    const std::shared_ptr<PingStore>& store) {
   std::vector<SignalRecording::Derivative> all;
-  for (const GradientParameter& parameter : gradient_parameters(survey.scene.description))
+  for (const GradientParameter& parameter :
+       gradient_parameters(survey.scene.description, survey.scene.water.get()))
     if (RecordedChannel channel = recorded_channel(store, s, channel_of_signals(parameter));
         !channel.is_empty())
       all.push_back({parameter.name, "W^(1/2)" + parameter.units.substr(energy_unit.size()),

@@ -46,8 +46,7 @@ std::vector<OutputChannel> output_channels(const Survey& survey, std::size_t s, 
     add("signals", 2 * model->array.receivers_m.size() * model->sampling.samples, 1,
         [](bool) { return std::vector<ChannelVariable>(); });
   if (labels > 0) channels.push_back({"labels", labels * cells});
-  std::ranges::move(gradient_channels(survey.scene.description, request, beams, samples),
-                    std::back_inserter(channels));
+  std::ranges::move(gradient_channels(survey.scene, request, beams, samples), std::back_inserter(channels));
   std::ranges::move(signal_gradient_channels(survey, s, request), std::back_inserter(channels));
   return channels;
 }

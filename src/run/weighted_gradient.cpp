@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 
 #include "engine/gradient/apparent_parameters.hpp"
 #include "engine/gradient/bistatic_gradient.hpp"
@@ -129,20 +130,27 @@ void add_echo_gradient(const Transmission& transmission, std::size_t s, const Gr
 
 /// Parameters of the sound speed in stratified water.
 struct ProfileParameters {
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> changes;
+  std::vector<GradientParameter> parameters;
 
   explicit ProfileParameters(const Scene& scene) {
     if (!scene.water->refracts()) return;
-    for (const GradientParameter& parameter : gradient_parameters(scene.description, scene.water.get())) {
-      if (!parameter.is_of_sound_speed()) continue;
-      names.push_back(parameter.name);
-      changes.push_back(sound_speed_change(parameter, scene.water->profile()));
-    }
+    parameters = gradient_parameters(scene.description, scene.water.get());
+    std::erase_if(parameters,
+                  [](const GradientParameter& parameter) { return !parameter.is_of_sound_speed(); });
   }
-  void add(const std::vector<double>& by, WeightedGradient& sum) const {
-    for (std::size_t k = 0; k < names.size(); ++k)
-      (names[k] == "water.sound_speed" ? sum.by_sound_speed : sum.by_profile[names[k]]) += by[k];
+  /// `by_point`: derivatives by the sound speeds of the points of the profile.
+  void add(const std::vector<double>& by_point, const SoundSpeedProfile& profile,
+           WeightedGradient& sum) const {
+    for (const GradientParameter& parameter : parameters) {
+      if (parameter.kind == GradientParameter::Kind::profile) {
+        sum.by_profile[parameter.name] += by_point.at(std::size_t(parameter.axis));
+        continue;
+      }
+      const std::vector<double> change = sound_speed_change(parameter, profile);
+      (parameter.kind == GradientParameter::Kind::sound_speed ? sum.by_sound_speed
+                                                              : sum.by_profile[parameter.name]) +=
+          std::inner_product(change.begin(), change.end(), by_point.begin(), 0.0);
+    }
   }
 };
 
@@ -173,8 +181,8 @@ EchoGradient of_true_positions(const Transmission& transmission, EchoGradient ec
                                std::span<const MaterialParameter> scattering, WeightedGradient& sum) {
   const Scene& scene = transmission.scene();
   const ApparentSurface& surface = *transmission.surface_mesh().apparent();
-  const StratifiedGradient by = stratified_gradient(echo, surface, apparent_map_of_one(transmission),
-                                                    scene.grid, model, profile.changes, scattering);
+  const StratifiedGradient by =
+      stratified_gradient(echo, surface, apparent_map_of_one(transmission), scene.grid, model, scattering);
   echo.by_vertex = by_base_vertex(scene.mesh, surface.refined, by.by_vertex);
   // The definition of EchoGradient::by_apex has all points at rest relative to the apex.
   echo.by_apex = by.by_apex;
@@ -184,7 +192,7 @@ EchoGradient of_true_positions(const Transmission& transmission, EchoGradient ec
   echo.by_absorption = by.by_absorption;
   echo.by_scattering = by.by_scattering;
   echo.by_range_scale = 0;
-  profile.add(by.by_sound_speed, sum);
+  profile.add(by.by_sound_speed, scene.water->profile(), sum);
   return echo;
 }
 

@@ -21,6 +21,7 @@
 #include "engine/visibility/tube_engine.hpp"
 #include "envelope.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
+#include "gradient_figures.hpp"
 #include "multibeam_figures.hpp"
 #include "pure_embree.hpp"
 #include "refraction_figures.hpp"
@@ -198,6 +199,7 @@ int main(int, char** argv) {
   multibeam_figures(figure);
   refraction_figures(figure);
   didson_figures(figure);
+  gradient_figures(figure);
   chart_figures(figure);
   const std::filesystem::path file = std::filesystem::path(argv[0]).parent_path() / "figures.json";
   std::ofstream out(file);

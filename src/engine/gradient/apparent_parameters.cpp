@@ -117,7 +117,8 @@ struct FacetChange {
 /// Rays and slopes of the vertices and centres of an apparent surface.
 class ApparentVelocities {
  public:
-  ApparentVelocities(std::vector<WaterChange> changes, const ApparentSurface& surface,
+  /// Without `changes`, the changes are those of ApparentMotion::ByProfilePoint.
+  ApparentVelocities(std::optional<std::vector<WaterChange>> changes, const ApparentSurface& surface,
                      const ApparentMap& apparent_map, const WorldGrid& grid, const EchoModel& model)
       : changes_(std::move(changes)),
         surface_(surface),
@@ -137,6 +138,23 @@ class ApparentVelocities {
       return glm::dvec3(0);
     const Node& node = at_vertex(vertex);
     return node.motion ? node.motion->of(point, apex, water).at : glm::dvec3(no_derivative);
+  }
+
+  /// Adds the numbers of the changes of the water on which a vertex depends.
+  void add_changes_at(VertexId vertex, std::vector<std::size_t>& changes) { add(at_vertex(vertex), changes); }
+  /// Returns the numbers of the changes of the water on which the factor of a facet depends.
+  std::vector<std::size_t> changes_of(FacetId facet) {
+    std::vector<std::size_t> changes;
+    const std::array<VertexId, 3>& vertices = surface_.refined.mesh.facets[facet];
+    for (const VertexId vertex : vertices) add_changes_at(vertex, changes);
+    if (surface_.factor_rule[facet] == FactorRule::corners_and_centre)
+      add(at_centre(facet, (surface_.truth[vertices[0]] + surface_.truth[vertices[1]] +
+                            surface_.truth[vertices[2]]) /
+                               3.0),
+          changes);
+    std::ranges::sort(changes);
+    changes.erase(std::unique(changes.begin(), changes.end()), changes.end());
+    return changes;
   }
 
   /// Relative change of the factor of a facet.
@@ -180,6 +198,11 @@ class ApparentVelocities {
     std::optional<ApparentMotion> motion{};
   };
 
+  static void add(const Node& node, std::vector<std::size_t>& changes) {
+    if (node.motion)
+      for (const auto& [change, values] : node.motion->effects()) changes.push_back(change);
+  }
+
   static FactorNode node_of(double weight, const Node& node, const ApparentMotion::Velocity& motion,
                             const MovingVector& seen) {
     return {weight,
@@ -210,10 +233,13 @@ class ApparentVelocities {
   }
   void fill(Node& node, glm::dvec3 at_m, const ApparentPoint& image) const {
     node.returned = corner_return(apparent_map_, at_m, image, absorption_db_per_m_);
-    node.motion.emplace(apparent_map_, at_m, image, changes_);
+    if (changes_)
+      node.motion.emplace(apparent_map_, at_m, image, *changes_);
+    else
+      node.motion.emplace(apparent_map_, at_m, image, ApparentMotion::ByProfilePoint());
   }
 
-  std::vector<WaterChange> changes_;
+  std::optional<std::vector<WaterChange>> changes_;
   const ApparentSurface& surface_;
   ApparentMap apparent_map_;
   const WorldGrid& grid_;
@@ -302,17 +328,15 @@ std::vector<EchoParameter> apparent_parameters(std::span<const StratifiedParamet
 
 StratifiedGradient stratified_gradient(const EchoGradient& gradient, const ApparentSurface& surface,
                                        const ApparentMap& apparent_map, const WorldGrid& grid,
-                                       const EchoModel& model, std::span<const std::vector<double>> changes,
+                                       const EchoModel& model,
                                        std::span<const MaterialParameter> scattering) {
-  std::vector<WaterChange> all;
-  for (const std::vector<double>& change : changes) all.push_back({change, 0});
-  all.push_back({{}, 1});
-  const std::size_t absorption = changes.size();
-  ApparentVelocities velocities(std::move(all), surface, apparent_map, grid, model);
+  ApparentVelocities velocities(std::nullopt, surface, apparent_map, grid, model);
+  const std::size_t absorption = apparent_map.water().profile.points().size();
+  std::vector<std::size_t> changes;
   StratifiedGradient result;
   result.by_vertex = gradient.by_true_vertex;
   result.by_vertex.resize(surface.truth.size(), glm::dvec3(0));
-  result.by_sound_speed.assign(changes.size(), 0);
+  result.by_sound_speed.assign(absorption, 0);
   result.by_absorption = gradient.by_absorption;
   result.by_scattering = gradient.by_scattering;
   constexpr std::size_t none = ApparentMotion::no_change;
@@ -324,8 +348,10 @@ StratifiedGradient stratified_gradient(const EchoGradient& gradient, const Appar
       result.by_vertex[v][k] += glm::dot(by, velocities.velocity(v, axes[k], still, none));
       result.by_apex[k] += glm::dot(by, velocities.velocity(v, still, axes[k], none));
     }
-    for (std::size_t n = 0; n < changes.size(); ++n)
-      result.by_sound_speed[n] += glm::dot(by, velocities.velocity(v, still, still, n));
+    changes.clear();
+    velocities.add_changes_at(v, changes);
+    for (const std::size_t n : changes)
+      if (n != absorption) result.by_sound_speed[n] += glm::dot(by, velocities.velocity(v, still, still, n));
   }
   for (FacetId f = 0; f < gradient.by_facet_factor.size(); ++f) {
     const double by = gradient.by_facet_factor[f];
@@ -339,7 +365,8 @@ StratifiedGradient stratified_gradient(const EchoGradient& gradient, const Appar
       }
       result.by_apex[k] += changed({.apex = axes[k]});
     }
-    for (std::size_t n = 0; n < changes.size(); ++n) result.by_sound_speed[n] += changed({.water = n});
+    for (const std::size_t n : velocities.changes_of(f))
+      if (n != absorption) result.by_sound_speed[n] += changed({.water = n});
     result.by_absorption += changed({.water = absorption, .absorption_db_per_m = 1});
     for (std::size_t n = 0; n < scattering.size(); ++n)
       if (scattering[n].material == velocities.material(f))

@@ -35,17 +35,16 @@ std::vector<EchoParameter> apparent_parameters(std::span<const StratifiedParamet
 struct StratifiedGradient {
   std::vector<glm::dvec3> by_vertex;   ///< by the true positions of ApparentSurface::truth, per metre
   glm::dvec3 by_apex{0};               ///< by the apex with its tubes, with all true positions at rest
-  std::vector<double> by_sound_speed;  ///< by the given changes
+  std::vector<double> by_sound_speed;  ///< by point of the profile, per m/s
   double by_absorption = 0;            ///< by the one-way absorption in all layers, per dB/m
   std::vector<double> by_scattering;   ///< by the given parameters of scattering models
 };
 
-/// Converts the reverse-mode gradient of an apparent surface, by the transposed chain rule. `changes`:
-/// changes of the sound speed by point of the profile. `scattering`: the parameters of echo_gradient(). The
-/// other arguments are those of apparent_parameters().
+/// Converts the reverse-mode gradient of an apparent surface, by the transposed chain rule. `scattering`: the
+/// parameters of echo_gradient(). The other arguments are those of apparent_parameters().
 StratifiedGradient stratified_gradient(const EchoGradient& gradient, const ApparentSurface& surface,
                                        const ApparentMap& apparent_map, const WorldGrid& grid,
-                                       const EchoModel& model, std::span<const std::vector<double>> changes,
+                                       const EchoModel& model,
                                        std::span<const MaterialParameter> scattering = {});
 
 }  // namespace tubefoot

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "engine/signal/certified_signals.hpp"
+#include "engine/signal/polygon_velocity.hpp"
 #include "engine/signal/smooth_amplitude.hpp"
 #include "engine/signal/smooth_pieces.hpp"
 #include "geometry/integrals/edge_motion.hpp"
@@ -26,7 +27,7 @@ namespace {
 
 /// Polygons per task. The number determines the order of summation.
 constexpr std::size_t smooth_patches_per_task = 256;
-constexpr int most_nodes = 24, most_halvings = 40;
+constexpr int most_nodes = 24, most_piece_halvings = 40;
 /// Largest change of a pattern's phase over a piece, in rad.
 constexpr double most_pattern_rad = 0.15;
 /// Largest product of half the band and half the range of paths in a piece, in rad, if the surface depends
@@ -107,34 +108,6 @@ void halve(const PlanarPolygon& polygon, glm::dvec2 along, std::vector<PlanarPol
     }
     part.first += polygon.first;
   }
-}
-
-/// Velocities of a polygon's corners and plane and of a channel's ends, in the frame of the plane.
-EdgeMotion::Velocity velocity_on_plane(const SignalParameter& parameter, std::size_t patch,
-                                       std::size_t channel, const PlanarPolygon& polygon,
-                                       const PathCutter::Receiver& rx, const PlaneFrame& frame,
-                                       glm::dvec3 normal, glm::dvec3 transmit, glm::dvec3 receive) {
-  const SignalParameter::Polygon at_rest,
-      &moved = parameter.polygons.empty() ? at_rest : parameter.polygons[patch];
-  const auto end = [channel](const std::vector<glm::dvec3>& ends) {
-    return ends.empty() ? glm::dvec3(0) : ends[channel];
-  };
-  const glm::dvec3 by_transmit = end(parameter.transmit), by_receive = end(parameter.receive);
-  const auto in_plane = [&](glm::dvec3 v) { return glm::dvec2(glm::dot(v, frame.u), glm::dot(v, frame.v)); };
-  const auto distance_of = [&](glm::dvec3 place, glm::dvec3 by_place) {
-    return moved.distance + glm::dot(moved.normal, place) + glm::dot(normal, by_place);
-  };
-  // The frame turns with the plane, so that a vector with the component -d along the normal turns by d dn.
-  const glm::dvec2 tilt = in_plane(moved.normal);
-  EdgeMotion::Velocity velocity{{},
-                                distance_of(transmit, by_transmit),
-                                distance_of(receive, by_receive),
-                                in_plane(by_receive - by_transmit) + (polygon.distance - rx.distance) * tilt};
-  for (std::size_t k = 0; k < polygon.offsets.size(); ++k)
-    velocity.corners.push_back(
-        in_plane((moved.corners.empty() ? glm::dvec3(0) : moved.corners[k]) - by_transmit) +
-        polygon.distance * tilt);
-  return velocity;
 }
 
 /// Polygons of one channel, one after the other: their signals, or the derivatives of their signals by
@@ -221,7 +194,7 @@ class ChannelOfSmooth {
     if (std::pow(lowest * rough_m, 2) > 80) return;  // a factor of 4e-18 remains
     const bool uneven = (surface.fluid || surface.roughness_m > 0) &&
                         received_pulse_.band_rad_m * half_spread > most_uneven_rad;
-    if (halvings < most_halvings && (uneven || pattern_changes(piece, tx_m, back_m))) {
+    if (halvings < most_piece_halvings && (uneven || pattern_changes(piece, tx_m, back_m))) {
       halve(piece, across(piece, uneven), pieces_);
       return;
     }
@@ -245,8 +218,9 @@ class ChannelOfSmooth {
     }
     // Panels are wide enough that pulses are not added more often than their band requires.
     const double most_spread = 2 * pi / received_pulse_.band_rad_m;
-    edges_.assign(piece, rx_, k + absorption_per_m_ / 2, most_spread);
-    if (!parameters_.empty()) motion_.emplace(piece, rx_);
+    placed_rx_ = parameters_.empty() ? rx_ : beside_border(piece, rx_, k);
+    edges_.assign(piece, placed_rx_, k + absorption_per_m_ / 2, most_spread);
+    if (!parameters_.empty()) motion_.emplace(piece, placed_rx_);
     add_image(out);
     for (const EdgePanels::Panel& panel : edges_.panels()) add(panel, out);
   }
@@ -500,6 +474,7 @@ class ChannelOfSmooth {
   std::complex<double> factor_;
   double error_ = 0;
   EdgePanels edges_;
+  PathCutter::Receiver placed_rx_;
   std::optional<EdgeMotion> motion_;
   std::vector<PathShift> shifts_;
   std::vector<EdgePanels::Node> path_nodes_;

@@ -327,23 +327,21 @@ RayNumber log_density_of(const MovingRay& ray) {
 
 }  // namespace
 
-ApparentMotion::ApparentMotion(const ApparentMap& apparent_map, glm::dvec3 point_m,
-                               const ApparentPoint& image, std::span<const WaterChange> changes)
-    : along_(point_m - apparent_map.apex_m()),
-      range_m_(std::hypot(along_.x, along_.y)),
-      reference_speed_(apparent_map.reference_speed_m_s()) {
+std::vector<ApparentMotion::Effect> ApparentMotion::trace(const ApparentMap& apparent_map, glm::dvec3 point_m,
+                                                          const ApparentPoint& image, bool by_points) {
+  along_ = point_m - apparent_map.apex_m();
+  range_m_ = std::hypot(along_.x, along_.y);
+  reference_speed_ = apparent_map.reference_speed_m_s();
   if (apparent_map.unfolding().sign != 1 || apparent_map.straight_within_m() > 0)
     throw std::invalid_argument("derivatives of apparent positions need a path without mirrors");
   const WaterColumn& water = apparent_map.water();
   const RayEnds ends{apparent_map.finder().source_depth_m(), apparent_map.depth_m(point_m), range_m_};
-  const bool by_speeds =
-      std::ranges::any_of(changes, [](const WaterChange& change) { return !change.sound_speed_m_s.empty(); });
   const auto slopes = [](const MovingRay& ray, std::size_t variable) {
     return Values{ray.time.by[variable],         ray.launch_across.by[variable],
                   ray.launch_down.by[variable],  ray.arrival_across.by[variable],
                   ray.arrival_down.by[variable], log_density_of(ray).by[variable]};
   };
-  std::vector<std::pair<std::size_t, Values>> by_point;
+  std::vector<Effect> by_point;
   MovingRay ray;
   const std::size_t layer = water.profile.layer_at(ends.source_m);
   bool found = true;
@@ -356,7 +354,7 @@ ApparentMotion::ApparentMotion(const ApparentMap& apparent_map, glm::dvec3 point
     LayerWalk walk(water, ends, image.ray);
     found = walk.follow(image.ray.turns);
     if (found) ray = walk.ray(water.profile.layers());  // no point
-    if (found && by_speeds)
+    if (found && by_points)
       for (const std::size_t point : walk.points())
         by_point.emplace_back(point, slopes(walk.ray(point), RayNumber::by_upper));
   }
@@ -364,29 +362,49 @@ ApparentMotion::ApparentMotion(const ApparentMap& apparent_map, glm::dvec3 point
   if (!found || !(std::abs(ray.time.at - image.ray.time_s) <= same * image.ray.time_s))
     ray.time.at = std::numeric_limits<double>::quiet_NaN();
   at_ = {ray.time.at,           ray.launch_across.at, ray.launch_down.at,
-         ray.arrival_across.at, ray.arrival_down.at,  ray.time.at};
+         ray.arrival_across.at, ray.arrival_down.at,  0};
   if (range_m_ > 0) by_range_ = slopes(ray, RayNumber::by_first);
   by_depth_ = slopes(ray, RayNumber::by_depth);
   by_apex_ = slopes(ray, RayNumber::by_apex);
+  return by_point;
+}
+
+ApparentMotion::ApparentMotion(const ApparentMap& apparent_map, glm::dvec3 point_m,
+                               const ApparentPoint& image, std::span<const WaterChange> changes) {
+  const std::vector<Effect> by_point =
+      trace(apparent_map, point_m, image, std::ranges::any_of(changes, [](const WaterChange& change) {
+              return !change.sound_speed_m_s.empty();
+            }));
   for (const WaterChange& change : changes) {
     const std::vector<double>& speeds = change.sound_speed_m_s;
-    if (!speeds.empty() && speeds.size() != water.profile.points().size())
+    if (!speeds.empty() && speeds.size() != apparent_map.water().profile.points().size())
       throw std::invalid_argument("a change of the sound speed needs one number per point of the profile");
     Values own{};
     own[density] = -2 * nepers_per_db * change.absorption_db_per_m * image.ray.length_m;
     for (const auto& [point, by] : by_point)
       for (std::size_t n = 0; n < count && !speeds.empty(); ++n) own[n] += speeds[point] * by[n];
-    by_change_.push_back(own);
+    effects_.emplace_back(effects_.size(), own);
   }
+}
+
+ApparentMotion::ApparentMotion(const ApparentMap& apparent_map, glm::dvec3 point_m,
+                               const ApparentPoint& image, ByProfilePoint)
+    : effects_(trace(apparent_map, point_m, image, true)) {
+  std::ranges::sort(effects_, {}, &Effect::first);
+  Values absorbed{};
+  absorbed[density] = -2 * nepers_per_db * image.ray.length_m;
+  effects_.emplace_back(apparent_map.water().profile.points().size(), absorbed);
 }
 
 ApparentMotion::Velocity ApparentMotion::of(glm::dvec3 point, glm::dvec3 apex, std::size_t change) const {
   const glm::dvec3 moved = point - apex;
   const double range = range_m_ > 0 ? (along_.x * moved.x + along_.y * moved.y) / range_m_ : 0;
   Values by{};
+  const auto effect = std::ranges::lower_bound(effects_, change, {}, &Effect::first);
+  const bool changes = effect != effects_.end() && effect->first == change;
   for (std::size_t n = 0; n < count; ++n) {
     by[n] = by_range_[n] * range - by_depth_[n] * point.z - by_apex_[n] * apex.z;
-    if (change != no_change) by[n] += by_change_[change][n];
+    if (changes) by[n] += effect->second[n];
     by[n] += 0 * at_[time];  // not finite without a ray
   }
   const double across = reference_speed_ * (by[time] * at_[launch_across] + at_[time] * by[launch_across]),

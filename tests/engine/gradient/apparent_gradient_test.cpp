@@ -380,15 +380,15 @@ TEST(ApparentGradient, ReverseModeIsTheWeightedSumOfForwardMode) {
   const EchoGradient apparent =
       echo_gradient(mesh, history, beams, scene.samples, model, weights, scattering);
   const StratifiedGradient gradient =
-      stratified_gradient(apparent, surface, map, scene.grid, model, changes, scattering);
+      stratified_gradient(apparent, surface, map, scene.grid, model, scattering);
   std::vector<bool> object(mesh.vertices.size());
   for (std::size_t f = 0; f < mesh.facets.size(); ++f)
     for (const VertexId v : mesh.facets[f]) object[v] = mesh.component[f] == 1;
   glm::dvec3 by_object(0);
   for (std::size_t v = 0; v < object.size(); ++v)
     if (object[v]) by_object += gradient.by_vertex[v];
-  const double reverse[]{gradient.by_sound_speed[0],
-                         gradient.by_sound_speed[1],
+  const double reverse[]{gradient.by_sound_speed[1],
+                         gradient.by_sound_speed[3],
                          gradient.by_apex.x,
                          by_object.x,
                          gradient.by_apex.z,

@@ -137,13 +137,13 @@ void with_separate_receiver(MirrorScene& scene) {
 }
 
 /// A parameter and the same change of a scene.
-struct Change {
+struct MirrorChange {
   std::string name;
   EchoParameter parameter;
   std::function<void(MirrorScene&, double)> apply;
 };
 
-Change sonar_moves(glm::dvec3 axis) {
+MirrorChange sonar_moves(glm::dvec3 axis) {
   return {"sonar", EchoParameter::sonar_translation(axis), [axis](MirrorScene& s, double by) {
             const bool one = s.transmit.apex == s.receive.apex;
             move(s.transmit.apex, by * axis);
@@ -151,16 +151,16 @@ Change sonar_moves(glm::dvec3 axis) {
           }};
 }
 
-Change mounting_turns(glm::dvec3 axis) {
+MirrorChange mounting_turns(glm::dvec3 axis) {
   return {"mounting", EchoParameter::mounting_rotation(axis), [axis](MirrorScene& s, double by) {
             turn_rays(s.transmit, axis, by);
             turn_rays(s.receive, axis, by);
           }};
 }
 
-Change sonar_turns(const MirrorScene& scene, glm::dvec3 axis) {
+MirrorChange sonar_turns(const MirrorScene& scene, glm::dvec3 axis) {
   const glm::dvec3 arm = in_metres(scene.receive.apex - scene.transmit.apex);
-  Change change = mounting_turns(axis);
+  MirrorChange change = mounting_turns(axis);
   return {"rotation", EchoParameter::sonar_rotation(axis),
           [turn = change.apply, arm, axis](MirrorScene& s, double by) {
             turn(s, by);
@@ -168,14 +168,14 @@ Change sonar_turns(const MirrorScene& scene, glm::dvec3 axis) {
           }};
 }
 
-Change object_moves(const MirrorScene& scene, Component component, glm::dvec3 axis) {
+MirrorChange object_moves(const MirrorScene& scene, Component component, glm::dvec3 axis) {
   return {component == quay ? "quay" : "beacon",
           EchoParameter::object_translation(scene.mesh, component, axis), [=](MirrorScene& s, double by) {
             move_component(s, component, [&](glm::dvec3 p) { return p + by * axis; });
           }};
 }
 
-Change object_turns(const MirrorScene& scene, Component component, glm::dvec3 axis) {
+MirrorChange object_turns(const MirrorScene& scene, Component component, glm::dvec3 axis) {
   const glm::dvec3 origin(0.2, 7, -1);
   return {
       component == quay ? "turned quay" : "turned beacon",
@@ -186,25 +186,25 @@ Change object_turns(const MirrorScene& scene, Component component, glm::dvec3 ax
       }};
 }
 
-Change vertex_moves(VertexId vertex, glm::dvec3 axis) {
+MirrorChange vertex_moves(VertexId vertex, glm::dvec3 axis) {
   EchoParameter parameter;
   parameter.velocity = [=](PointId id, glm::dvec3) { return id == vertex ? axis : glm::dvec3(0); };
   return {"vertex " + std::to_string(vertex), parameter,
           [=](MirrorScene& s, double by) { move(s.mesh.vertices[vertex], by * axis); }};
 }
 
-Change receiver_moves(glm::dvec3 axis) {
+MirrorChange receiver_moves(glm::dvec3 axis) {
   EchoParameter parameter;
   parameter.velocity = [=](PointId id, glm::dvec3) { return id == receive_apex ? axis : glm::dvec3(0); };
   return {"receiver", parameter, [=](MirrorScene& s, double by) { move(s.receive.apex, by * axis); }};
 }
 
-Change more_absorption() {
+MirrorChange more_absorption() {
   return {"absorption", EchoParameter::absorption(),
           [](MirrorScene& s, double by) { s.absorption_db_per_m += by; }};
 }
 
-Change faster_sound() {
+MirrorChange faster_sound() {
   return {"sound speed", EchoParameter::sound_speed(15), [](MirrorScene& s, double by) {
             s.samples.first_m *= 1 + by / 15;
             s.samples.step_m *= 1 + by / 15;
@@ -212,7 +212,7 @@ Change faster_sound() {
           }};
 }
 
-Change more_mu() {
+MirrorChange more_mu() {
   return {"mu", EchoParameter::material_mu(0, 2), [](MirrorScene& s, double by) { s.mu[0] += by / 1000; }};
 }
 
@@ -224,11 +224,11 @@ double largest_magnitude(const std::vector<double>& values) {
 
 /// Compares each bin with differences of fourth order, whose steps are much larger than the rounding of
 /// images and of their windows.
-void expect_differences(const MirrorScene& scene, const std::vector<Change>& changes,
+void expect_differences(const MirrorScene& scene, const std::vector<MirrorChange>& changes,
                         const std::function<bool(std::size_t)>& is_wanted = every_order,
                         double tolerance = 4e-5, double step = 0x1p-9) {
   std::vector<EchoParameter> parameters;
-  for (const Change& change : changes) parameters.push_back(change.parameter);
+  for (const MirrorChange& change : changes) parameters.push_back(change.parameter);
   const std::vector<std::vector<double>> found = scene.derivatives(parameters, is_wanted);
   for (std::size_t n = 0; n < changes.size(); ++n) {
     SCOPED_TRACE(testing::Message() << n << ": " << changes[n].name);
@@ -246,7 +246,7 @@ void expect_differences(const MirrorScene& scene, const std::vector<Change>& cha
   }
 }
 
-std::vector<Change> motions(const MirrorScene& scene) {
+std::vector<MirrorChange> motions(const MirrorScene& scene) {
   return {sonar_moves({1, 0, 0}),
           sonar_moves({0, 1, 0}),
           sonar_moves({0, 0, 1}),
@@ -260,8 +260,8 @@ std::vector<Change> motions(const MirrorScene& scene) {
           more_mu()};
 }
 
-std::vector<Change> motions_with_quay(const MirrorScene& scene) {
-  std::vector<Change> changes = motions(scene);
+std::vector<MirrorChange> motions_with_quay(const MirrorScene& scene) {
+  std::vector<MirrorChange> changes = motions(scene);
   for (const glm::dvec3 axis : {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)}) {
     changes.push_back(object_moves(scene, quay, axis));
     changes.push_back(object_turns(scene, quay, axis));
@@ -276,8 +276,8 @@ TEST(PathDerivatives, UnderASeaSurfaceAreCentralDifferences) {
     MirrorScene scene = mirror_scene(seed, true, false);
     expect_differences(scene, motions(scene), [](std::size_t order) { return order == 2; });
     // The images do not see the facets in front of the terrain.
-    std::vector<Change> of_terrain = motions(scene);
-    std::erase_if(of_terrain, [](const Change& change) { return change.name == "beacon"; });
+    std::vector<MirrorChange> of_terrain = motions(scene);
+    std::erase_if(of_terrain, [](const MirrorChange& change) { return change.name == "beacon"; });
     expect_differences(scene, of_terrain, [](std::size_t order) { return order == 3; });
     scene.paths.mirrors.surface->roughness = 1.5;
     with_separate_receiver(scene);
@@ -330,12 +330,12 @@ TEST(PathDerivatives, OfArrivalsAreCentralDifferences) {
   scene.receive = test::forward_tubes(fine_point({-0.2, 1.52, 0.1}), 1, 1, 170, 170);
   turn_rays(scene.transmit, {0, 0, 1}, 0.3);
   turn_rays(scene.receive, {0, 0, 1}, -0.3);
-  std::vector<Change> changes{sonar_moves({0, 1, 0}),
-                              sonar_moves({0, 0, 1}),
-                              sonar_turns(scene, {0, 0, 1}),
-                              object_moves(scene, quay, {0, 1, 0}),
-                              object_turns(scene, quay, {1, 0, 0}),
-                              more_absorption()};
+  std::vector<MirrorChange> changes{sonar_moves({0, 1, 0}),
+                                    sonar_moves({0, 0, 1}),
+                                    sonar_turns(scene, {0, 0, 1}),
+                                    object_moves(scene, quay, {0, 1, 0}),
+                                    object_turns(scene, quay, {1, 0, 0}),
+                                    more_absorption()};
   expect_differences(scene, changes);
   scene.paths.direct = true;
   expect_differences(scene, {receiver_moves({1, 0, 0}), receiver_moves({0, 1, 0}), more_absorption()});

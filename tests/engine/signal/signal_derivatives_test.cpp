@@ -210,6 +210,20 @@ TEST(SignalDerivatives, OfALargePlaneAreThoseOfItsImage) {
   EXPECT_LT(worst, 1e-5 * peak_of(derivative));
 }
 
+// The foot point of both ends lies on an edge, or on a corner. There, half or a quarter of the image arrives.
+TEST(SignalDerivatives, AreContinuousWhereTheShortestPathMeetsTheBorder) {
+  for (const Polygon2& polygon : {Polygon2{{0, -0.4}, {0.9, -0.3}, {0.8, 0.5}, {0, 0.6}},
+                                  Polygon2{{0, 0}, {0.9, -0.3}, {0.8, 0.5}, {0.1, 0.6}}}) {
+    MovingPlates plates;
+    plates.add(test::flat_seabed(1.5), polygon);
+    plates.receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}}, 3e-5, 40e3);
+    listen(plates.receiver, plates.seen_at(0));
+    plates.by.transmit = plates.by.receive = {{0.8, 0.1, 0.2}};
+    const ChannelSignals derivative = plates.derivative(1e-8);
+    EXPECT_LT(largest_gap(derivative.value, plates.difference(2e-5, 1e-9)), 1e-3 * peak_of(derivative));
+  }
+}
+
 TEST(SignalDerivatives, RejectInvalidArguments) {
   std::mt19937_64 random(1);
   MovingPlates plates = random_plates(random, 1);
