@@ -10,8 +10,8 @@
 namespace tubefoot {
 
 /// Returns the receiver. If the point of shortest path lies on the border of the polygon, the result is a
-/// neighbour of the receiver, for which this point lies inside by a phase of 1e-5 rad. On the border, the
-/// derivatives of the edge and of the image are large numbers of opposite sign. `k`: wavenumber in rad/m.
+/// neighbour of the receiver. Its point of shortest path lies inside by a phase of 1e-5 rad. On the border,
+/// the derivatives of the edge and of the image are large numbers of opposite sign. `k`: wavenumber in rad/m.
 PathCutter::Receiver beside_border(const PlanarPolygon& polygon, PathCutter::Receiver rx, double k);
 
 /// Velocities of a polygon's corners and plane and of a channel's ends, in the frame of the plane.
