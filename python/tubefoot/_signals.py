@@ -49,9 +49,9 @@ class Signals:
 
     @property
     def gradient(self) -> dict[str, np.ndarray]:
-        """Derivatives by the parameters of run(gradient=[...]): (P, R, S) complex128 each.
+        """(P, R, S) complex128 by name of a parameter of run(gradient=[...]): derivatives of the pressures.
 
-        They are derivatives of the pressures of smooth surfaces, in W^(1/2) per unit of the parameter. Other surfaces
+        They are derivatives of the echoes of smooth surfaces, in W^(1/2) per unit of the parameter. Other surfaces
         contribute nothing, because their speckle has the mean 0. Empty if the run computes no derivatives of signals.
         """
         return self._arrays.get("gradient", {})

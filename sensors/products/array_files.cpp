@@ -79,7 +79,8 @@ std::vector<std::string> leave_out(SignalProducts& products, const Recording& re
 /// Checks the memory, because all pings of a recording are loaded while their files are written.
 void require_memory_of(const SignalProducts& products, const Recording& recording, const RunContext& run) {
   const SignalCounts counts = counts_of(recording);
-  const double arrays = (run.with_bounds ? 2 : 1) + double(recording.signals->derivatives.size());
+  const double arrays =
+      (run.with_bounds ? 2 : 1) + (recording.signals ? double(recording.signals->derivatives.size()) : 0);
   require_memory(2 * arrays * bytes_of(counts) + memory_of_signal_files(products, counts),
                  recording.sensor->description().place,
                  fmt::format("the signal files of {} pings and {} receivers", counts.pings, counts.receivers),

@@ -9,22 +9,25 @@
 
 namespace tubefoot {
 
-PathCutter::Receiver beside_border(const PlanarPolygon& polygon, PathCutter::Receiver rx, double k) {
-  constexpr double least_rad = 1e-5;
+PlacedReceiver beside_border(const PlanarPolygon& polygon, const PathCutter::Receiver& rx, double k) {
+  constexpr double least_rad = 1e-4;
   const double share = polygon.distance / (polygon.distance + rx.distance);
   const glm::dvec2 shortest = rx.foot * share;
+  PlacedReceiver placed{rx, 1};
   const std::size_t n = polygon.offsets.size();
   for (std::size_t corner = 0; corner < n; ++corner) {
     const glm::dvec2 from = polygon.corner(corner) - shortest,
                      edge = polygon.corner(corner + 1 == n ? 0 : corner + 1) - shortest - from;
     const double square = glm::dot(edge, edge),
                  along = square > 0 ? std::clamp(-glm::dot(from, edge) / square, 0.0, 1.0) : 0.0;
-    if (!(k * glm::length(from + along * edge) < least_rad)) continue;
-    const glm::dvec2 inward = polygon.first + centroid_offset(polygon) - shortest;
-    if (glm::length(inward) > 0) rx.foot += glm::normalize(inward) * (least_rad / (k * share));
-    break;
+    placed.border_rad = std::min(placed.border_rad, k * glm::length(from + along * edge));
   }
-  return rx;
+  const glm::dvec2 inward = polygon.first + centroid_offset(polygon) - shortest;
+  if (placed.border_rad < least_rad && glm::length(inward) > 0) {
+    placed.rx.foot += glm::normalize(inward) * (least_rad / (k * share));
+    placed.border_rad = least_rad;
+  }
+  return placed;
 }
 
 EdgeMotion::Velocity velocity_on_plane(const SignalParameter& parameter, std::size_t patch,

@@ -218,7 +218,13 @@ class ChannelOfSmooth {
     }
     // Panels are wide enough that pulses are not added more often than their band requires.
     const double most_spread = 2 * pi / received_pulse_.band_rad_m;
-    placed_rx_ = parameters_.empty() ? rx_ : beside_border(piece, rx_, k);
+    placed_rx_ = rx_;
+    if (!parameters_.empty()) {
+      const PlacedReceiver placed = beside_border(piece, rx_, k);
+      placed_rx_ = placed.rx;
+      // Near the border, derivatives of weights grow with the inverse square of this phase, and cancel.
+      error_ *= placed.border_rad * placed.border_rad;
+    }
     edges_.assign(piece, placed_rx_, k + absorption_per_m_ / 2, most_spread);
     if (!parameters_.empty()) motion_.emplace(piece, placed_rx_);
     add_image(out);

@@ -217,10 +217,13 @@ TEST(SignalDerivatives, AreContinuousWhereTheShortestPathMeetsTheBorder) {
     MovingPlates plates;
     plates.add(test::flat_seabed(1.5), polygon);
     plates.receiver = receiver_of({{glm::dvec3(0), glm::dvec3(0)}}, 3e-5, 40e3);
+    // The jumps at the ends of a truncated pulse would add errors that grow near the border.
+    plates.receiver.pulse = gaussian_pulse(3e-5, 1e-10);
+    plates.receiver.times.rate_hz = 1.05 * plates.receiver.pulse.bandwidth_hz;
     listen(plates.receiver, plates.seen_at(0));
     plates.by.transmit = plates.by.receive = {{0.8, 0.1, 0.2}};
     const ChannelSignals derivative = plates.derivative(1e-8);
-    EXPECT_LT(largest_gap(derivative.value, plates.difference(2e-5, 1e-9)), 1e-3 * peak_of(derivative));
+    EXPECT_LT(largest_gap(derivative.value, plates.difference(2e-5, 1e-9)), 2e-4 * peak_of(derivative));
   }
 }
 
