@@ -533,3 +533,15 @@ def test_signals_without_derivatives_have_a_reason(key, value, reason):
     assert any("signals have none" in warning and reason in warning for warning in result.warnings)
     assert result["array"].signals.gradient == {}
     assert "water.absorption" in result["array"].gradient
+
+
+def test_derivatives_of_signals_ignore_what_the_run_does_not_contain():
+    """A material that no facet has, and a sensor that is not selected, change nothing."""
+    keys = copy.deepcopy(ARRAY_KEYS)
+    keys["materials"].append({"name": "unused", "smooth": True, "roughness_m": 0.001})
+    keys["sensors"].append({**keys["sensors"][0], "name": "other", "pulse_taper": 0})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = tubefoot.run(tubefoot.Scene.from_dict(keys), sensor="array", gradient=["water.absorption"])
+    assert list(result["array"].signals.gradient) == ["water.absorption"]
+    assert not any("signals have none" in warning for warning in result.warnings)
