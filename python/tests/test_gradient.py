@@ -46,20 +46,29 @@ def at_sound_speed(speed):
     return keys
 
 
-def with_mu(material, mu):
-    return changed("materials", material, "lambert_db", 10 * np.log10(mu) - KEYS["materials"][material]["lambert_db"])
+def with_mu(material, change, keys):
+    db = keys["materials"][material]["lambert_db"]
+    return changed("materials", material, "lambert_db", 10 * np.log10(10**(db / 10) + change) - db, keys=keys)
+
+
+def moves(keys, step):
+    """Functions that change one parameter of a scene, and their steps. Positions move by `step`."""
+    axes = tuple(enumerate(("east", "north", "up")))
+    return {
+        **{f"camera.position.{axis}": (lambda h, k=k: changed("trajectory", None, "position_m", h, k, keys), step)
+           for k, axis in axes},
+        **{f"block.position.{axis}": (lambda h, k=k: changed("objects", 0, "position_m", h, k, keys), step)
+           for k, axis in axes},
+        **{f"camera.mounting.{angle}": (lambda h, a=angle: changed("sensors", 0, a + "_deg", np.degrees(h), keys=keys), step / 4)
+           for angle in ("yaw", "tilt", "roll")},
+        "material.sand.mu": (lambda h: with_mu(0, h, keys), 1e-6),
+        "material.steel.mu": (lambda h: with_mu(1, h, keys), 1e-5),
+        "water.absorption": (lambda h: changed("water", None, "absorption_db_per_km", h, keys=keys), 0.1),
+    }
 
 
 MOVED = {
-    **{f"camera.position.{axis}": (lambda h, k=k: changed("trajectory", None, "position_m", h, k), STEP)
-       for k, axis in enumerate(("east", "north", "up"))},
-    **{f"block.position.{axis}": (lambda h, k=k: changed("objects", 0, "position_m", h, k), STEP)
-       for k, axis in enumerate(("east", "north", "up"))},
-    **{f"camera.mounting.{angle}": (lambda h, a=angle: changed("sensors", 0, a + "_deg", np.degrees(h)), STEP / 4)
-       for angle in ("yaw", "tilt", "roll")},
-    "material.sand.mu": (lambda h: with_mu(0, 10**-2.7 + h), 1e-6),
-    "material.steel.mu": (lambda h: with_mu(1, 10**-1.5 + h), 1e-5),
-    "water.absorption": (lambda h: changed("water", None, "absorption_db_per_km", h), 0.1),
+    **moves(KEYS, STEP),
     "water.sound_speed": (lambda h: at_sound_speed(1500 + h), 0.02),
 }
 
@@ -501,7 +510,9 @@ def test_signals_equal_central_differences(name):
     difference = (8 * (a - b) - (c - d)) / (12 * step)
     derivative = signals.gradient[name]
     assert derivative.shape == signals.pressure.shape and derivative.dtype == complex
-    assert np.abs(derivative - difference).max() < 2e-3 * np.abs(difference).max()
+    # Directions of tubes are rounded to a grid, so that differences by angles have errors of their own.
+    tolerance = 2e-3 if ".mounting." in name else 2e-5
+    assert np.abs(derivative - difference).max() < tolerance * np.abs(difference).max()
 
 
 def test_files_of_signals_contain_derivatives(tmp_path):

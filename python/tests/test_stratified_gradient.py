@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import tubefoot
+import test_gradient
 from conftest import PROGRAM
+from test_gradient import moves
 
 # No facet is cut, because the limits of the refinement are large. Apparent positions are rounded to the grid, which is
 # therefore fine.
@@ -31,16 +33,6 @@ KEYS = {
 STEP = 2.0**-12
 
 
-def changed(section, index, key, change, component=None, keys=None):
-    keys = copy.deepcopy(keys or KEYS)
-    table = keys[section] if index is None else keys[section][index]
-    if component is None:
-        table[key] += change
-    else:
-        table[key][component] += change
-    return keys
-
-
 def with_times_of(before, keys):
     """Scales the ranges so that range bins remain intervals of time. The sound speed at the sonar is the reference."""
     def reference(of):
@@ -52,21 +44,7 @@ def with_times_of(before, keys):
     return keys
 
 
-def with_mu(material, mu):
-    return changed("materials", material, "lambert_db", 10 * np.log10(mu) - KEYS["materials"][material]["lambert_db"])
-
-
-MOVED = {
-    **{f"camera.position.{axis}": (lambda h, k=k: changed("trajectory", None, "position_m", h, k), STEP)
-       for k, axis in enumerate(("east", "north", "up"))},
-    **{f"block.position.{axis}": (lambda h, k=k: changed("objects", 0, "position_m", h, k), STEP)
-       for k, axis in enumerate(("east", "north", "up"))},
-    **{f"camera.mounting.{angle}": (lambda h, a=angle: changed("sensors", 0, a + "_deg", np.degrees(h)), STEP / 4)
-       for angle in ("yaw", "tilt", "roll")},
-    "material.sand.mu": (lambda h: with_mu(0, 10**-2.7 + h), 1e-6),
-    "material.steel.mu": (lambda h: with_mu(1, 10**-1.5 + h), 1e-5),
-    "water.absorption": (lambda h: changed("water", None, "absorption_db_per_km", h), 0.1),
-}
+MOVED = moves(KEYS, STEP)
 OF_SOUND_SPEED = {"water.sound_speed": ("sound_speed_m_s", 0.125), "water.gradient_per_s": ("gradient_per_s", 0.03125)}
 NAMES = list(tubefoot.Scene.from_dict(KEYS).gradient_parameters())
 
@@ -103,8 +81,8 @@ def test_derivatives_by_the_sound_speed_are_central_differences_of_whole_runs(na
     keys["water"]["absorption_db_per_km"] = 0.0
     key, step = OF_SOUND_SPEED[name]
     derivative = tubefoot.run(tubefoot.Scene.from_dict(keys), gradient=[name])["camera"].gradient[name]
-    difference = (energy_of(changed("water", None, key, step, keys=keys))
-                  - energy_of(changed("water", None, key, -step, keys=keys))) / (2 * step)
+    difference = (energy_of(test_gradient.changed("water", None, key, step, keys=keys))
+                  - energy_of(test_gradient.changed("water", None, key, -step, keys=keys))) / (2 * step)
     assert np.abs(difference - derivative).max() < 3e-5 * np.abs(derivative).max()
 
 
@@ -152,7 +130,7 @@ def test_vertices_of_cut_facets_move_with_the_facets(scene):
     for name, (section, index, component) in {"block.position.up": ("objects", 0, 2),
                                               "camera.position.up": ("trajectory", None, 2)}.items():
         runs = [tubefoot.run(tubefoot.Scene.from_dict(
-            with_times_of(keys, changed(section, index, "position_m", h, component, keys)))) for h in (STEP, -STEP)]
+            with_times_of(keys, test_gradient.changed(section, index, "position_m", h, component, keys)))) for h in (STEP, -STEP)]
         assert facets(runs[0]) == facets(runs[1]) == facets(result)
         difference = (runs[0]["camera"].energy - runs[1]["camera"].energy) / (2 * STEP)
         derivative = result["camera"].gradient[name]
@@ -203,8 +181,8 @@ def test_models_patterns_and_textures_have_derivatives():
                               ("material.sand.oblique_db", ("materials", 0, "oblique_db", 1e-3, None), 1e-3),
                               ("water.sound_speed", ("water", None, "sound_speed_m_s", 0.125, None), 0.125)):
         section, index, key, change, component = place
-        difference = (energy_of(changed(section, index, key, change, component, keys))
-                      - energy_of(changed(section, index, key, -change, component, keys))) / (2 * step)
+        difference = (energy_of(test_gradient.changed(section, index, key, change, component, keys))
+                      - energy_of(test_gradient.changed(section, index, key, -change, component, keys))) / (2 * step)
         derivative = echoes.gradient[name]
         assert np.abs(difference - derivative).max() < 3e-5 * np.abs(derivative).max(), name
     assert np.abs(echoes.gradient["camera.patterns.z"]).max() > 0

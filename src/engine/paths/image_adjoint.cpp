@@ -97,8 +97,8 @@ void ImageAdjoint::finish_rays(std::size_t number, std::uint32_t window) {
                      other = corner.other ? points.direction(*corner.other) : glm::dvec3(0),
                      direction = corner.other ? one.z * other - other.z * one : one;
     const glm::dvec3 mirrored = reflect * direction;
-    const GridPoint r = image.windows.rays[image.windows.tubes[window][k]];
-    const double scale = glm::dot(glm::dvec3(r.x, r.y, r.z), mirrored) / glm::dot(mirrored, mirrored);
+    const glm::dvec3 ray = displacement({}, image.windows.rays[image.windows.tubes[window][k]]);
+    const double scale = glm::dot(ray, mirrored) / glm::dot(mirrored, mirrored);
     const glm::dvec3 by = scale * own.by_ray[k], by_direction = reflect * by;
     own.by_normal += by_normal_of_turn(unit, direction, by);
     if (!corner.other) {

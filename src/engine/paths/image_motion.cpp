@@ -11,11 +11,6 @@
 // directions in which it sees the corners of the mirror.
 
 namespace tubefoot {
-namespace {
-
-glm::dvec3 vector_of(GridPoint p) { return {p.x, p.y, p.z}; }
-
-}  // namespace
 
 double offset_m(const MirrorPlane& plane, GridPoint from, double unit_m) {
   const glm::dvec3 normal(double(plane.normal.x), double(plane.normal.y), double(plane.normal.z));
@@ -143,7 +138,7 @@ void ImageMotion::add_rays(const Image& image, std::uint32_t window, std::span<V
         by[n] = by[n].z * other + one.z * by_other[n] - by_other[n].z * one - other.z * by[n];
     }
     const glm::dvec3 mirrored = reflect * direction,
-                     ray = vector_of(image.windows.rays[image.windows.tubes[window][k]]);
+                     ray = displacement({}, image.windows.rays[image.windows.tubes[window][k]]);
     const double scale = glm::dot(ray, mirrored) / glm::dot(mirrored, mirrored);
     for (std::size_t n = 0; n < by.size(); ++n)
       to[n].ray[k] = scale * (reflect * by[n] + of_reflection(image, to[n]) * direction);
