@@ -32,6 +32,13 @@ struct Dual {
   bool surely_positive() const { return value > 0; }
   bool surely_negative() const { return value < 0; }
 
+  /// Returns a function of this number, from the value and the slope of the function.
+  Dual through(double function, double slope) const {
+    Dual result(function);
+    for (std::size_t i = 0; i < n; ++i) result.derivative[i] = slope * derivative[i];
+    return result;
+  }
+
   Dual operator-() const { return through(-value, -1); }
   friend Dual operator+(const Dual& a, const Dual& b) { return combined(a.value + b.value, a, 1, b, 1); }
   friend Dual operator-(const Dual& a, const Dual& b) { return combined(a.value - b.value, a, 1, b, -1); }
@@ -68,12 +75,6 @@ struct Dual {
   }
 
  private:
-  /// A function of this number, by its value and its slope.
-  Dual through(double function, double slope) const {
-    Dual result(function);
-    for (std::size_t i = 0; i < n; ++i) result.derivative[i] = slope * derivative[i];
-    return result;
-  }
   static Dual combined(double function, const Dual& a, double by_a, const Dual& b, double by_b) {
     Dual result(function);
     for (std::size_t i = 0; i < n; ++i)

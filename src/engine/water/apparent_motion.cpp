@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "engine/water/ray_arc.hpp"
+#include "geometry/numbers/dual.hpp"
 
 // Evaluates the closed forms of ray_arc.hpp with a number that carries its derivatives (forward mode,
 // Griewank and Walther, Evaluating Derivatives, 2008, chapter 3). Through several layers, the variable is the
@@ -18,66 +19,26 @@
 namespace tubefoot {
 namespace {
 
-/// A number with its derivatives. The first variable is the Snell parameter or the range. The last two are
-/// the sound speeds of the points of the profile above and below a layer.
-struct RayNumber {
-  enum : std::size_t { by_first, by_depth, by_apex, by_upper, by_lower, variables };
-  double at = 0;
-  std::array<double, variables> by{};
+/// Variables of a ray. The first one is the Snell parameter or the range. The last two are the sound speeds
+/// of the points of the profile above and below a layer.
+enum RayVariable : std::size_t { by_first, by_depth, by_apex, by_upper, by_lower, ray_variables };
+using RayNumber = Dual<ray_variables>;
 
-  RayNumber() = default;
-  RayNumber(double value) : at(value) {}
-  static RayNumber variable(double value, std::size_t which) {
-    RayNumber x(value);
-    x.by[which] = 1;
-    return x;
-  }
-  /// Returns a function of this number, from the value and the slope of the function.
-  RayNumber through(double value, double slope) const {
-    RayNumber y(value);
-    for (std::size_t k = 0; k < variables; ++k) y.by[k] = slope * by[k];
-    return y;
-  }
-  RayNumber& operator+=(const RayNumber& b) { return *this = *this + b; }
-  friend RayNumber operator+(RayNumber a, const RayNumber& b) {
-    a.at += b.at;
-    for (std::size_t k = 0; k < variables; ++k) a.by[k] += b.by[k];
-    return a;
-  }
-  friend RayNumber operator-(const RayNumber& a) { return a.through(-a.at, -1); }
-  friend RayNumber operator-(const RayNumber& a, const RayNumber& b) { return a + -b; }
-  friend RayNumber operator*(const RayNumber& a, const RayNumber& b) {
-    RayNumber y(a.at * b.at);
-    for (std::size_t k = 0; k < variables; ++k) y.by[k] = a.by[k] * b.at + a.at * b.by[k];
-    return y;
-  }
-  friend RayNumber operator/(const RayNumber& a, const RayNumber& b) {
-    RayNumber y(a.at / b.at);
-    for (std::size_t k = 0; k < variables; ++k) y.by[k] = (a.by[k] - y.at * b.by[k]) / b.at;
-    return y;
-  }
-
-  friend RayNumber squared(const RayNumber& x) { return x * x; }
-  friend RayNumber root(const RayNumber& x) {
-    const double value = std::sqrt(x.at);
-    return x.through(value, 0.5 / value);
-  }
-  friend RayNumber logarithm(const RayNumber& x) { return x.through(std::log(x.at), 1 / x.at); }
-  friend RayNumber log1p_ratio(const RayNumber& v) {
-    const double value = log1p_ratio(v.at);
-    if (std::abs(v.at) > 0.01) return v.through(value, (1 / (1 + v.at) - value) / v.at);
-    double slope = 0;
-    for (int k = 9; k >= 1; --k) slope = double(k) / (k + 1) * (k % 2 == 1 ? -1 : 1) + v.at * slope;
-    return v.through(value, slope);
-  }
-};
+RayNumber logarithm(const RayNumber& x) { return x.through(std::log(x.value), 1 / x.value); }
+RayNumber moving_log1p_ratio(const RayNumber& v) {
+  const double value = log1p_ratio(v.value);
+  if (std::abs(v.value) > 0.01) return v.through(value, (1 / (1 + v.value) - value) / v.value);
+  double slope = 0;
+  for (int k = 9; k >= 1; --k) slope = double(k) / (k + 1) * (k % 2 == 1 ? -1 : 1) + v.value * slope;
+  return v.through(value, slope);
+}
 
 /// asin(q) / q as a function of q^2; for `sign` = -1, asinh(q) / q.
 RayNumber arc_ratio(const RayNumber& q2, int sign) {
-  const double v = sign * q2.at;
+  const double v = sign * q2.value;
   if (v * sign > 1e-3) {
-    const double q = std::sqrt(q2.at), value = (sign > 0 ? std::asin(q) : std::asinh(q)) / q;
-    return q2.through(value, (1 / std::sqrt(1 - v) - value) / (2 * q2.at));
+    const double q = std::sqrt(q2.value), value = (sign > 0 ? std::asin(q) : std::asinh(q)) / q;
+    return q2.through(value, (1 / std::sqrt(1 - v) - value) / (2 * q2.value));
   }
   const double value = 1 + v * (1. / 6 + v * (3. / 40 + v * (15. / 336 + v * 105. / 3456))),
                slope = 1. / 6 + v * (3. / 20 + v * (45. / 336 + v * (420. / 3456 + v * 4725. / 42240)));
@@ -94,17 +55,17 @@ class MovingLayer {
   RayNumber gradient() const {
     RayNumber g(profile_.gradient_per_s(layer_));
     if (!has_upper() || !has_lower()) return g;
-    g.by[RayNumber::by_lower] = 1 / (profile_.bottom_m(layer_) - profile_.top_m(layer_));
-    g.by[RayNumber::by_upper] = -g.by[RayNumber::by_lower];
+    g.derivative[by_lower] = 1 / (profile_.bottom_m(layer_) - profile_.top_m(layer_));
+    g.derivative[by_upper] = -g.derivative[by_lower];
     return g;
   }
   RayNumber speed(const RayNumber& depth_m) const {
-    RayNumber c = depth_m.through(profile_.speed_in(layer_, depth_m.at), profile_.gradient_per_s(layer_));
+    RayNumber c = depth_m.through(profile_.speed_in(layer_, depth_m.value), profile_.gradient_per_s(layer_));
     double share = has_upper() ? 0 : 1;  // of the lower point
     if (has_upper() && has_lower())
-      share = (depth_m.at - profile_.top_m(layer_)) / (profile_.bottom_m(layer_) - profile_.top_m(layer_));
-    c.by[RayNumber::by_upper] += 1 - share;
-    c.by[RayNumber::by_lower] += share;
+      share = (depth_m.value - profile_.top_m(layer_)) / (profile_.bottom_m(layer_) - profile_.top_m(layer_));
+    c.derivative[by_upper] += 1 - share;
+    c.derivative[by_lower] += share;
     return c;
   }
 
@@ -126,9 +87,9 @@ struct RayEnds {
 /// An arc of one gradient in closed form, see EigenrayFinder::within_layer().
 MovingRay within_layer(const WaterColumn& water, std::size_t layer, const RayEnds& ends) {
   const MovingLayer profile(water.profile, layer);
-  const RayNumber x = RayNumber::variable(ends.range_m, RayNumber::by_first),
-                  z = RayNumber::variable(ends.depth_m, RayNumber::by_depth),
-                  source = RayNumber::variable(ends.source_m, RayNumber::by_apex);
+  const RayNumber x = RayNumber::parameter(ends.range_m, by_first),
+                  z = RayNumber::parameter(ends.depth_m, by_depth),
+                  source = RayNumber::parameter(ends.source_m, by_apex);
   const RayNumber g = profile.gradient(), cs = profile.speed(source), cr = profile.speed(z), dz = z - source,
                   chord = root(squared(x) + squared(dz)), half = root(squared(cs + cr) + squared(g * x)),
                   straight = (cs + cr) / half, tilt = g / half, sine = dz / chord,
@@ -154,17 +115,17 @@ class LayerWalk {
         ends_(ends),
         ray_{water.profile.at(ends.source_m), std::abs(ray.launch_sine), ray.launch_cosine},
         launched_down_(ray.launch_sine > 0),
-        p_(RayNumber::variable(ray_.p(), RayNumber::by_first)) {}
+        p_(RayNumber::parameter(ray_.p(), by_first)) {}
 
   /// Returns false if the ray does not lead to the end point, because a decision was within rounding.
   bool follow(int turns) {
     const SoundSpeedProfile& layers = water_.profile;
     bool down = launched_down_;
     std::size_t layer = layers.layer_at(ends_.source_m);
-    RayNumber z = RayNumber::variable(ends_.source_m, RayNumber::by_apex);
+    RayNumber z = RayNumber::parameter(ends_.source_m, by_apex);
     launch_ = {layer, MovingLayer(layers, layer).speed(z), {}, down};
     launch_.sine = sine(launch_.speed);
-    const RayNumber end = RayNumber::variable(ends_.depth_m, RayNumber::by_depth);
+    const RayNumber end = RayNumber::parameter(ends_.depth_m, by_depth);
     for (std::size_t steps = 0; steps < 8 * layers.layers() * std::size_t(2 + turns); ++steps) {
       const auto ahead_m = [&] { return down ? layers.bottom_m(layer) : layers.top_m(layer); };
       const auto ends_here = [&] {
@@ -208,7 +169,7 @@ class LayerWalk {
     ray.launch_down = launch_.down ? launch_sine : -launch_sine;
     ray.arrival_across = arrival_speed / sums.reach;
     ray.arrival_down = arrival_.down ? arrival_sine : -arrival_sine;
-    const RayNumber spread = sums.dx_dp.at < 0 ? -sums.dx_dp : sums.dx_dp;
+    const RayNumber spread = sums.dx_dp.value < 0 ? -sums.dx_dp : sums.dx_dp;
     ray.area = sums.reach * launch_sine * arrival_sine * spread / squared(launch_speed);
     ray.absorption_db = sums.absorption_db;
     ray.launch_speed = launch_speed;
@@ -216,10 +177,10 @@ class LayerWalk {
     const RayNumber x = p_ * sums.reach;
     for (RayNumber* value : {&ray.time, &ray.launch_across, &ray.launch_down, &ray.arrival_across,
                              &ray.arrival_down, &ray.area, &ray.absorption_db}) {
-      const double by_range = value->by[RayNumber::by_first] / x.by[RayNumber::by_first];
-      value->by[RayNumber::by_first] = by_range;
-      for (const std::size_t k : {RayNumber::by_depth, RayNumber::by_apex, RayNumber::by_upper})
-        value->by[k] -= by_range * x.by[k];
+      const double by_range = value->derivative[by_first] / x.derivative[by_first];
+      value->derivative[by_first] = by_range;
+      for (const std::size_t k : {by_depth, by_apex, by_upper})
+        value->derivative[k] -= by_range * x.derivative[k];
     }
     return ray;
   }
@@ -244,9 +205,10 @@ class LayerWalk {
   };
 
   RayNumber sine(const RayNumber& c) const {
-    RayNumber s(ray_.sine_at(c.at));
+    RayNumber s(ray_.sine_at(c.value));
     const RayNumber cosine = p_ * c;
-    for (std::size_t k = 0; k < RayNumber::variables; ++k) s.by[k] = -cosine.at * cosine.by[k] / s.at;
+    for (std::size_t k = 0; k < ray_variables; ++k)
+      s.derivative[k] = -cosine.value * cosine.derivative[k] / s.value;
     return s;
   }
   // The formulas of arc_reach(), arc_dx_dp(), arc_time_s() and arc_length_m(). `absorption_db` contains the
@@ -257,18 +219,18 @@ class LayerWalk {
     const RayNumber slope = squared(p_) * per_dz / (1 + s2);
     const RayNumber chord = dz * root(1 + squared(p_ * per_dz)), sag = chord * p_ * profile.gradient() / 2;
     return {reach, reach / (s1 * s2),
-            dz * (log1p_ratio((c2 - c1) / c1) / c1 + slope * log1p_ratio((c2 - c1) * slope)),
+            dz * (moving_log1p_ratio((c2 - c1) / c1) / c1 + slope * moving_log1p_ratio((c2 - c1) * slope)),
             chord * arc_ratio(squared(sag), 1)};
   }
   // The formulas of turning_arc().
   Legs turn(const MovingLayer& profile, const RayNumber& c1, const RayNumber& c2) const {
     const RayNumber s1 = sine(c1), s2 = sine(c2), signed_g = profile.gradient(),
-                    g = signed_g.at < 0 ? -signed_g : signed_g, reach = (s1 + s2) / (squared(p_) * g);
+                    g = signed_g.value < 0 ? -signed_g : signed_g, reach = (s1 + s2) / (squared(p_) * g);
     const auto atanh = [](const RayNumber& s) {
-      return s.through(std::atanh(s.at), 1 / ((1 - s.at) * (1 + s.at)));
+      return s.through(std::atanh(s.value), 1 / ((1 - s.value) * (1 + s.value)));
     };
     const auto asin = [](const RayNumber& s) {
-      return s.through(std::asin(s.at), 1 / std::sqrt((1 - s.at) * (1 + s.at)));
+      return s.through(std::asin(s.value), 1 / std::sqrt((1 - s.value) * (1 + s.value)));
     };
     return {reach, -(reach / (s1 * s2)), (atanh(s1) + atanh(s2)) / g, (asin(s1) + asin(s2)) / (p_ * g)};
   }
@@ -277,23 +239,23 @@ class LayerWalk {
     const MovingLayer profile(water_.profile, layer);
     for (std::size_t k = 0; k < 4; ++k) {
       RayNumber& value = *leg.all()[k];
-      if (profile.has_upper()) by_point_[layer - 1][k] += value.by[RayNumber::by_upper];
-      if (profile.has_lower()) by_point_[layer][k] += value.by[RayNumber::by_lower];
-      value.by[RayNumber::by_upper] = value.by[RayNumber::by_lower] = 0;
+      if (profile.has_upper()) by_point_[layer - 1][k] += value.derivative[by_upper];
+      if (profile.has_lower()) by_point_[layer][k] += value.derivative[by_lower];
+      value.derivative[by_upper] = value.derivative[by_lower] = 0;
       *sums_.all()[k] += value;
     }
   }
   Legs sums_by(std::size_t point) const {
     Legs sums = sums_;
     if (const auto known = by_point_.find(point); known != by_point_.end())
-      for (std::size_t k = 0; k < 4; ++k) sums.all()[k]->by[RayNumber::by_upper] = known->second[k];
+      for (std::size_t k = 0; k < 4; ++k) sums.all()[k]->derivative[by_upper] = known->second[k];
     return sums;
   }
   static RayNumber by_point(const End& end, RayNumber value, std::size_t point) {
-    const double by = (point + 1 == end.layer ? value.by[RayNumber::by_upper] : 0) +
-                      (point == end.layer ? value.by[RayNumber::by_lower] : 0);
-    value.by[RayNumber::by_upper] = by;
-    value.by[RayNumber::by_lower] = 0;
+    const double by = (point + 1 == end.layer ? value.derivative[by_upper] : 0) +
+                      (point == end.layer ? value.derivative[by_lower] : 0);
+    value.derivative[by_upper] = by;
+    value.derivative[by_lower] = 0;
     return value;
   }
 
@@ -337,9 +299,9 @@ std::vector<ApparentMotion::Effect> ApparentMotion::trace(const ApparentMap& app
   const WaterColumn& water = apparent_map.water();
   const RayEnds ends{apparent_map.finder().source_depth_m(), apparent_map.depth_m(point_m), range_m_};
   const auto slopes = [](const MovingRay& ray, std::size_t variable) {
-    return Values{ray.time.by[variable],         ray.launch_across.by[variable],
-                  ray.launch_down.by[variable],  ray.arrival_across.by[variable],
-                  ray.arrival_down.by[variable], log_density_of(ray).by[variable]};
+    return Values{ray.time.derivative[variable],         ray.launch_across.derivative[variable],
+                  ray.launch_down.derivative[variable],  ray.arrival_across.derivative[variable],
+                  ray.arrival_down.derivative[variable], log_density_of(ray).derivative[variable]};
   };
   std::vector<Effect> by_point;
   MovingRay ray;
@@ -348,24 +310,24 @@ std::vector<ApparentMotion::Effect> ApparentMotion::trace(const ApparentMap& app
   if (stays_in_layer(water.profile, layer, ends, image.ray)) {
     ray = within_layer(water, layer, ends);
     const MovingLayer own(water.profile, layer);
-    if (own.has_upper()) by_point.emplace_back(layer - 1, slopes(ray, RayNumber::by_upper));
-    if (own.has_lower()) by_point.emplace_back(layer, slopes(ray, RayNumber::by_lower));
+    if (own.has_upper()) by_point.emplace_back(layer - 1, slopes(ray, by_upper));
+    if (own.has_lower()) by_point.emplace_back(layer, slopes(ray, by_lower));
   } else {
     LayerWalk walk(water, ends, image.ray);
     found = walk.follow(image.ray.turns);
     if (found) ray = walk.ray(water.profile.layers());  // no point
     if (found && by_points)
       for (const std::size_t point : walk.points())
-        by_point.emplace_back(point, slopes(walk.ray(point), RayNumber::by_upper));
+        by_point.emplace_back(point, slopes(walk.ray(point), by_upper));
   }
   constexpr double same = 1e-9;
-  if (!found || !(std::abs(ray.time.at - image.ray.time_s) <= same * image.ray.time_s))
-    ray.time.at = std::numeric_limits<double>::quiet_NaN();
-  at_ = {ray.time.at,           ray.launch_across.at, ray.launch_down.at,
-         ray.arrival_across.at, ray.arrival_down.at,  0};
-  if (range_m_ > 0) by_range_ = slopes(ray, RayNumber::by_first);
-  by_depth_ = slopes(ray, RayNumber::by_depth);
-  by_apex_ = slopes(ray, RayNumber::by_apex);
+  if (!found || !(std::abs(ray.time.value - image.ray.time_s) <= same * image.ray.time_s))
+    ray.time.value = std::numeric_limits<double>::quiet_NaN();
+  at_ = {ray.time.value,           ray.launch_across.value, ray.launch_down.value,
+         ray.arrival_across.value, ray.arrival_down.value,  0};
+  if (range_m_ > 0) by_range_ = slopes(ray, by_first);
+  by_depth_ = slopes(ray, by_depth);
+  by_apex_ = slopes(ray, by_apex);
   return by_point;
 }
 
