@@ -286,6 +286,7 @@ py::dict axes_of(const NativeResult& self, std::size_t sensor) {
   axes["beam_elevation"] = array_of(elevation);
   axes["beam_azimuth_width"] = array_of(azimuth_width);
   axes["beam_elevation_width"] = array_of(elevation_width);
+  for (const SectorColumn& column : sector_columns(r)) axes[column.name] = array_of(column.values);
   if (!r.beam_numbers.empty())
     axes["beam_number"] = array_of(std::vector<double>(r.beam_numbers.begin(), r.beam_numbers.end()));
   const RangeSamples& samples = r.sensor->samples();

@@ -90,13 +90,16 @@ void bind_transmission_class(py::module_& module) {
       .def_property_readonly("ping", [](const NativeTransmission& s) { return s.which().ping; })
       .def_property_readonly("transmission",
                              [](const NativeTransmission& s) { return s.which().transmission; })
-      .def_property_readonly("frequency_khz",
-                             [](const NativeTransmission& s) { return s.sensor().frequency_khz(); })
+      .def_property_readonly(
+          "frequency_khz",
+          [](const NativeTransmission& s) { return s.sensor().frequency_khz(s.which().transmission); })
       .def_property_readonly("sound_speed_m_s",
                              [](const NativeTransmission& s) { return s.pings().sound_speed_m_s; })
-      .def_property_readonly(
-          "absorption_db_per_m",
-          [](const NativeTransmission& s) { return absorption_db_per_m(s.survey().scene, s.sensor()); })
+      .def_property_readonly("absorption_db_per_m",
+                             [](const NativeTransmission& s) {
+                               return absorption_db_per_m(s.survey().scene, s.sensor(),
+                                                          s.which().transmission);
+                             })
       .def_property_readonly("time_s",
                              [](const NativeTransmission& s) {
                                return s.pings().times_s[s.which().ping] +

@@ -11,6 +11,7 @@ namespace tubefoot {
 /// A point of the seabed that a beam detected.
 struct Sounding {
   std::uint32_t ping = 0, beam = 0;  ///< counted from 0
+  std::uint32_t sector = 0;          ///< transmit sector of the beam, counted from 0
   double time_s = 0;                 ///< time of the transmission, on the scene's clock
   glm::dvec3 position_m{0};          ///< east, north, up in the local frame
   double two_way_travel_time_s = 0;

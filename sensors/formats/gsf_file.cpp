@@ -31,6 +31,8 @@ enum Subrecord : std::uint8_t {
   kBeamAngle = 5,
   kMeanAmplitude = 6,
   kBeamFlags = 16,
+  kBeamAngleForward = 18,
+  kSectorNumber = 22,
   kScaleFactors = 100,
   kReson8101 = 122,
 };
@@ -227,6 +229,9 @@ std::vector<GsfFile::Array> GsfFile::arrays(const GsfPing& ping) const {
   add(kMeanAmplitude, "mean amplitude [dB]", ping.mean_amplitude_db, options_.mean_amplitude, true);
   // Flags need no scale. pygsf assumes 2-byte values for an array without one.
   add(kBeamFlags, "flags", {ping.flags.begin(), ping.flags.end()}, {1, 0, 1}, false);
+  // The array "beam angle forward" has the azimuths of the beams, counterclockwise from starboard (gsf.h).
+  add(kBeamAngleForward, "beam azimuth [deg]", ping.beam_azimuth_deg, options_.beam_angle, false);
+  add(kSectorNumber, "transmit sector", {ping.sector.begin(), ping.sector.end()}, {1, 0, 1}, false);
   return arrays;
 }
 

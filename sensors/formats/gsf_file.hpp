@@ -33,7 +33,7 @@ struct GsfOptions {
   GsfScale across{1000, 0, 4};            ///< 1 mm; 2 or 4 bytes
   GsfScale along{1000, 0, 4};             ///< 1 mm; 2 or 4 bytes
   GsfScale two_way_time{10000000, 0, 4};  ///< 0.1 us; not signed; 2 or 4 bytes
-  GsfScale beam_angle{100, 0, 2};         ///< 0.01 degree; 2 bytes
+  GsfScale beam_angle{100, 0, 2};         ///< 0.01 degree, also of azimuths; 2 bytes
   GsfScale mean_amplitude{100, 0, 2};     ///< 0.01 dB; 1 or 2 bytes
 };
 
@@ -59,9 +59,12 @@ struct GsfPing {
   std::vector<double> across_m;        ///< horizontal, starboard positive
   std::vector<double> along_m;         ///< horizontal, forward positive
   std::vector<double> two_way_time_s;  ///< 0: no bottom found
-  std::vector<double> beam_angle_deg;  ///< from straight down, starboard positive
+  std::vector<double> beam_angle_deg;  ///< from straight down, starboard positive; with azimuths the full
+                                       ///< angle of the beam, otherwise that across the heading
   std::vector<double> mean_amplitude_db;
-  std::vector<std::uint8_t> flags;  ///< 0 accepted; bit 0 rejects the beam
+  std::vector<std::uint8_t> flags;         ///< 0 accepted; bit 0 rejects the beam
+  std::vector<double> beam_azimuth_deg{};  ///< counterclockwise from starboard, 0 to 360 (90: forward)
+  std::vector<std::uint8_t> sector{};      ///< transmit sector, counted from 0
 
   std::optional<Reson8101Settings> reson_8101{};  ///< settings of an 8101; unset for other sonars
   std::uint32_t ping_number = 0;                  ///< belongs to reson_8101

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -33,6 +34,13 @@ void check_header(const SonarNetcdfHeader& h) {
           fmt::format("the number of beams is {}, but must be 1 to 32767", h.beams));
   require(std::isfinite(h.frequency_hz) && h.frequency_hz > 0,
           fmt::format("the frequency is {} Hz, but must be positive", h.frequency_hz));
+  const std::size_t transmit_beams = std::max<std::size_t>(h.transmit_beams.size(), 1);
+  require(
+      h.transmit_beam_of.empty() || h.transmit_beam_of.size() == h.beams,
+      fmt::format("there are transmit beams of {} beams, but {} beams", h.transmit_beam_of.size(), h.beams));
+  for (const std::size_t tx : h.transmit_beam_of)
+    require(tx < transmit_beams,
+            fmt::format("there is no transmit beam {} (there are {})", tx, transmit_beams));
   require(std::isfinite(h.sound_speed_m_s) && h.sound_speed_m_s > 0,
           fmt::format("the sound speed is {} m/s, but must be positive", h.sound_speed_m_s));
 }

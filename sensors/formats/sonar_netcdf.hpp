@@ -16,6 +16,16 @@
 
 namespace tubefoot {
 
+/// A transmit sector of the sonar. The angles are those of its axis from the platform's down axis.
+struct SonarTransmitBeam {
+  double frequency_hz = 0, bandwidth_hz = 0, pulse_length_s = 0;
+  double absorption_db_per_m = 0;                    ///< one way
+  double width_across_deg = 0, width_along_deg = 0;  ///< one way
+  double across_deg = 0;                             ///< starboard positive
+  double tilt_deg = 0;                               ///< forward positive
+  double delay_s = 0;                                ///< of its transmission after the time of the ping
+};
+
 /// Data of a SONAR-netCDF4 file that do not change between pings. The platform's axes are x forward, y
 /// starboard, z down from its reference point.
 struct SonarNetcdfHeader {
@@ -40,6 +50,9 @@ struct SonarNetcdfHeader {
   /// One-way widths at half power. Across is in the fan's plane, along is perpendicular to it.
   double receive_width_across_deg = 0, receive_width_along_deg = 0;
   double transmit_width_across_deg = 0, transmit_width_along_deg = 0;
+  /// Transmit sectors; empty: one with the values above. By beam: its transmit sector; empty: 0.
+  std::vector<SonarTransmitBeam> transmit_beams{};
+  std::vector<std::size_t> transmit_beam_of{};
   double equivalent_beam_angle_sr = 0;  ///< of transmission and reception together
   glm::dvec3 transducer_offset_m{0};    ///< from the reference point
   glm::dvec3 transducer_rotation_deg{0};

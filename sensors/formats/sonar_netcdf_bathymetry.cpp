@@ -109,7 +109,8 @@ void SonarNetcdfBuilder::bathymetry() {
       0);
   each_beam(g, {"detection_rx_beam", NC_SHORT, {ping_, detection}, nullptr, "receive beam index"},
             [](const Ping&, std::size_t k) { return static_cast<double>(k); });
-  every_beam(g, {"detection_tx_beam", NC_SHORT, {ping_, detection}, nullptr, "transmit beam index"}, 0);
+  every_beam_by_tx(g, {"detection_tx_beam", NC_SHORT, {ping_, detection}, nullptr, "transmit beam index"},
+                   [](std::size_t tx) { return static_cast<double>(tx); });
   every_beam(
       g,
       {"detection_tx_transducer_index", NC_SHORT, {ping_, detection}, nullptr, "transmit transducer index"},
@@ -123,13 +124,13 @@ void SonarNetcdfBuilder::bathymetry() {
               "dB",
               "imaginary part of the backscatter: none, levels are in dB"},
              SonarDetection::none);
-  every_beam(g,
-             {"detection_mean_absorption_coefficient",
-              NC_FLOAT,
-              {ping_, detection},
-              "dB/km",
-              "mean absorption coefficient, one way"},
-             1000 * header_.absorption_db_per_m);
+  every_beam_by_tx(g,
+                   {"detection_mean_absorption_coefficient",
+                    NC_FLOAT,
+                    {ping_, detection},
+                    "dB/km",
+                    "mean absorption coefficient, one way"},
+                   [&](std::size_t tx) { return 1000 * tx_beams_[tx].absorption_db_per_m; });
   if (header_.source_level_db)
     every_beam(g,
                {"detection_source_level_applied",

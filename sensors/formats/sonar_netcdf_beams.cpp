@@ -24,15 +24,17 @@ void SonarNetcdfBuilder::beam_group(const NetcdfGroup& sonar) {
   ping_ = group.dimension("ping_time", NC_UNLIMITED);
   beam_ = group.dimension("beam", header_.beams);
   subbeam_ = group.dimension("subbeam", 1);
-  tx_beam_ = group.dimension("tx_beam", 1);
-  frequency_ = group.dimension("frequency", 1);
+  tx_beam_ = group.dimension("tx_beam", tx_beams_.size());
+  Values frequencies;
+  for (const TxBeam& beam : beams_of_each_frequency()) frequencies.push_back(beam.frequency_hz);
+  frequency_ = group.dimension("frequency", frequencies.size());
 
   std::vector<std::string> names;
   for (std::size_t k = 0; k < header_.beams; ++k) names.push_back(std::to_string(k));
   group.put_text("beam", beam_, "Beam name", names);
   group.put({"beam_type", beam_type_, {beam_}, nullptr, "Type of beam"}, Values(header_.beams, 0));
   group.put({"frequency", NC_FLOAT, {frequency_}, "Hz", "Acoustic frequency", "sound_frequency", 0.0},
-            {header_.frequency_hz});
+            frequencies);
   group.put({"receive_transducer_index", NC_INT, {beam_}, nullptr, "Receive transducer index", nullptr, 0},
             Values(header_.beams, 0));
   time(group, "ping_time", ping_, "Time-stamp of each ping");
@@ -184,26 +186,26 @@ void SonarNetcdfBuilder::beam_geometry(const NetcdfGroup& g) {
               360},
              header_.receive_width_across_deg);
   nominal();
-  every_ping(g,
-             {"beamwidth_transmit_major",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "arc_degree",
-              "Half power one-way transmit beam width along major (horizontal) axis of beam: along track",
-              nullptr,
-              0,
-              360},
-             header_.transmit_width_along_deg);
-  every_ping(g,
-             {"beamwidth_transmit_minor",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "arc_degree",
-              "Half power one-way transmit beam width along minor (vertical) axis of beam: across track",
-              nullptr,
-              0,
-              360},
-             header_.transmit_width_across_deg);
+  every_tx_beam(g,
+                {"beamwidth_transmit_major",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "arc_degree",
+                 "Half power one-way transmit beam width along major (horizontal) axis of beam: along track",
+                 nullptr,
+                 0,
+                 360},
+                [](const TxBeam& tx) { return tx.width_along_deg; });
+  every_tx_beam(g,
+                {"beamwidth_transmit_minor",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "arc_degree",
+                 "Half power one-way transmit beam width along minor (vertical) axis of beam: across track",
+                 nullptr,
+                 0,
+                 360},
+                [](const TxBeam& tx) { return tx.width_across_deg; });
   // A right-handed rotation about the forward axis turns down towards port.
   each_beam(g,
             {"rx_beam_rotation_phi",
@@ -235,36 +237,36 @@ void SonarNetcdfBuilder::beam_geometry(const NetcdfGroup& g) {
               -180,
               180},
              0);
-  every_ping(g,
-             {"tx_beam_rotation_phi",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "arc_degree",
-              "transmit beam angular rotation about the x axis",
-              nullptr,
-              -180,
-              180},
-             0);
-  every_ping(g,
-             {"tx_beam_rotation_theta",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "arc_degree",
-              "transmit beam angular rotation about the y axis",
-              nullptr,
-              -90,
-              90},
-             0);
-  every_ping(g,
-             {"tx_beam_rotation_psi",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "arc_degree",
-              "transmit beam angular rotation about the z axis",
-              nullptr,
-              -180,
-              180},
-             0);
+  every_tx_beam(g,
+                {"tx_beam_rotation_phi",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "arc_degree",
+                 "transmit beam angular rotation about the x axis",
+                 nullptr,
+                 -180,
+                 180},
+                [](const TxBeam& tx) { return -tx.across_deg + 0.0; });
+  every_tx_beam(g,
+                {"tx_beam_rotation_theta",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "arc_degree",
+                 "transmit beam angular rotation about the y axis",
+                 nullptr,
+                 -90,
+                 90},
+                [](const TxBeam& tx) { return tx.tilt_deg; });
+  every_tx_beam(g,
+                {"tx_beam_rotation_psi",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "arc_degree",
+                 "transmit beam angular rotation about the z axis",
+                 nullptr,
+                 -180,
+                 180},
+                [](const TxBeam&) { return 0; });
   every_ping(g,
              {"beam_stabilisation", stabilisation_, {ping_}, nullptr, "Beam stabilisation applied (or not)"},
              header_.beams_stabilised ? 1 : 0);
@@ -279,24 +281,24 @@ void SonarNetcdfBuilder::beam_geometry(const NetcdfGroup& g) {
               4 * std::numbers::pi},
              header_.equivalent_beam_angle_sr);
   nominal();
-  every_ping(g,
-             {"transmit_transducer_index",
-              NC_INT,
-              {ping_, tx_beam_},
-              nullptr,
-              "Transmit transducer index",
-              nullptr,
-              0},
-             0);
-  every_beam(g,
-             {"transmit_beam_index",
-              NC_INT,
-              {ping_, beam_},
-              nullptr,
-              "Transmit beam index associated with the given beam",
-              nullptr,
-              0},
-             0);
+  every_tx_beam(g,
+                {"transmit_transducer_index",
+                 NC_INT,
+                 {ping_, tx_beam_},
+                 nullptr,
+                 "Transmit transducer index",
+                 nullptr,
+                 0},
+                [](const TxBeam&) { return 0; });
+  every_beam_by_tx(g,
+                   {"transmit_beam_index",
+                    NC_INT,
+                    {ping_, beam_},
+                    nullptr,
+                    "Transmit beam index associated with the given beam",
+                    nullptr,
+                    0},
+                   [](std::size_t tx) { return static_cast<double>(tx); });
   each_beam(
       g,
       {"detected_bottom_range", NC_FLOAT, {ping_, beam_}, "m", "Detected range of the bottom", nullptr, 0.0},
@@ -311,13 +313,23 @@ void SonarNetcdfBuilder::transmission(const NetcdfGroup& g) {
       g,
       {"sample_interval", NC_FLOAT, {ping_}, "s", "Interval between recorded raw data samples", nullptr, 0.0},
       [](const Ping& p) { return p.sample_interval_s; });
-  every_ping(g,
-             {"sample_time_offset",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "s",
-              "Time offset that is subtracted from the timestamp of each sample"},
-             0);
+  every_tx_beam(g,
+                {"sample_time_offset",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "s",
+                 "Time offset that is subtracted from the timestamp of each sample"},
+                [](const TxBeam&) { return 0; });
+  if (!header_.transmit_beams.empty())
+    every_tx_beam(g,
+                  {"transmit_delay",
+                   NC_FLOAT,
+                   {ping_, tx_beam_},
+                   "s",
+                   "Time from ping_time to the transmission of the beam; not part of the convention",
+                   nullptr,
+                   0.0},
+                  [](const TxBeam& tx) { return tx.delay_s; });
   each_beam(g,
             {"blanking_interval",
              NC_FLOAT,
@@ -327,63 +339,68 @@ void SonarNetcdfBuilder::transmission(const NetcdfGroup& g) {
              nullptr,
              0.0},
             [](const Ping& p, std::size_t) { return p.blanking_interval_s; });
-  every_ping(g,
-             {"transmit_duration_nominal",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "s",
-              "Nominal duration of transmitted pulse",
-              nullptr,
-              0.0},
-             header_.pulse_length_s);
-  every_ping(g,
-             {"receive_duration_effective",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "s",
-              "Effective duration of received pulse",
-              nullptr,
-              0.0},
-             header_.pulse_length_s);
-  every_ping(g,
-             {"transmit_bandwidth",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "Hz",
-              "Nominal bandwidth of transmitted pulse",
-              nullptr,
-              0.0},
-             header_.bandwidth_hz);
-  every_ping(g,
-             {"transmit_frequency_start",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "Hz",
-              "Start frequency in transmitted pulse",
-              "sound_frequency",
-              0.0},
-             header_.chirp_start_hz > 0 ? header_.chirp_start_hz : header_.frequency_hz);
-  every_ping(g,
-             {"transmit_frequency_stop",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "Hz",
-              "Stop frequency in transmitted pulse",
-              "sound_frequency",
-              0.0},
-             header_.chirp_stop_hz > 0 ? header_.chirp_stop_hz : header_.frequency_hz);
+  every_tx_beam(g,
+                {"transmit_duration_nominal",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "s",
+                 "Nominal duration of transmitted pulse",
+                 nullptr,
+                 0.0},
+                [](const TxBeam& tx) { return tx.pulse_length_s; });
+  every_tx_beam(g,
+                {"receive_duration_effective",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "s",
+                 "Effective duration of received pulse",
+                 nullptr,
+                 0.0},
+                [](const TxBeam& tx) { return tx.pulse_length_s; });
+  every_tx_beam(g,
+                {"transmit_bandwidth",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "Hz",
+                 "Nominal bandwidth of transmitted pulse",
+                 nullptr,
+                 0.0},
+                [](const TxBeam& tx) { return tx.bandwidth_hz; });
+  every_tx_beam(g,
+                {"transmit_frequency_start",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "Hz",
+                 "Start frequency in transmitted pulse",
+                 "sound_frequency",
+                 0.0},
+                [this](const TxBeam& tx) {
+                  return header_.chirp_start_hz > 0 ? header_.chirp_start_hz : tx.frequency_hz;
+                });
+  every_tx_beam(g,
+                {"transmit_frequency_stop",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "Hz",
+                 "Stop frequency in transmitted pulse",
+                 "sound_frequency",
+                 0.0},
+                [this](const TxBeam& tx) {
+                  return header_.chirp_stop_hz > 0 ? header_.chirp_stop_hz : tx.frequency_hz;
+                });
   constexpr double continuous_wave = 0, linear_chirp = 1;
-  every_ping(g, {"transmit_type", transmit_, {ping_, tx_beam_}, nullptr, "Type of transmitted pulse"},
-             header_.chirp_start_hz > 0 ? linear_chirp : continuous_wave);
+  every_tx_beam(
+      g, {"transmit_type", transmit_, {ping_, tx_beam_}, nullptr, "Type of transmitted pulse"},
+      [this](const TxBeam&) { return header_.chirp_start_hz > 0 ? linear_chirp : continuous_wave; });
   if (header_.complex_beams) complex_calibration(g);
   if (header_.source_level_db)
-    every_ping(g,
-               {"transmit_source_level",
-                NC_FLOAT,
-                {ping_, tx_beam_},
-                "dB",
-                "Transmit source level, dB re 1 uPa at 1 m"},
-               *header_.source_level_db);
+    every_tx_beam(g,
+                  {"transmit_source_level",
+                   NC_FLOAT,
+                   {ping_, tx_beam_},
+                   "dB",
+                   "Transmit source level, dB re 1 uPa at 1 m"},
+                  [level_db = *header_.source_level_db](const TxBeam&) { return level_db; });
   every_ping(g,
              {"non_quantitative_processing",
               NC_SHORT,
@@ -399,15 +416,15 @@ void SonarNetcdfBuilder::transmission(const NetcdfGroup& g) {
 /// pi^2) - G. For a pulse of 1 J/sr at 1 m the last two terms are 0.
 void SonarNetcdfBuilder::complex_calibration(const NetcdfGroup& g) {
   const double turns = 4 * std::numbers::pi * header_.frequency_hz / header_.sound_speed_m_s;
-  every_ping(g,
-             {"transmit_power",
-              NC_FLOAT,
-              {ping_, tx_beam_},
-              "W",
-              "Transmit power: nominal, so that equation type 1 has no other calibration",
-              nullptr,
-              0.0},
-             turns * turns);
+  every_tx_beam(g,
+                {"transmit_power",
+                 NC_FLOAT,
+                 {ping_, tx_beam_},
+                 "W",
+                 "Transmit power: nominal, so that equation type 1 has no other calibration",
+                 nullptr,
+                 0.0},
+                [turns](const TxBeam&) { return turns * turns; });
   every_beam(g, {"transducer_gain", NC_FLOAT, {ping_, beam_, frequency_}, "dB", "Gain of transducer"}, 0);
 }
 

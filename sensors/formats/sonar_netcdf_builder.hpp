@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -24,11 +25,17 @@ inline double sonar_full_circle(double angle_deg) {
 /// Defines the groups one after another. The tables of a few groups are in one source file each.
 class SonarNetcdfBuilder {
   using Ping = SonarNetcdfPing;
+  using TxBeam = SonarTransmitBeam;
   using Values = std::vector<double>;
 
  public:
   SonarNetcdfBuilder(const NetcdfStream& stream, const SonarNetcdfHeader& header)
-      : root_(stream, stream.id()), header_(header) {}
+      : root_(stream, stream.id()), header_(header), tx_beams_(header.transmit_beams) {
+    if (tx_beams_.empty())
+      tx_beams_.push_back({header.frequency_hz, header.bandwidth_hz, header.pulse_length_s,
+                           header.absorption_db_per_m, header.transmit_width_across_deg,
+                           header.transmit_width_along_deg});
+  }
 
   SonarNetcdfLayout build() {
     root();
@@ -58,6 +65,31 @@ class SonarNetcdfBuilder {
   void every_beam(const NetcdfGroup& group, const NetcdfVariable& row, double value) {
     each_beam(group, row, [value](const Ping&, std::size_t) { return value; });
   }
+  /// A row with one value per transmit beam, the same at each ping.
+  void every_tx_beam(const NetcdfGroup& group, const NetcdfVariable& row,
+                     const std::function<double(const TxBeam&)>& value) {
+    Values values;
+    for (const TxBeam& tx : tx_beams_) values.push_back(value(tx));
+    column(group, row, values.size(),
+           [values](const Ping&, Values& all) { all.insert(all.end(), values.begin(), values.end()); });
+  }
+  /// The first transmit beam of each frequency.
+  std::vector<TxBeam> beams_of_each_frequency() const {
+    std::vector<TxBeam> found;
+    for (const TxBeam& beam : tx_beams_)
+      if (std::ranges::find(found, beam.frequency_hz, &TxBeam::frequency_hz) == found.end())
+        found.push_back(beam);
+    return found;
+  }
+  /// A row with one value per beam that depends on the number of its transmit beam, the same at each ping.
+  void every_beam_by_tx(const NetcdfGroup& group, const NetcdfVariable& row,
+                        const std::function<double(std::size_t)>& value) {
+    Values values;
+    for (std::size_t beam = 0; beam < header_.beams; ++beam)
+      values.push_back(value(header_.transmit_beam_of.empty() ? 0 : header_.transmit_beam_of[beam]));
+    column(group, row, values.size(),
+           [values](const Ping&, Values& all) { all.insert(all.end(), values.begin(), values.end()); });
+  }
   int column(const NetcdfGroup& group, const NetcdfVariable& row, std::size_t per_ping,
              std::function<void(const Ping&, Values&)> append) {
     last_ = group.define(row, SonarNetcdfLayout::chunk_pings);
@@ -83,6 +115,7 @@ class SonarNetcdfBuilder {
 
   NetcdfGroup root_;
   const SonarNetcdfHeader& header_;
+  std::vector<TxBeam> tx_beams_;
   SonarNetcdfLayout layout_;
   int last_ = 0;
   NetcdfGroup beam_group_ = root_;

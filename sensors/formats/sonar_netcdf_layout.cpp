@@ -48,9 +48,14 @@ void SonarNetcdfBuilder::root() {
 
 void SonarNetcdfBuilder::environment() {
   const NetcdfGroup group = root_.group("Environment");
-  const int frequency = group.dimension("frequency", 1);
+  Values frequencies, absorptions;
+  for (const TxBeam& beam : beams_of_each_frequency()) {
+    frequencies.push_back(beam.frequency_hz);
+    absorptions.push_back(beam.absorption_db_per_m);
+  }
+  const int frequency = group.dimension("frequency", frequencies.size());
   group.put({"frequency", NC_FLOAT, {frequency}, "Hz", "Acoustic frequency", "sound_frequency", 0.0},
-            {header_.frequency_hz});
+            frequencies);
   group.put({"absorption_indicative",
              NC_FLOAT,
              {frequency},
@@ -58,7 +63,7 @@ void SonarNetcdfBuilder::environment() {
              "Indicative acoustic absorption",
              nullptr,
              0.0},
-            {header_.absorption_db_per_m});
+            absorptions);
   group.put({"sound_speed_indicative",
              NC_FLOAT,
              {},

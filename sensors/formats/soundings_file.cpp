@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 class SoundingsFile::Writer {
  public:
-  Writer(fs::path file, const LocalFrame& frame) : file_(std::move(file)), frame_(frame) {}
+  Writer(fs::path file, const LocalFrame& frame, bool sectors)
+      : file_(std::move(file)), frame_(frame), sectors_(sectors) {}
   virtual ~Writer() {
     if (!finished_) discard_file(file_);
   }
@@ -45,6 +46,7 @@ class SoundingsFile::Writer {
   virtual void close() = 0;
   fs::path file_;
   LocalFrame frame_;
+  bool sectors_;
 
  private:
   void write_waiting() {
@@ -73,12 +75,14 @@ glm::dvec3 on_map(const LocalFrame& frame, const LocalFrame::Map& map, glm::dvec
 
 class CsvWriter : public SoundingsFile::Writer {
  public:
-  CsvWriter(const fs::path& file, const LocalFrame& frame) : Writer(file, frame), stream_(file) {
+  CsvWriter(const fs::path& file, const LocalFrame& frame, bool sectors)
+      : Writer(file, frame, sectors), stream_(file) {
     text_ = "ping,beam,time_s,east_m,north_m,up_m,";
     if (frame_.is_georeferenced()) text_ += "longitude_deg_east,latitude_deg_north,height_m_up_positive,";
     text_ +=
         "two_way_travel_time_s,slant_range_m,beam_angle_deg_starboard_positive,amplitude,quality_0_to_1,"
-        "method,status\n";
+        "method,status";
+    text_ += sectors_ ? ",sector\n" : "\n";
     put();
   }
 
@@ -91,8 +95,10 @@ class CsvWriter : public SoundingsFile::Writer {
                      s.position_m.y, s.position_m.z);
       if (!on_earth.empty())
         fmt::format_to(out, "{:.10f},{:.10f},{:.4f},", on_earth[k].x, on_earth[k].y, on_earth[k].z);
-      fmt::format_to(out, "{},{:.4f},{},{},{},{},{}\n", s.two_way_travel_time_s, s.slant_range_m,
+      fmt::format_to(out, "{},{:.4f},{},{},{},{},{}", s.two_way_travel_time_s, s.slant_range_m,
                      s.beam_angle_deg, s.amplitude, s.quality, name_of(s.method), name_of(s.flags));
+      if (sectors_) fmt::format_to(out, ",{}", s.sector);
+      text_ += '\n';
     }
     put();
   }
@@ -114,7 +120,8 @@ constexpr const char* local_crs =
 
 class GeoPackageWriter : public SoundingsFile::Writer {
  public:
-  GeoPackageWriter(const fs::path& file, const LocalFrame& frame) : Writer(file, frame), map_(frame.map()) {
+  GeoPackageWriter(const fs::path& file, const LocalFrame& frame, bool sectors)
+      : Writer(file, frame, sectors), map_(frame.map()) {
     const GdalMessages messages;
     const FixedGdalDate date;
     register_gdal_drivers();
@@ -136,6 +143,7 @@ class GeoPackageWriter : public SoundingsFile::Writer {
                              "beam_angle_deg", "amplitude", "quality"})
       field(name, OFTReal);
     for (const char* name : {"method", "status"}) field(name, OFTString);
+    if (sectors_) field("sector", OFTInteger64);
     require(messages.failures().empty(), messages, "create the layer of the file");
   }
   ~GeoPackageWriter() override {
@@ -168,6 +176,7 @@ class GeoPackageWriter : public SoundingsFile::Writer {
         feature.SetField(f++, value);
       feature.SetField(f++, name_of(s.method));
       feature.SetField(f++, name_of(s.flags));
+      if (sectors_) feature.SetField(f++, static_cast<GIntBig>(s.sector));
       const glm::dvec3 place = frame_.is_tangent() ? on_earth[k] : on_map(frame_, map_, s.position_m);
       const OGRPoint point(place.x, place.y, place.z);
       feature.SetGeometry(&point);
@@ -189,17 +198,18 @@ class GeoPackageWriter : public SoundingsFile::Writer {
   OGRLayer* layer_ = nullptr;
 };
 
-std::unique_ptr<SoundingsFile::Writer> writer_for(const fs::path& file, const LocalFrame& frame) {
-  if (file.extension() == ".csv") return std::make_unique<CsvWriter>(file, frame);
-  if (file.extension() == ".gpkg") return std::make_unique<GeoPackageWriter>(file, frame);
+std::unique_ptr<SoundingsFile::Writer> writer_for(const fs::path& file, const LocalFrame& frame,
+                                                  bool sectors) {
+  if (file.extension() == ".csv") return std::make_unique<CsvWriter>(file, frame, sectors);
+  if (file.extension() == ".gpkg") return std::make_unique<GeoPackageWriter>(file, frame, sectors);
   throw std::invalid_argument(
       fmt::format("'{}': the name of a file of soundings must end in .csv or .gpkg", file.string()));
 }
 
 }  // namespace
 
-SoundingsFile::SoundingsFile(const fs::path& file, const LocalFrame& frame)
-    : writer_(writer_for(file, frame)) {}
+SoundingsFile::SoundingsFile(const fs::path& file, const LocalFrame& frame, bool sectors)
+    : writer_(writer_for(file, frame, sectors)) {}
 
 SoundingsFile::~SoundingsFile() = default;
 

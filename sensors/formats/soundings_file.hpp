@@ -17,7 +17,8 @@ namespace tubefoot {
 class SoundingsFile {
  public:
   /// Throws std::invalid_argument for another extension, and std::runtime_error with the file's name.
-  SoundingsFile(const std::filesystem::path& file, const LocalFrame& frame);
+  /// `sectors`: adds the transmit sector of each sounding as the last column.
+  SoundingsFile(const std::filesystem::path& file, const LocalFrame& frame, bool sectors = false);
   ~SoundingsFile();
 
   /// Adds soundings; larger batches, such as all beams of a ping, are faster. `on_earth` has longitude,

@@ -184,7 +184,7 @@ void XtfFile::add_soundings(const XtfPlace& place, std::span<const XtfSounding> 
     packet.append<double>(check.within("intensity", sounding.intensity, -huge, huge));
     packet.append<std::int32_t>(sounding.quality);
     packet.append<double>(check.within("two-way time [s]", sounding.two_way_time_s, 0, huge));
-    packet.append<double>(0);  // all beams are received at the time of the ping
+    packet.append<double>(check.within("delay [s]", sounding.delay_s, 0, huge));
     packet.append<double>(check.within("angle across [deg]", sounding.across_angle_deg, -180, 180));
     packet.append<double>(check.within("angle along [deg]", sounding.along_angle_deg, -180, 180));
     packet.append_zeros(4 * sizeof(float));

@@ -96,6 +96,7 @@ struct XtfSounding {
   double along_angle_deg = 0;   ///< forward positive
   double intensity = 0;
   std::int32_t quality = 0;
+  double delay_s = 0;  ///< of the beam's transmission after the time of the ping
 };
 
 /// Writes an XTF file (eXtended Triton Format, revision X41) ping by ping; at most one packet is in memory.

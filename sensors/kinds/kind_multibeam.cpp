@@ -4,17 +4,22 @@
 
 #include "sensors/kinds/kind_multibeam.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <numeric>
+#include <span>
+#include <stdexcept>
 
 #include "scene/file/sensor_ranges.hpp"
 #include "scene/file/toml_reader.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/model/beam_angles.hpp"
 #include "sensors/model/range_window.hpp"
+#include "sensors/model/transmit_sectors.hpp"
 #include "sensors/products/received.hpp"
 #include "sensors/products/swath_files.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
@@ -31,6 +36,10 @@ class Multibeam : public Sensor {
  public:
   /// Throws std::invalid_argument for an invalid fan, invalid ranges or invalid counts.
   explicit Multibeam(const SensorDescription& description);
+
+ private:
+  /// `angles`: axes of all beams from straight down.
+  Transmission transmission_of(const std::vector<double>& angles, const FanSector& sector) const;
 };
 
 constexpr double straight_down_rad = std::numbers::pi / 2;
@@ -39,6 +48,18 @@ constexpr double straight_down_rad = std::numbers::pi / 2;
 std::vector<double> across_angles_rad(const MultibeamDescription& fan) {
   if (!fan.beam_angles_deg.empty()) return radians_of(fan.beam_angles_deg);
   return spread_angles_rad(fan.beams, radians(fan.swath_deg) / 2, fan.spacing);
+}
+
+SectorKeys sector_keys(const MultibeamDescription& fan) {
+  return {fan.sector_edges_deg,
+          {{"sector_frequencies_khz", &fan.sector_frequencies_khz},
+           {"sector_tilts_deg", &fan.sector_tilts_deg},
+           {"sector_delays_us", &fan.sector_delays_us},
+           {"sector_pulse_lengths_us", &fan.sector_pulse_lengths_us},
+           {"sector_absorptions_db_per_km", &fan.sector_absorptions_db_per_km}},
+          fan.frequency_khz,
+          fan.beam_across_deg,
+          fan.along_track_deg};
 }
 
 /// Angles of the outermost axes.
@@ -65,16 +86,34 @@ bool side_by_side(const MultibeamDescription& fan) {
   return fan.beams == 1 || (fan.spacing == "angle" && is_a_beam(fan.swath_deg / (fan.beams - 1)));
 }
 
-/// Extent of the transmission beyond the outermost beams on either side, for a receive pattern that resolves
-/// beams. It is three widths of these beams as steered (beam_across_deg / cosine), up to 1 degree short of
-/// the horizontal. It is 0 for ideal beams, which receive nothing from there.
+/// The axis of a beam at an angle from straight down, tilted towards forward.
+BeamAxis tilted(BeamAxis beam, double across_rad, double tilt_rad) {
+  if (tilt_rad == 0) return beam;
+  const double level = std::cos(tilt_rad);
+  beam.azimuth_rad = std::atan2(level * std::sin(across_rad), std::sin(tilt_rad));
+  beam.elevation_rad = -std::asin(level * std::cos(across_rad));
+  beam.tilt_rad = tilt_rad;
+  return beam;
+}
+
+/// Extent of a sector beyond its outermost beam at this angle, for a receive pattern that resolves beams. It
+/// is three widths of the beam as steered (beam_across_deg / cosine). It is 0 for ideal beams, which receive
+/// nothing from there.
+double steered_margin_rad(const SensorDescription& description, double angle_rad) {
+  if (!tells_beams_apart(description.receive, "azimuth")) return 0;
+  constexpr double widths = 3;
+  return widths * radians(description.kind.as<MultibeamDescription>().beam_across_deg) / std::cos(angle_rad);
+}
+
+/// Extent of the transmissions beyond the outermost beams of the fan on either side. It is the steered margin
+/// of these beams, up to 1 degree short of the horizontal.
 double lit_beyond_rad(const SensorDescription& description) {
   const auto& fan = description.kind.as<MultibeamDescription>();
   if (!tells_beams_apart(description.receive, "azimuth")) return 0;
   const double outermost_rad = radians(swath_of(fan).outermost_deg()),
                edge_rad = outermost_rad + radians(fan.beam_across_deg) / 2;
-  constexpr double widths = 3, grazing_deg = 1;
-  const double wanted_rad = widths * radians(fan.beam_across_deg) / std::cos(outermost_rad);
+  constexpr double grazing_deg = 1;
+  const double wanted_rad = steered_margin_rad(description, outermost_rad);
   return std::max(0.0, std::min(wanted_rad, radians(90 - grazing_deg) - edge_rad));
 }
 
@@ -96,72 +135,116 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
   samples_ = range_window(description, fan);
 
   const std::vector<double> angles = across_angles_rad(fan);
+  if (const auto error = error_of_sectors(description, sector_keys(fan), angles))
+    throw std::invalid_argument(fmt::format("sensor '{}': {}", description.name, error->what));
+  const std::vector<FanSector> sectors = sectors_of(sector_keys(fan), angles);
   const double half_across_rad = radians(fan.beam_across_deg) / 2,
                half_along_rad = radians(fan.along_track_deg) / 2;
   for (const double angle : angles)
     beams_.push_back({std::copysign(radians(90), angle), std::abs(angle) - straight_down_rad,
                       2 * half_along_rad, 2 * half_across_rad});
 
+  for (const FanSector& sector : sectors) {
+    for (std::uint32_t beam = sector.first_beam; beam < sector.end_beam; ++beam) {
+      beams_[beam] = tilted(beams_[beam], angles[beam], sector.properties.tilt_rad);
+      beams_[beam].transmission = static_cast<std::uint32_t>(transmissions_.size());
+    }
+    transmissions_.push_back(transmission_of(angles, sector));
+    transmissions_.back().delay_s = sector.delay_s;
+  }
+  if (differ_from_sensor(sectors, sector_keys(fan)))
+    for (const FanSector& sector : sectors) transmit_sectors_.push_back(sector.properties);
+}
+
+Sensor::Transmission Multibeam::transmission_of(const std::vector<double>& angles,
+                                                const FanSector& sector) const {
+  const SensorDescription& description = description_;
+  const auto& fan = description.kind.as<MultibeamDescription>();
+  const double half_across_rad = radians(fan.beam_across_deg) / 2,
+               half_along_rad = radians(fan.along_track_deg) / 2;
+  const std::uint32_t first = sector.first_beam, end = sector.end_beam, beams = end - first;
   // The grid's azimuth is the angle from straight down to starboard, and its elevation is the angle towards
   // forward.
   const glm::dmat3 frame(-up_axis, starboard_axis, forward_axis);
   const int slices = slices_for(2 * half_across_rad, description.cone_tolerance);
-  const double corner_rad =
-      height_of_corners(half_along_rad, 2 * half_across_rad / slices, description.cone_tolerance);
-  const std::vector<double> along_rad{-corner_rad, corner_rad};
+  const auto corner_rad = [&](double cone_rad) {
+    return std::copysign(
+        height_of_corners(std::abs(cone_rad), 2 * half_across_rad / slices, description.cone_tolerance),
+        cone_rad);
+  };
+  const std::vector<double> along_rad{corner_rad(sector.properties.tilt_rad - half_along_rad),
+                                      corner_rad(sector.properties.tilt_rad + half_along_rad)};
   Transmission transmission;
-  const auto cut = [&](double from, double to, int parts) {
-    const std::vector<double> edges = even_edges(from, to, parts);
+  const auto append = [&](std::span<const double> edges) {
     std::vector<double>& all = transmission.sectors.back().azimuth_edges_rad;
     all.insert(all.end(), edges.begin() + (all.empty() ? 0 : 1), edges.end());
   };
+  const auto cut = [&](double from, double to, int parts) { append(even_edges(from, to, parts)); };
   const auto name = [&](std::uint32_t beam, int parts) {
     transmission.beam_of_tube.insert(transmission.beam_of_tube.end(), static_cast<std::size_t>(parts), beam);
   };
   const bool receives_all = tells_beams_apart(description.receive, "azimuth");
-  const double from = angles.front() - half_across_rad, to = angles.back() + half_across_rad;
-  const double margin_rad = lit_beyond_rad(description);
-  const int beyond = margin_rad > 0 ? slices_for(margin_rad, description.cone_tolerance) : 0;
-  const auto last = static_cast<std::uint32_t>(angles.size() - 1);
+  const double fan_from = angles.front() - half_across_rad, fan_to = angles.back() + half_across_rad,
+               fan_margin_rad = lit_beyond_rad(description);
+  const double from = angles[first] - half_across_rad, to = angles[end - 1] + half_across_rad;
+  // The margins end at those of the whole fan.
+  const double port_rad = first == 0 ? fan_margin_rad
+                                     : std::min(steered_margin_rad(description, angles[first]),
+                                                from - (fan_from - fan_margin_rad)),
+               starboard_rad = end == angles.size()
+                                   ? fan_margin_rad
+                                   : std::min(steered_margin_rad(description, angles[end - 1]),
+                                              fan_to + fan_margin_rad - to);
+  const auto parts_of = [&](double margin_rad) {
+    return margin_rad > 0 ? slices_for(margin_rad, description.cone_tolerance) : 0;
+  };
+  const std::uint32_t last = beams - 1;
   if (receives_all || side_by_side(fan)) transmission.sectors.push_back({{}, along_rad, frame});
-  if (beyond > 0) {
-    cut(from - margin_rad, from, beyond);
-    name(0, beyond);
+  if (const int parts = parts_of(port_rad); parts > 0) {
+    cut(from - port_rad, from, parts);
+    name(0, parts);
   }
   if (side_by_side(fan)) {
-    cut(from, to, static_cast<int>(angles.size()) * slices);
+    // The edges are those of the whole fan, so that the beams of several sectors equal those of one.
+    const std::vector<double> edges = even_edges(fan_from, fan_to, static_cast<int>(angles.size()) * slices);
+    const auto all = static_cast<std::size_t>(slices);
+    append(std::span(edges).subspan(first * all, beams * all + 1));
     for (std::uint32_t beam = 0; beam <= last; ++beam) name(beam, slices);
   } else if (receives_all) {
     // No beam has its own tube, and overlapping beams must not receive one twice. The fan is cut midway
     // between the axes.
     for (std::uint32_t beam = 0; beam <= last; ++beam) {
-      const double begin = beam == 0 ? from : (angles[beam - 1] + angles[beam]) / 2,
-                   end = beam == last ? to : (angles[beam] + angles[beam + 1]) / 2;
-      cut(begin, end, slices_for(end - begin, description.cone_tolerance));
-      name(beam, slices_for(end - begin, description.cone_tolerance));
+      const std::size_t k = first + beam;
+      const double begin = beam == 0 ? from : (angles[k - 1] + angles[k]) / 2,
+                   stop = beam == last ? to : (angles[k] + angles[k + 1]) / 2;
+      cut(begin, stop, slices_for(stop - begin, description.cone_tolerance));
+      name(beam, slices_for(stop - begin, description.cone_tolerance));
     }
   } else {
     for (std::uint32_t beam = 0; beam <= last; ++beam) {
-      const double angle = angles[beam];
+      const double angle = angles[first + beam];
       transmission.sectors.push_back(
           {even_edges(angle - half_across_rad, angle + half_across_rad, slices), along_rad, frame});
       name(beam, slices);
     }
   }
-  if (beyond > 0) {
-    cut(to, to + margin_rad, beyond);
-    name(last, beyond);
+  if (const int parts = parts_of(starboard_rad); parts > 0) {
+    cut(to, to + starboard_rad, parts);
+    name(last, parts);
   }
-  transmission.beams.resize(angles.size());
-  std::iota(transmission.beams.begin(), transmission.beams.end(), 0u);
-  transmission.fans.push_back({0, static_cast<std::uint32_t>(angles.size()),
-                               static_cast<std::uint32_t>(transmission.beam_of_tube.size()), -up_axis,
+  transmission.beams.resize(beams);
+  std::iota(transmission.beams.begin(), transmission.beams.end(), first);
+  const double tilt_rad = sector.properties.tilt_rad;
+  const glm::dvec3 axis =
+      tilt_rad == 0 ? -up_axis : std::sin(tilt_rad) * forward_axis - std::cos(tilt_rad) * up_axis;
+  transmission.fans.push_back({0, beams, static_cast<std::uint32_t>(transmission.beam_of_tube.size()), axis,
                                forward_axis, starboard_axis});
-  transmissions_.push_back(std::move(transmission));
+  return transmission;
 }
 
 bool is_like_8101(const MultibeamDescription& fan) {
-  return fan.frequency_khz == 240 && fan.beam_angles_deg.empty() && fan.beams == 101 &&
+  return !differ_from_sensor(sectors_of(sector_keys(fan), across_angles_rad(fan)), sector_keys(fan)) &&
+         fan.frequency_khz == 240 && fan.beam_angles_deg.empty() && fan.beams == 101 &&
          fan.swath_deg == 150 && fan.spacing == "angle" && fan.along_track_deg == 1.5 &&
          fan.range_max_m < 65535;
 }
@@ -210,6 +293,29 @@ class MultibeamKind : public SensorKind {
                {.meaning = "One-way width of a beam across the track.", .ranges = {sector(90, false)}}),
          field("along_track_deg", &M::along_track_deg,
                {.meaning = "One-way width of a beam along the track.", .ranges = {sector(90, false)}}),
+         field("sector_edges_deg", &M::sector_edges_deg,
+               {.meaning = "Edges of the transmit sectors, from straight down, in increasing order and "
+                           "positive to starboard: one more than sectors. A beam belongs to the sector that "
+                           "contains its axis. Absent: one sector.",
+                .ranges = {{.lo = -90, .hi = 90}}}),
+         field("sector_frequencies_khz", &M::sector_frequencies_khz,
+               {.meaning = "Centre frequency per transmit sector. Absent: `frequency_khz`.",
+                .ranges = {frequency}}),
+         field("sector_tilts_deg", &M::sector_tilts_deg,
+               {.meaning = "Angle per transmit sector between its axis and the plane across the track, "
+                           "positive forward. Absent: 0.",
+                .ranges = {{.lo = -90, .hi = 90}}}),
+         field("sector_delays_us", &M::sector_delays_us,
+               {.meaning = "Time per transmit sector from the start of the ping to its transmission. Absent: "
+                           "0.",
+                .ranges = {{.lo = 0, .hi = 1e7}}}),
+         field("sector_pulse_lengths_us", &M::sector_pulse_lengths_us,
+               {.meaning = "Pulse length per transmit sector. Absent: `pulse_length_us`.",
+                .ranges = {{.lo = 0, .hi = 100000, .lo_excluded = true}}}),
+         field("sector_absorptions_db_per_km", &M::sector_absorptions_db_per_km,
+               {.meaning = "One-way absorption per transmit sector. Absent: that of the water at the "
+                           "frequency of the sector.",
+                .ranges = {{.lo = 0, .hi = 100000}}}),
          field("samples", &M::samples,
                {.meaning = "Number of range bins of equal length.", .ranges = {range_samples}}),
          field("range_min_m", &M::range_min_m,
@@ -246,12 +352,17 @@ class MultibeamKind : public SensorKind {
                       fan.swath_deg, fan.beam_across_deg));
     }
     check_ranges(fan.range_min_m, fan.range_max_m, table);
+    if (const auto error = error_of_sectors(sensor, sector_keys(fan), across_angles_rad(fan)))
+      throw InputError(table.place_of(error->key), error->what);
   }
   SensorFigures figures(const SensorDescription& sensor) const override {
     const auto& fan = sensor.kind.as<MultibeamDescription>();
     const auto listed = static_cast<std::int64_t>(fan.beam_angles_deg.size());
-    return range_figures(fan, listed > 0 ? listed : fan.beams,
-                         std::min(fan.beam_across_deg, fan.along_track_deg));
+    SensorFigures figures = range_figures(fan, listed > 0 ? listed : fan.beams,
+                                          std::min(fan.beam_across_deg, fan.along_track_deg));
+    if (!fan.sector_edges_deg.empty())
+      figures.transmissions = static_cast<std::int64_t>(fan.sector_edges_deg.size()) - 1;
+    return figures;
   }
 
   std::unique_ptr<Sensor> model(const SensorDescription& sensor) const override {
@@ -271,6 +382,9 @@ class MultibeamKind : public SensorKind {
       outline.add("beams", own.beams).add("swath_deg", own.swath_deg).add("spacing", own.spacing);
     else
       outline.add("beam_angles_deg", own.beam_angles_deg);
+    if (!own.sector_edges_deg.empty()) outline.add("sector_edges_deg", own.sector_edges_deg);
+    for (const auto& [key, values] : sector_keys(own).lists)
+      if (!values->empty()) outline.add(key, *values);
     outline.add("beam_across_deg", own.beam_across_deg)
         .add("along_track_deg", own.along_track_deg)
         .add_window(own);

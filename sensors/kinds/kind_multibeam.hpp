@@ -18,6 +18,10 @@ struct MultibeamDescription {
   double beam_across_deg = 1.5, along_track_deg = 1.5;  ///< one-way widths of the ideal rectangular beam
   int samples = 2000;
   double range_min_m = 0.5, range_max_m = 100;
+  // Transmit sectors: one value per sector, or empty.
+  std::vector<double> sector_edges_deg;  ///< between the sectors, from straight down; empty: one sector
+  std::vector<double> sector_frequencies_khz, sector_tilts_deg, sector_delays_us, sector_pulse_lengths_us,
+      sector_absorptions_db_per_km;
   std::string detection = "energy_centroid";  ///< first_return | energy_centroid | maximum
   double detection_threshold_db = -20;        ///< threshold of the detection relative to the beam's largest
                                               ///< sample

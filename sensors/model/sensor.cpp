@@ -42,14 +42,13 @@ bool are_resolved(std::span<Directivity> beams) {
   return differ;
 }
 
-/// Direction of a beam's axis in the sensor's frame.
-glm::dvec3 direction_of(const BeamAxis& axis) {
+}  // namespace
+
+glm::dvec3 beam_direction(const BeamAxis& axis) {
   const double level = std::cos(axis.elevation_rad);
   return {level * std::sin(axis.azimuth_rad), level * std::cos(axis.azimuth_rad),
           std::sin(axis.elevation_rad)};
 }
-
-}  // namespace
 
 Sensor::Sensor(SensorDescription description) : description_(std::move(description)) {
   require(description_.pings.value_or(1) >= 1, description_, "pings", description_.pings.value_or(1),
@@ -70,7 +69,7 @@ TubeSet Sensor::tubes(const Pose& sensor_pose, const WorldGrid& grid, std::size_
 
 Directivity Sensor::directivity(const PatternDescription& pattern,
                                 const std::shared_ptr<const PatternTable>& table, const Fan& fan,
-                                glm::dvec3 beam_axis, const glm::dmat3& turn, double sound_speed_m_s) const {
+                                glm::dvec3 beam_axis, const glm::dmat3& turn, double wavelength_m) const {
   using Kind = Directivity::Kind;
   Directivity made;
   made.kind = pattern.pattern == "line"       ? Kind::line
@@ -83,7 +82,6 @@ Directivity Sensor::directivity(const PatternDescription& pattern,
                                                         : fan.azimuth;
   made.axis = glm::normalize(turn * own);
   if (!made.from_axis) made.centre = glm::dot(own, beam_axis);
-  const double wavelength_m = sound_speed_m_s / (frequency_khz_ * 1000);
   if (made.kind == Kind::line) made.size = *pattern.aperture_m / wavelength_m;
   if (made.kind == Kind::piston) made.size = std::numbers::pi * *pattern.aperture_m / wavelength_m;
   if (made.kind == Kind::gaussian) made.size = radians(*pattern.width_deg);
@@ -95,6 +93,8 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s,
                               std::size_t transmission) const {
   const Transmission& fired = transmissions_.at(transmission);
   const glm::dmat3 turn = glm::mat3_cast(glm::normalize(sensor_pose.attitude));
+  const double frequency_khz = this->frequency_khz(transmission),
+               wavelength_m = sound_speed_m_s / (frequency_khz * 1000);
   BeamPatterns made;
   made.receive.resize(fired.beams.size());
   std::vector<bool> apart;  // by fan: its receive patterns resolve the beams
@@ -104,22 +104,22 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s,
       std::vector<glm::dvec3> axes{fan.axis};
       if (fan.sent_by_beams) axes.clear();
       for (std::uint32_t beam = fan.first_beam; fan.sent_by_beams && beam < fan.end_beam; ++beam)
-        axes.push_back(direction_of(beams_[fired.beams[beam]]));
+        axes.push_back(beam_direction(beams_[fired.beams[beam]]));
       made.transmit.back().beams.clear();
       for (const glm::dvec3 axis : axes)
         made.transmit.back().beams.push_back(
-            directivity(description_.transmit, *transmit_, fan, axis, turn, sound_speed_m_s));
+            directivity(description_.transmit, *transmit_, fan, axis, turn, wavelength_m));
     }
     if (receive_) {
       for (std::uint32_t beam = fan.first_beam; beam < fan.end_beam; ++beam)
         made.receive[beam] = directivity(description_.receive, *receive_, fan,
-                                         direction_of(beams_[fired.beams[beam]]), turn, sound_speed_m_s);
+                                         beam_direction(beams_[fired.beams[beam]]), turn, wavelength_m);
       apart.push_back(
           are_resolved(std::span(made.receive).subspan(fan.first_beam, fan.end_beam - fan.first_beam)));
     }
     if (has_receiver_pair())
       made.baselines.push_back({glm::normalize(turn * fan.receiver_pair), receiver_pair_.baseline_m,
-                                2 * std::numbers::pi * frequency_khz_ * 1000 / sound_speed_m_s});
+                                2 * std::numbers::pi * frequency_khz * 1000 / sound_speed_m_s});
   }
   made.fan_of_tube = fan_of_tube(transmission);
   for (std::size_t tube = 0; tube < made.fan_of_tube.size(); ++tube) {

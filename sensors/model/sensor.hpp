@@ -25,6 +25,21 @@ struct BeamAxis {
   double elevation_rad = 0;  ///< above the sensor's horizontal plane
   double azimuth_width_rad = 0,
          elevation_width_rad = 0;  ///< full one-way widths of the ideal rectangular beam
+  /// Angle of the axis from the plane across the track, towards forward. Azimuth and elevation include it.
+  double tilt_rad = 0;
+  std::uint32_t transmission = 0;  ///< for a sensor with transmit sectors: number of the beam's sector
+};
+
+/// Direction of a beam's axis in the sensor's frame.
+glm::dvec3 beam_direction(const BeamAxis& axis);
+
+/// Properties of a transmission that differ between the transmit sectors of a sensor.
+struct TransmitSector {
+  double frequency_khz = 0;
+  double tilt_rad = 0;                               ///< of its cone about the forward axis, towards forward
+  double first_across_rad = 0, last_across_rad = 0;  ///< borders of its outermost beams, from straight down
+  std::optional<double> pulse_length_us{};           ///< empty: that of the sensor
+  std::optional<double> absorption_db_per_km{};      ///< one way; empty: that of the water at the frequency
 };
 
 /// The requests of a sonar to an engine, and the interpretation of a history. It does not depend on an
@@ -35,6 +50,24 @@ class Sensor {
 
   const SensorDescription& description() const { return description_; }
   double frequency_khz() const { return frequency_khz_; }
+  /// Frequency of a transmission. It is that of the sensor unless the sensor has transmit sectors.
+  double frequency_khz(std::size_t transmission) const {
+    return transmit_sectors_.empty() ? frequency_khz_ : transmit_sectors_.at(transmission).frequency_khz;
+  }
+  /// By transmission. Empty for a sensor whose transmissions all have the properties of the sensor and no
+  /// tilt.
+  const std::vector<TransmitSector>& transmit_sectors() const { return transmit_sectors_; }
+  /// Absorption that the scene sets for a transmission; empty: that of the water at its frequency.
+  std::optional<double> own_absorption_db_per_km(std::size_t transmission) const {
+    if (transmit_sectors_.empty()) return std::nullopt;
+    return transmit_sectors_.at(transmission).absorption_db_per_km;
+  }
+  /// Length of the pulse of a transmission; empty: as long as a range bin.
+  std::optional<double> pulse_length_us(std::size_t transmission) const {
+    if (!transmit_sectors_.empty() && transmit_sectors_.at(transmission).pulse_length_us)
+      return transmit_sectors_[transmission].pulse_length_us;
+    return description_.signal.pulse_length_us;
+  }
   const std::vector<BeamAxis>& beams() const { return beams_; }
   const RangeSamples& samples() const { return samples_; }
   /// Number of values per beam and sample. One value is the energy. Four values are the energies of the
@@ -138,13 +171,14 @@ class Sensor {
   std::optional<SignalModel> signals_;
   bool across_track_ = false;
   std::vector<Transmission> transmissions_;
+  std::vector<TransmitSector> transmit_sectors_;  ///< see transmit_sectors()
 
  private:
   /// Attitude of both ends.
   glm::dquat attitude_on(const Pose& carrier) const;
   Directivity directivity(const PatternDescription& pattern, const std::shared_ptr<const PatternTable>& table,
                           const Fan& fan, glm::dvec3 beam_axis, const glm::dmat3& turn,
-                          double sound_speed_m_s) const;
+                          double wavelength_m) const;
 
   /// Set if there is a pattern; a pointer to its table, if the pattern has one.
   std::optional<std::shared_ptr<const PatternTable>> transmit_, receive_;

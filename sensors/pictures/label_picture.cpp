@@ -68,9 +68,10 @@ struct Layout {
 
 bool is_fan(const Sensor& sensor) {
   const auto& beams = sensor.beams();
-  return beams.size() > 2 && std::ranges::adjacent_find(beams, [](const BeamAxis& a, const BeamAxis& b) {
-                               return !(a.azimuth_rad < b.azimuth_rad);
-                             }) == beams.end();
+  return !sensor.is_across_track() && beams.size() > 2 &&
+         std::ranges::adjacent_find(beams, [](const BeamAxis& a, const BeamAxis& b) {
+           return !(a.azimuth_rad < b.azimuth_rad);
+         }) == beams.end();
 }
 
 Layout fan_of(const Sensor& sensor) {

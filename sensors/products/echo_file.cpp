@@ -88,6 +88,21 @@ void describe_received(EchoGroup& group, int variable, const ReceiverOutput& rec
   group.attribute(variable, "comment", comment);
 }
 
+/// Variables of the transmit sectors, for a sensor that has them.
+void define_sectors(EchoGroup& group, const Recording& recording, int beam,
+                    const std::optional<ReceiverOutput>& received) {
+  const std::vector<SectorColumn> columns = sector_columns(recording);
+  if (columns.empty()) return;
+  const int sector = group.dimension("sector", recording.sectors());
+  for (const SectorColumn& column : columns)
+    group.variable(column.name, {column.is_by_beam ? beam : sector}, column.units, column.long_name,
+                   column.values);
+  if (received)
+    group.variable("sector_unit_level_db", {sector}, "dB",
+                   "level of an energy density of 1 J/m2 in received, dB re 1 uPa",
+                   received->sector_unit_level_db);
+}
+
 void define_recording(EchoGroup& group, const Recording& recording, const Provenance& provenance,
                       const std::optional<ReceiverOutput>& received) {
   const Sensor& sensor = *recording.sensor;
@@ -165,6 +180,8 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
   if (!recording.beam_numbers.empty())
     group.variable("beam_number", {beam}, "1", "beam of the sonar, counted from 0",
                    {recording.beam_numbers.begin(), recording.beam_numbers.end()});
+
+  define_sectors(group, recording, beam, received);
 
   std::vector<double> positions, attitudes;
   std::vector<PoseAngles> angles;

@@ -13,7 +13,7 @@
 
 namespace tubefoot {
 
-ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
+ReceiverChain receiver_of(const Recording& recording, const RunContext& run, std::size_t sector) {
   const SignalDescription& signal = recording.sensor->description().signal;
   ReceiverDescription receiver;
   receiver.source_level_db = signal.source_level_db;
@@ -23,26 +23,34 @@ ReceiverChain receiver_of(const Recording& recording, const RunContext& run) {
                                                         : SpeckleModel::none;
   receiver.speckle.looks = signal.speckle_looks;
   receiver.speckle.shape = signal.speckle_shape;
-  receiver.tvg = gain_of(recording);
+  receiver.tvg = gain_of(recording, sector);
   if (signal.quantisation_bits)
     receiver.quantiser.emplace(signal.quantisation_bottom_db, signal.quantisation_top_db,
                                *signal.quantisation_bits);
-  if (signal.pulse_length_us)
-    receiver.source_level_db +=
-        10 * std::log10(pulse_extent_m(*signal.pulse_length_us, recording.sound_speed_m_s) /
-                        recording.sensor->samples().step_m);
+  if (const auto pulse_us = recording.sensor->pulse_length_us(sector))
+    receiver.source_level_db += 10 * std::log10(pulse_extent_m(*pulse_us, recording.sound_speed_m_s) /
+                                                recording.sensor->samples().step_m);
   receiver.seed = run.seed;
   return ReceiverChain(receiver);
 }
 
-ReceivedPings::ReceivedPings(const Recording& recording, const RunContext& run)
-    : ReceivedPings(recording, receiver_of(recording, run),
-                    recording.sensor->description().signal.pulse_length_us) {}
+std::vector<ReceivedPings::Sector> ReceivedPings::sectors_of(const Recording& recording,
+                                                             const RunContext& run) {
+  std::vector<Sector> sectors;
+  for (std::size_t k = 0; k < recording.sectors(); ++k) {
+    sectors.push_back({receiver_of(recording, run, k), {}, {}});
+    if (const auto pulse_us = recording.sensor->pulse_length_us(k))
+      sectors.back().extent_m = pulse_extent_m(*pulse_us, recording.sound_speed_m_s);
+  }
+  return sectors;
+}
 
-ReceivedPings::ReceivedPings(const Recording& recording, const ReceiverChain& chain,
-                             std::optional<double> pulse_us)
-    : recording_(&recording), chain_(chain), gains_(chain.gains(recording.sensor->samples())) {
-  if (pulse_us) extent_m_ = pulse_extent_m(*pulse_us, recording.sound_speed_m_s);
+ReceivedPings::ReceivedPings(const Recording& recording, const RunContext& run)
+    : ReceivedPings(sectors_of(recording, run), recording) {}
+
+ReceivedPings::ReceivedPings(std::vector<Sector> sectors, const Recording& recording)
+    : recording_(&recording), sectors_(std::move(sectors)) {
+  for (Sector& sector : sectors_) sector.gains = sector.chain.gains(recording.sensor->samples());
 }
 
 std::uint32_t ReceivedPings::beam_number(std::size_t beam) const {
@@ -50,7 +58,23 @@ std::uint32_t ReceivedPings::beam_number(std::size_t beam) const {
 }
 
 std::vector<double> ReceivedPings::spread(std::span<const double> values) const {
-  if (extent_m_) return spread_over_pulse(values, recording_->sensor->samples(), *extent_m_);
+  const RangeSamples& samples = recording_->sensor->samples();
+  if (sectors_.size() == 1) {
+    if (sectors_.front().extent_m) return spread_over_pulse(values, samples, *sectors_.front().extent_m);
+    return {values.begin(), values.end()};
+  }
+  std::vector<double> all;
+  all.reserve(values.size());
+  for (std::size_t beam = 0; all.size() < values.size(); ++beam) {
+    const std::vector<double> own = spread_beam(beam, values.subspan(all.size(), this->samples()));
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return all;
+}
+
+std::vector<double> ReceivedPings::spread_beam(std::size_t beam, std::span<const double> values) const {
+  const std::optional<double>& extent_m = sector_of(beam).extent_m;
+  if (extent_m) return spread_over_pulse(values, recording_->sensor->samples(), *extent_m);
   return {values.begin(), values.end()};
 }
 
@@ -58,11 +82,11 @@ std::vector<double> ReceivedPings::of(std::size_t ping) const {
   const PingEnergies kept = recording_->energy_of(ping);
   const std::vector<double> energies = spread(kept);
   std::vector<double> received(energies.size());
-  const std::size_t count = gains_.size();
+  const std::size_t count = samples();
   for (std::size_t beam = 0; beam * count < energies.size(); ++beam)
-    chain_.receive_beam(recording_->number_of(ping), beam_number(beam),
-                        std::span(energies).subspan(beam * count, count), gains_,
-                        std::span(received).subspan(beam * count, count));
+    sector_of(beam).chain.receive_beam(
+        recording_->number_of(ping), beam_number(beam), std::span(energies).subspan(beam * count, count),
+        sector_of(beam).gains, std::span(received).subspan(beam * count, count));
   return received;
 }
 
@@ -75,23 +99,25 @@ std::vector<double> ReceivedPings::lower_of(std::size_t ping) const {
   auto& [upper, lower, product, imaginary] = channels;
   for (std::size_t k = 0; k < product.size(); ++k) product[k] = std::hypot(product[k], imaginary[k]);
   received.resize(lower.size());
-  const std::size_t count = gains_.size();
+  const std::size_t count = samples();
   for (std::size_t beam = 0; beam * count < lower.size(); ++beam) {
     const auto own = [&](auto& all) { return std::span(all).subspan(beam * count, count); };
-    chain_.receive_lower_beam(recording_->number_of(ping), beam_number(beam), own(upper), own(lower),
-                              own(product), gains_, own(received));
+    sector_of(beam).chain.receive_lower_beam(recording_->number_of(ping), beam_number(beam), own(upper),
+                                             own(lower), own(product), sector_of(beam).gains, own(received));
   }
   return received;
 }
 
 std::vector<double> ReceivedPings::of_beam(std::size_t ping, std::size_t beam,
                                            std::span<const double> energies) const {
-  std::span<const double> receiver_output = energies.subspan(beam * gains_.size(), gains_.size());
+  const Sector& sector = sector_of(beam);
+  std::span<const double> receiver_output = energies.subspan(beam * samples(), samples());
   std::vector<double> pulse;
-  if (extent_m_) receiver_output = pulse = spread(receiver_output);
-  if (chain_.noise_j() == 0) receiver_output = receiver_output.first(lit_samples(receiver_output).end);
+  if (sector.extent_m) receiver_output = pulse = spread_beam(beam, receiver_output);
+  if (sector.chain.noise_j() == 0) receiver_output = receiver_output.first(lit_samples(receiver_output).end);
   std::vector<double> received(receiver_output.size());
-  chain_.receive_beam(recording_->number_of(ping), beam_number(beam), receiver_output, gains_, received);
+  sector.chain.receive_beam(recording_->number_of(ping), beam_number(beam), receiver_output, sector.gains,
+                            received);
   received.resize(lit_samples(received).end);
   return received;
 }
@@ -103,13 +129,18 @@ std::optional<ReceiverOutput> receiver_output_of(const Recording& recording, con
   if (signal.speckle != "none") parts.push_back("speckle");
   if (signal.noise_level_db) parts.push_back("noise");
   if (signal.tvg_spreading) parts.push_back("the gain of the sonar");
-  if (signal.pulse_length_us) parts.push_back("the length of the pulse");
+  bool has_pulse = false;
+  for (std::size_t k = 0; k < recording.sectors(); ++k)
+    has_pulse = has_pulse || recording.sensor->pulse_length_us(k).has_value();
+  if (has_pulse) parts.push_back("the length of the pulse");
   if (signal.quantisation_bits) parts.push_back("quantisation");
   if (parts.empty()) return std::nullopt;
   const ReceivedPings pings(recording, run);
   ReceiverOutput output{
       [pings](std::size_t ping) { return pings.of(ping); }, signal.tvg_spreading.has_value(),
       fmt::format("as received, with {}", fmt::join(parts, ", ")), run.seed, pings.chain().level_db(1)};
+  for (std::size_t k = 0; k < recording.sensor->transmit_sectors().size(); ++k)
+    output.sector_unit_level_db.push_back(receiver_of(recording, run, k).level_db(1));
   if (recording.channels() > 1)
     output.lower_energy_of = [pings](std::size_t ping) { return pings.lower_of(ping); };
   if (signal.quantisation_bits)

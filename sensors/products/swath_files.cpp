@@ -169,7 +169,8 @@ class SwathFiles {
     if (receiver_output_of(recording, run))
       ideal_finder_.emplace(BottomFinder::ideal(recording, settings.rule, run));
     for (const char* ending : {".csv", ".gpkg"})
-      tables_.push_back(std::make_unique<SoundingsFile>(new_file("-soundings", ending), run.frame));
+      tables_.push_back(std::make_unique<SoundingsFile>(new_file("-soundings", ending), run.frame,
+                                                        recording.sectors() > 1));
     open_formats();
   }
 
@@ -220,7 +221,7 @@ class SwathFiles {
     const Kept kept = kept_of(recording_, run_);
     warnings_.insert(warnings_.end(), kept.left_out.begin(), kept.left_out.end());
     if (!kept.on_earth) return;
-    formats_.push_back(make_sonar_netcdf(folder_, recording_, run_, settings_, finder_.receiver()));
+    formats_.push_back(make_sonar_netcdf(folder_, recording_, run_, settings_, finder_));
     formats_.push_back(make_xtf(folder_, recording_, run_, settings_));
     if (kept.gsf) formats_.push_back(make_gsf(folder_, recording_, run_, settings_, finder_.placer()));
     for (const auto& format : formats_)

@@ -45,9 +45,9 @@ std::uint8_t gsf_flags(const std::optional<Sounding>& sounding) {
 class SonarNetcdfFormat : public SwathFormat {
  public:
   SonarNetcdfFormat(const std::filesystem::path& folder, const Recording& recording, const RunContext& run,
-                    const SwathSettings& settings, const ReceiverChain& receiver)
+                    const SwathSettings& settings, const BottomFinder& finder)
       : recording_(recording),
-        receiver_(receiver),
+        finder_(finder),
         angles_deg_(across_angles_deg(*recording.sensor)),
         name_(recording.sensor->description().name + "-sonar.nc"),
         file_(folder / name_, header(recording, run, settings)) {}
@@ -86,7 +86,7 @@ class SonarNetcdfFormat : public SwathFormat {
     const std::vector<double>& received = sounded.received_j[beam];
     std::vector<float> levels(received.size(), -std::numeric_limits<float>::infinity());
     for (std::size_t k = 0; k < received.size(); ++k)
-      if (received[k] > 0) levels[k] = static_cast<float>(receiver_.level_db(received[k]));
+      if (received[k] > 0) levels[k] = static_cast<float>(finder_.receiver(beam).level_db(received[k]));
     return levels;
   }
 
@@ -139,11 +139,33 @@ class SonarNetcdfFormat : public SwathFormat {
     header.transmit_width_along_deg = settings.along_track_deg;
     header.equivalent_beam_angle_sr =
         radians(settings.receive_across_deg) * 2 * std::sin(radians(settings.along_track_deg) / 2);
+    add_transmit_beams(header, recording);
     return header;
   }
 
+  /// Adds the transmit beams of a sensor with transmit sectors.
+  static void add_transmit_beams(SonarNetcdfHeader& header, const Recording& recording) {
+    const Sensor& sensor = *recording.sensor;
+    for (std::size_t k = 0; k < sensor.transmit_sectors().size(); ++k) {
+      const TransmitSector& sector = sensor.transmit_sectors()[k];
+      SonarTransmitBeam beam;
+      beam.frequency_hz = 1000 * sector.frequency_khz;
+      beam.pulse_length_s = sector.pulse_length_us ? *sector.pulse_length_us * 1e-6 : header.pulse_length_s;
+      beam.bandwidth_hz = 1 / beam.pulse_length_s;
+      beam.absorption_db_per_m = recording.absorption_of(k) / 1000;
+      beam.width_along_deg = header.transmit_width_along_deg;
+      beam.width_across_deg = degrees(sector.last_across_rad - sector.first_across_rad);
+      beam.across_deg = degrees((sector.first_across_rad + sector.last_across_rad) / 2);
+      beam.tilt_deg = degrees(sector.tilt_rad);
+      beam.delay_s = sensor.transmission_delay_s(k);
+      header.transmit_beams.push_back(beam);
+    }
+    for (std::size_t beam = 0; beam < sensor.beams().size(); ++beam)
+      header.transmit_beam_of.push_back(recording.sector_of(beam));
+  }
+
   const Recording& recording_;
-  const ReceiverChain& receiver_;
+  const BottomFinder& finder_;
   std::vector<double> angles_deg_;
   std::filesystem::path name_;
   SonarNetcdfFile file_;
@@ -155,10 +177,12 @@ int depth_offset_m(const Recording& recording, const RunContext& run, const Soun
   const RangeSamples& samples = sensor.samples();
   const double far_m = samples.first_m + samples.count * samples.step_m;
   double highest_m = 0;
-  for (const Pose& pose : recording.ping_pose) {
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    const Pose& pose = recording.ping_pose[ping];
     double up_m = pose.position_m.z;
-    for (const BeamAxis& axis : sensor.beams())
-      up_m = std::max(up_m, placer.highest_m(pose, across_direction(across_angle_rad(axis)), far_m));
+    for (std::size_t beam = 0; beam < sensor.beams().size(); ++beam)
+      up_m = std::max(up_m, placer.highest_m(recording.beam_pose(ping, beam),
+                                             across_direction(sensor.beams()[beam]), far_m));
     // The Earth's surface falls away from a tangent plane.
     constexpr double least_radius_m = 6.3e6;
     const double away_m = std::hypot(pose.position_m.x, pose.position_m.y) + placer.longest_m(far_m);
@@ -227,6 +251,12 @@ std::vector<std::string> gsf_parameters(bool traces_rays) {
           "UTC_OFFSET=0"};
 }
 
+/// Azimuth of a direction (forward, starboard, down), counterclockwise from starboard, 0 to 360 degrees.
+double counterclockwise_deg(const glm::dvec3& direction) {
+  const double angle_deg = degrees(std::atan2(direction.x, direction.y));
+  return angle_deg < 0 ? angle_deg + 360 : angle_deg;
+}
+
 class GsfFormat : public SwathFormat {
  public:
   GsfFormat(const std::filesystem::path& folder, const Recording& recording, const RunContext& run,
@@ -255,13 +285,20 @@ class GsfFormat : public SwathFormat {
       ping.reson_8101 = settings_8101(recording_, settings_);
       ping.ping_number = recording_.number_of(placed.ping);
     }
-    const glm::dquat attitude = recording_.ping_pose[placed.ping].attitude;
+    const bool has_sectors = !recording_.sensor->transmit_sectors().empty();
     for (std::size_t beam = 0; beam < placed.sounded.soundings.size(); ++beam) {
-      const glm::dvec3 axis = forward_starboard_down(
-          fix.place.direction(attitude *
-                              across_direction(across_angle_rad(recording_.sensor->beams()[beam]))),
-          fix.lie.heading_deg);
-      ping.beam_angle_deg.push_back(degrees(std::atan2(axis.y, axis.z)));
+      const glm::dvec3 axis =
+          forward_starboard_down(fix.place.direction(recording_.beam_pose(placed.ping, beam).attitude *
+                                                     across_direction(recording_.sensor->beams()[beam])),
+                                 fix.lie.heading_deg);
+      if (has_sectors) {
+        ping.beam_angle_deg.push_back(
+            degrees(std::copysign(std::acos(std::clamp(axis.z, -1.0, 1.0)), axis.y)));
+        ping.beam_azimuth_deg.push_back(counterclockwise_deg(axis));
+        ping.sector.push_back(static_cast<std::uint8_t>(recording_.sector_of(beam)));
+      } else {
+        ping.beam_angle_deg.push_back(degrees(std::atan2(axis.y, axis.z)));
+      }
       const std::optional<Sounding>& sounding = placed.sounded.soundings[beam];
       ping.flags.push_back(gsf_flags(sounding));
       const glm::dvec3 place = sounding ? placed.forward_starboard_down_m(beam) : glm::dvec3(0);
@@ -329,7 +366,7 @@ class XtfFormat : public SwathFormat {
         file.add_reson_8101_ping(place, settings_8101(recording_, settings_), beams);
       };
     return [this, number = placed.ping, place, height_m = fix.place.lon_lat_height.z,
-            soundings = generic_of(placed.sounded)] {
+            soundings = generic_of(placed.sounded, recording_.ping_time_s[placed.ping])] {
       XtfFile& file = lines_.of(number);
       add_motion(file, place, height_m);
       file.add_soundings(place, soundings);
@@ -404,17 +441,19 @@ class XtfFormat : public SwathFormat {
     return beams;
   }
 
-  std::vector<XtfSounding> generic_of(const SoundedPing& sounded) const {
+  std::vector<XtfSounding> generic_of(const SoundedPing& sounded, double ping_time_s) const {
     std::vector<XtfSounding> soundings;
     for (std::size_t beam = 0; beam < sounded.soundings.size(); ++beam) {
       const std::optional<Sounding>& sounding = sounded.soundings[beam];
       if (!sounding) continue;
       constexpr std::int32_t cut = 0, good = 1, of_several = 2;
       soundings.push_back({static_cast<std::int32_t>(beam), sounding->two_way_travel_time_s,
-                           angles_deg_[beam], 0, level_db(*sounding),
+                           angles_deg_[beam], degrees(recording_.sensor->beams()[beam].tilt_rad),
+                           level_db(*sounding),
                            is_cut(*sounding)              ? cut
                            : is_one_of_several(*sounding) ? of_several
-                                                          : good});
+                                                          : good,
+                           sounding->time_s - ping_time_s});
     }
     return soundings;
   }
@@ -430,8 +469,8 @@ class XtfFormat : public SwathFormat {
 
 std::unique_ptr<SwathFormat> make_sonar_netcdf(const std::filesystem::path& folder,
                                                const Recording& recording, const RunContext& run,
-                                               const SwathSettings& settings, const ReceiverChain& receiver) {
-  return std::make_unique<SonarNetcdfFormat>(folder, recording, run, settings, receiver);
+                                               const SwathSettings& settings, const BottomFinder& finder) {
+  return std::make_unique<SonarNetcdfFormat>(folder, recording, run, settings, finder);
 }
 
 std::unique_ptr<SwathFormat> make_gsf(const std::filesystem::path& folder, const Recording& recording,

@@ -53,10 +53,11 @@ class SwathFormat {
   virtual std::vector<std::filesystem::path> files() const = 0;
 };
 
-/// SONAR-netCDF4 with bathymetry (sensors/formats/sonar_netcdf.hpp), one file for all lines.
+/// SONAR-netCDF4 with bathymetry (sensors/formats/sonar_netcdf.hpp), one file for all lines. `finder`: the
+/// one that found the soundings, which must outlive the file.
 std::unique_ptr<SwathFormat> make_sonar_netcdf(const std::filesystem::path& folder,
                                                const Recording& recording, const RunContext& run,
-                                               const SwathSettings& settings, const ReceiverChain& receiver);
+                                               const SwathSettings& settings, const BottomFinder& finder);
 /// GSF (sensors/formats/gsf_file.hpp), one file per line. `placer`: the one that placed the soundings.
 std::unique_ptr<SwathFormat> make_gsf(const std::filesystem::path& folder, const Recording& recording,
                                       const RunContext& run, const SwathSettings& settings,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <numbers>
 #include <utility>
 
@@ -14,9 +15,19 @@ namespace {
 
 constexpr double straight_down_rad = std::numbers::pi / 2;
 
+std::vector<std::vector<double>> noise_floors_j(const Recording& recording, const RunContext& run) {
+  std::vector<std::vector<double>> floors;
+  for (std::size_t k = 0; k < recording.sectors(); ++k) floors.push_back(noise_floor_j(recording, run, k));
+  return floors;
+}
+
 }  // namespace
 
 double across_angle_rad(const BeamAxis& axis) {
+  if (axis.tilt_rad != 0) {
+    const glm::dvec3 direction = beam_direction(axis);
+    return std::atan2(glm::dot(direction, starboard_axis), -glm::dot(direction, up_axis));
+  }
   return std::copysign(straight_down_rad + axis.elevation_rad, axis.azimuth_rad);
 }
 
@@ -24,20 +35,26 @@ glm::dvec3 across_direction(double across_angle_rad) {
   return std::sin(across_angle_rad) * starboard_axis - std::cos(across_angle_rad) * up_axis;
 }
 
+glm::dvec3 across_direction(const BeamAxis& axis) {
+  return axis.tilt_rad != 0 ? beam_direction(axis) : across_direction(across_angle_rad(axis));
+}
+
 BottomFinder::BottomFinder(const Recording& recording, const RunContext& run, const DetectionRule& rule)
     : BottomFinder(recording, ReceivedPings(recording, run),
                    recording.sensor->description().signal.tvg_spreading.has_value(), rule,
-                   noise_floor_j(recording, run), SoundingPlacer(recording, run)) {}
+                   noise_floors_j(recording, run), SoundingPlacer(recording, run)) {}
 
 BottomFinder BottomFinder::ideal(const Recording& recording, const DetectionRule& rule,
                                  const RunContext& run) {
-  return BottomFinder(recording, ReceivedPings::ideal(recording), false, rule,
-                      std::vector<double>(static_cast<std::size_t>(recording.sensor->samples().count)),
-                      SoundingPlacer(recording, run));
+  return BottomFinder(
+      recording, ReceivedPings::ideal(recording), false, rule,
+      std::vector(recording.sectors(),
+                  std::vector<double>(static_cast<std::size_t>(recording.sensor->samples().count))),
+      SoundingPlacer(recording, run));
 }
 
 BottomFinder::BottomFinder(const Recording& recording, ReceivedPings received, bool has_own_gain,
-                           const DetectionRule& rule, std::vector<double> noise_floor_j,
+                           const DetectionRule& rule, std::vector<std::vector<double>> noise_floor_j,
                            SoundingPlacer placer)
     : recording_(recording),
       received_(std::move(received)),
@@ -45,10 +62,14 @@ BottomFinder::BottomFinder(const Recording& recording, ReceivedPings received, b
       floor_j_(std::move(noise_floor_j)),
       placer_(std::move(placer)) {
   const RangeSamples& samples = recording.sensor->samples();
-  for (int k = 0; k < samples.count; ++k) {
-    const double range_m = samples.first_m + (k + 0.5) * samples.step_m;
-    const double absorbed_db = 2 * recording.absorption_db_per_km * range_m / 1000;
-    gain_.push_back(has_own_gain ? 1 : range_m * range_m * std::pow(10, std::fmin(absorbed_db, 1000) / 10));
+  for (std::size_t sector = 0; sector < floor_j_.size(); ++sector) {
+    gain_.emplace_back();
+    for (int k = 0; k < samples.count; ++k) {
+      const double range_m = samples.first_m + (k + 0.5) * samples.step_m;
+      const double absorbed_db = 2 * recording.absorption_of(sector) * range_m / 1000;
+      gain_.back().push_back(
+          has_own_gain ? 1 : range_m * range_m * std::pow(10, std::fmin(absorbed_db, 1000) / 10));
+    }
   }
 }
 
@@ -62,23 +83,26 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
     sounded.received_j.push_back(received_.of_beam(ping, beam, energies));
     const std::vector<double>& received = sounded.received_j.back();
     std::fill(evened.begin(), evened.end(), 0.0);
+    const std::size_t sector = recording_.sector_of(beam);
     for (std::size_t k = 0; k < received.size(); ++k)
-      if (received[k] >= floor_j_[k]) evened[k] = received[k] * gain_[k];
+      if (received[k] >= floor_j_[sector][k]) evened[k] = received[k] * gain_[sector][k];
     sounded.soundings.emplace_back();
     sounded.range_sigma_m.push_back(0);
     const std::optional<Detection> found = detect_bottom(evened, samples, rule_);
     if (!found) continue;
-    const double angle_rad = across_angle_rad(sensor.beams()[beam]);
+    const BeamAxis& axis = sensor.beams()[beam];
     Sounding sounding;
     sounding.ping = recording_.number_of(ping);
     sounding.beam = static_cast<std::uint32_t>(beam);
+    sounding.sector = static_cast<std::uint32_t>(sector);
     sounding.time_s = recording_.ping_time_s[ping];
+    if (!sensor.transmit_sectors().empty()) sounding.time_s += sensor.transmission_delay_s(sector);
     sounding.position_m =
-        placer_.place(recording_.ping_pose[ping], across_direction(angle_rad), found->range_m);
+        placer_.place(recording_.beam_pose(ping, beam), across_direction(axis), found->range_m);
     sounding.two_way_travel_time_s = 2 * found->range_m / recording_.sound_speed_m_s;
     sounding.slant_range_m = found->range_m;
-    sounding.beam_angle_deg = degrees(angle_rad);
-    sounding.amplitude = receiver().amplitude_upa(received[static_cast<std::size_t>(found->sample)]);
+    sounding.beam_angle_deg = degrees(across_angle_rad(axis));
+    sounding.amplitude = receiver(beam).amplitude_upa(received[static_cast<std::size_t>(found->sample)]);
     sounding.quality = found->quality;
     sounding.method = rule_.method;
     sounding.flags = found->flags;

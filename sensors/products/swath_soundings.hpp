@@ -15,6 +15,8 @@ namespace tubefoot {
 double across_angle_rad(const BeamAxis& axis);
 /// Direction of a beam at such an angle, in the sensor's frame.
 glm::dvec3 across_direction(double across_angle_rad);
+/// Direction of a beam's axis in the sensor's frame, with its tilt.
+glm::dvec3 across_direction(const BeamAxis& axis);
 
 /// The received energies and soundings of one ping of a fan across the track.
 struct SoundedPing {
@@ -27,8 +29,8 @@ struct SoundedPing {
 /// 2 alpha R. On a plane Lambert seabed of any slope across the track the energy-weighted mean range is then
 /// that of the beam's axis. The deviation is a fraction width^2 / 24 of it. A receiver with its own
 /// time-varied gain (tvg_spreading) gets no further gain. Samples that are not distinguishable from the
-/// receiver's noise do not count. Soundings are at the end of the ray along the beam's axis
-/// (SoundingPlacer).
+/// receiver's noise do not count. The gain and the pose are those of the beam's transmit sector. Soundings
+/// are at the end of the ray along the beam's axis (SoundingPlacer).
 class BottomFinder {
  public:
   /// The recording must outlive this object.
@@ -38,18 +40,20 @@ class BottomFinder {
                             const RunContext& run = {});
   /// Thread-safe.
   SoundedPing sound(std::size_t ping) const;
-  const ReceiverChain& receiver() const { return received_.chain(); }
+  const ReceiverChain& receiver(std::size_t beam = 0) const { return received_.chain(beam); }
   const SoundingPlacer& placer() const { return placer_; }
 
  private:
   BottomFinder(const Recording& recording, ReceivedPings received, bool has_own_gain,
-               const DetectionRule& rule, std::vector<double> noise_floor_j, SoundingPlacer placer);
+               const DetectionRule& rule, std::vector<std::vector<double>> noise_floor_j,
+               SoundingPlacer placer);
 
   const Recording& recording_;
   ReceivedPings received_;
   DetectionRule rule_;
-  std::vector<double> floor_j_;  ///< by sample: lower energies count as noise
-  std::vector<double> gain_;     ///< by sample, linear in energy
+  // By transmit sector and sample:
+  std::vector<std::vector<double>> floor_j_;  ///< lower energies count as noise
+  std::vector<std::vector<double>> gain_;     ///< linear in energy
   SoundingPlacer placer_;
 };
 

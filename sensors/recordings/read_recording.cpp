@@ -54,22 +54,24 @@ std::vector<double> values(const WholeEchoFile::More& more, const char* name,
 
 std::vector<BeamAxis> beams_of(const SensorEchoes& echoes, const WholeEchoFile::More& more) {
   const auto wide = values(more, "beam_azimuth_width", {"beam"}, echoes.beams),
-             tall = values(more, "beam_elevation_width", {"beam"}, echoes.beams);
+             tall = values(more, "beam_elevation_width", {"beam"}, echoes.beams),
+             tilt = values(more, "beam_tilt", {"beam"}, echoes.beams);
   const auto at = [](const std::vector<double>& degrees, std::size_t beam) {
     return degrees.empty() ? 0 : radians(degrees[beam]);
   };
   std::vector<BeamAxis> beams;
   for (std::size_t b = 0; b < echoes.beams; ++b)
-    beams.push_back(
-        {at(echoes.beam_azimuth_deg, b), at(echoes.beam_elevation_deg, b), at(wide, b), at(tall, b)});
+    beams.push_back({at(echoes.beam_azimuth_deg, b), at(echoes.beam_elevation_deg, b), at(wide, b),
+                     at(tall, b), at(tilt, b)});
   return beams;
 }
 
-/// True for beams that look down, or down and to the sides, except for a pair of opposite sides.
+/// True for beams that look down, or down and to the sides, and for tilted ones (beam_tilt), except for a
+/// pair of opposite sides.
 bool are_across(const std::vector<BeamAxis>& beams) {
   constexpr double right_angle = std::numbers::pi / 2, near = 1e-6;
   const bool all = std::ranges::all_of(beams, [](const BeamAxis& beam) {
-    return std::abs(std::abs(beam.azimuth_rad) - right_angle) < near ||
+    return beam.tilt_rad != 0 || std::abs(std::abs(beam.azimuth_rad) - right_angle) < near ||
            std::abs(beam.elevation_rad + right_angle) < near;
   });
   return all && beams.size() != 2;

@@ -28,7 +28,8 @@ struct ReceiverOutput {
   bool has_gain = false;  ///< true if the energies include the receiver's own time-varied gain
   std::string said;       ///< caption for readers: "as received: speckle, noise"
   std::uint64_t seed = 1;
-  double unit_level_db = 0;  ///< level of an energy of 1 J/m2 [dB re 1 uPa]
+  double unit_level_db = 0;                    ///< level of an energy of 1 J/m2 [dB re 1 uPa]
+  std::vector<double> sector_unit_level_db{};  ///< the same by transmit sector; empty without them
   std::optional<CodeSteps> codes{};
   /// The same at the lower receiver of a pair; empty for one receiver.
   std::function<std::vector<double>(std::size_t ping)> lower_energy_of{};

@@ -8,8 +8,10 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <stdexcept>
 
+#include "sensors/model/angles.hpp"
 #include "sensors/recordings/navigation.hpp"
 
 namespace tubefoot {
@@ -54,6 +56,17 @@ std::vector<RecordedVariable> Recording::variables() const {
   if (has_bounds()) add({energy_bound, packed_bound}, true);
   all.insert(all.end(), further.begin(), further.end());
   return all;
+}
+
+std::size_t Recording::sectors() const { return std::max<std::size_t>(sensor->transmit_sectors().size(), 1); }
+
+std::size_t Recording::sector_of(std::size_t beam) const {
+  return sensor->transmit_sectors().empty() ? 0 : sensor->beams().at(beam).transmission;
+}
+
+const Pose& Recording::beam_pose(std::size_t ping, std::size_t beam) const {
+  if (transmission_pose.empty()) return ping_pose.at(ping);
+  return transmission_pose.at(ping * sensor->transmissions() + sector_of(beam));
 }
 
 std::vector<PingSpan> Recording::lines() const {
@@ -147,6 +160,38 @@ std::vector<PingColumn> ping_columns(const Recording& recording, const Provenanc
     for (std::size_t k = 0; k < columns.size(); ++k) columns[k].values.push_back(values[k]);
   }
   columns.insert(columns.end(), of_lines.begin(), of_lines.end());
+  return columns;
+}
+
+std::vector<SectorColumn> sector_columns(const Recording& recording) {
+  const Sensor& sensor = *recording.sensor;
+  const std::vector<TransmitSector>& sectors = sensor.transmit_sectors();
+  if (sectors.empty()) return {};
+  std::vector<SectorColumn> columns{
+      {"sector_frequency_khz", "kHz", "centre frequency of the transmit sector"},
+      {"sector_tilt", "degree",
+       "angle of the axis of the transmit sector from the plane across the track, forward positive"},
+      {"sector_delay", "s", "time of the transmission of the sector after ping_time"},
+      {"sector_absorption_db_per_km", "dB km-1", "one-way absorption of the sector"},
+      {"beam_sector", "1", "transmit sector of the beam, counted from 0", true},
+      {"beam_tilt", "degree", "angle of the beam axis from the plane across the track, forward positive",
+       true}};
+  for (std::size_t k = 0; k < sectors.size(); ++k) {
+    const double values[] = {sectors[k].frequency_khz, degrees(sectors[k].tilt_rad),
+                             sensor.transmission_delay_s(k), recording.absorption_of(k)};
+    for (std::size_t column = 0; column < std::size(values); ++column)
+      columns[column].values.push_back(values[column]);
+  }
+  for (const BeamAxis& axis : sensor.beams()) {
+    columns[4].values.push_back(static_cast<double>(axis.transmission));
+    columns[5].values.push_back(degrees(axis.tilt_rad));
+  }
+  if (std::ranges::any_of(sectors,
+                          [](const TransmitSector& own) { return own.pulse_length_us.has_value(); })) {
+    columns.push_back({"sector_pulse_length", "s", "length of the pulse of the sector"});
+    for (std::size_t k = 0; k < sectors.size(); ++k)
+      columns.back().values.push_back(sensor.pulse_length_us(k).value_or(0) * 1e-6);
+  }
   return columns;
 }
 

@@ -33,14 +33,17 @@ struct SignalRecording;
 struct Recording {
   const Sensor* sensor = nullptr;
   std::vector<double> ping_time_s;
-  std::vector<Pose> ping_pose;             ///< of the sensor
+  std::vector<Pose> ping_pose;  ///< of the sensor
+  /// [ping][transmission], of a sensor with transmit sectors, each at its own time; empty: ping_pose
+  std::vector<Pose> transmission_pose{};
   std::vector<std::size_t> line_starts{};  ///< first ping of each line of a survey; empty: not divided
   std::vector<double> altitude_m;          ///< above the terrain straight below; NaN: unknown. May be empty
   /// [ping][beam][sample], J/m^2 for a source of 1 J/sr at 1 m. For a sensor with several channels
   /// (Sensor::channels) the order is [ping][channel][beam][sample]. Empty if the energies are packed.
   std::span<const double> energy;
   double sound_speed_m_s = 0;
-  double absorption_db_per_km = 0;
+  double absorption_db_per_km = 0;                    ///< at the sensor's frequency
+  std::vector<double> sector_absorption_db_per_km{};  ///< by transmit sector; empty without them
   /// Reference runs: certified half-width of each energy [J/m^2], in the order of the energies; empty in
   /// other runs.
   std::span<const double> energy_bound{};
@@ -67,6 +70,17 @@ struct Recording {
   /// Number of a ping in files and pictures, and in the random generator of its noise.
   std::uint32_t number_of(std::size_t ping) const {
     return ping_numbers.empty() ? static_cast<std::uint32_t>(ping) : ping_numbers[ping];
+  }
+  /// Pose of the sensor at the time of the transmission that a beam receives.
+  const Pose& beam_pose(std::size_t ping, std::size_t beam) const;
+  /// Number of the transmit sector of a beam; 0 for a sensor without them.
+  std::size_t sector_of(std::size_t beam) const;
+  /// Number of transmit sectors; 1 for a sensor without them.
+  std::size_t sectors() const;
+  /// Absorption of a transmit sector, or at the sensor's frequency.
+  double absorption_of(std::size_t sector) const {
+    return sector_absorption_db_per_km.empty() ? absorption_db_per_km
+                                               : sector_absorption_db_per_km.at(sector);
   }
   /// The lines of a survey, or all pings as one line.
   std::vector<PingSpan> lines() const;
@@ -128,6 +142,14 @@ struct PingColumn {
 };
 /// Throws InputError if a ping of a georeferenced scene has no place on Earth.
 std::vector<PingColumn> ping_columns(const Recording& recording, const Provenance& provenance);
+
+/// Columns of echoes.nc by transmit sector or by beam; empty for a sensor without transmit sectors.
+struct SectorColumn {
+  const char *name, *units, *long_name;
+  bool is_by_beam = false;
+  std::vector<double> values{};
+};
+std::vector<SectorColumn> sector_columns(const Recording& recording);
 
 /// Writes echoes.nc (netCDF-4, docs/output-files.md). One recording has its variables in the root group.
 /// Several recordings have one group per sensor, with its name. All threads pack pings, which are written in

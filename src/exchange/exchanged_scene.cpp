@@ -114,6 +114,9 @@ void note_sensors(const Survey& survey, const std::vector<std::size_t>& chosen,
     if (sensor.has_separate_receiver())
       out.push_back(fmt::format(
           "sensor '{}': its separate receiver; the exported sonar receives where it transmits", name));
+    if (!sensor.transmit_sectors().empty())
+      out.push_back(
+          fmt::format("sensor '{}': the frequencies, pulses and absorptions of its transmit sectors", name));
     if (sensor.transmissions() > 1)
       out.push_back(fmt::format(
           "sensor '{}': the positions of its {} transmissions per ping; all are at the position of the first",

@@ -150,8 +150,7 @@ std::vector<CoverageLook> coverage_looks(const Transmission& transmission, std::
                                          std::uint32_t ping) {
   std::vector<CoverageLook> looks;
   if (is_order_wanted(transmission.scene(), 1)) add_straight(transmission, sensor, ping, looks);
-  if (const auto settings = path_settings(transmission.scene(), transmission.sensor(sensor).frequency_khz());
-      settings && settings->order > 1)
+  if (const auto settings = path_settings(transmission, sensor); settings && settings->order > 1)
     add_over_mirrors(transmission, sensor, *settings, ping, looks);
   return looks;
 }

@@ -374,8 +374,7 @@ FootprintTable footprint_table(const Transmission& transmission, std::size_t s,
   if (is_order_wanted(transmission.scene(), 1))
     table = transmission.has_separate_receiver() ? table_of_two_ends(transmission, s, tubes)
                                                  : table_of_one_end(transmission, s, tubes);
-  if (const auto settings = path_settings(transmission.scene(), transmission.sensor(s).frequency_khz());
-      settings && settings->order > 1)
+  if (const auto settings = path_settings(transmission, s); settings && settings->order > 1)
     table.append(PathRows(transmission, s, *settings, tubes).table());
   return table;
 }

@@ -202,7 +202,7 @@ std::vector<double> sound_speed_change(const GradientParameter& parameter, const
 }
 
 ApparentMap apparent_map_of_one(const Transmission& transmission) {
-  return apparent_map_of(transmission.loaded_scene(), transmission.pings(),
+  return apparent_map_of(transmission.loaded_scene(), transmission.pings(), transmission.number(),
                          transmission.scene().grid.to_metres(transmission.tubes().apex));
 }
 
@@ -383,7 +383,7 @@ void add_gradients(const EchoContribution& plan, const Transmission& transmissio
                             ? refracted_derivatives(transmission, *one, beams, samples, echo_model,
                                                     own_parameters, parameters)
                             : echo_derivatives(mesh, *one, beams, samples, echo_model, parameters);
-        if (const auto paths = path_settings(transmission.scene(), transmission.sensor(s).frequency_khz()))
+        if (const auto paths = path_settings(transmission, s))
           add_paths_to(derivatives, transmission, s, *paths, beams, echo_model, parameters);
         for (std::size_t k = 0; k < channels.size(); ++k)
           sums.add_to_channel(transmission, s, channels[k], 0, derivatives[k]);

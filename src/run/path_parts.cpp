@@ -163,7 +163,7 @@ void add_receiver_pair_paths_of(const Transmission& transmission, std::size_t s,
 void add_for_sensors(const EchoContribution& plan, const Transmission& transmission, PingSums& sums,
                      decltype(add_paths_of)& add) {
   for (const std::size_t s : plan.sensors) try {
-      PathSettings settings = *path_settings(transmission.scene(), transmission.sensor(s).frequency_khz());
+      PathSettings settings = *path_settings(transmission, s);
       settings.reference_tolerance = plan.tolerance;
       add(transmission, s, settings, sums);
     } catch (const std::length_error& error) {

@@ -45,6 +45,11 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
   return settings;
 }
 
+std::optional<PathSettings> path_settings(const Transmission& transmission, std::size_t sensor) {
+  return path_settings(transmission.scene(),
+                       transmission.sensor(sensor).frequency_khz(transmission.number()));
+}
+
 namespace {
 
 /// Returns tubes in all directions: one per octant.
@@ -98,8 +103,7 @@ InputError too_many_images(const SensorDescription& sensor, const std::length_er
 std::vector<PathLook> looks_of_paths(const Transmission& transmission) {
   std::vector<PathLook> looks;
   for (const std::size_t s : transmission.group().sensors)
-    if (const auto settings = path_settings(transmission.scene(), transmission.sensor(s).frequency_khz()))
-      try {
+    if (const auto settings = path_settings(transmission, s)) try {
         add_looks(transmission, s, *settings, looks);
       } catch (const std::length_error& error) {
         throw too_many_images(transmission.sensor(s).description(), error);

@@ -17,6 +17,9 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
 
 class Transmission;
 
+/// Returns the path settings of one transmission of a sensor, at the frequency of the transmission.
+std::optional<PathSettings> path_settings(const Transmission& transmission, std::size_t sensor);
+
 /// Directions in which paths of a transmission may meet relief that is refined for it.
 struct PathLook {
   TubeSet tubes;  ///< tubes of an apex, or of its image

@@ -52,8 +52,8 @@ RefractedTransmission certify(const Transmission& transmission, const CertifiedV
   found.history = engine.trace(transmission.tubes(), &found.candidates, false);
   const glm::dvec3 apex = scene.grid.to_metres(found.history.tubes.apex);
   for (const std::size_t s : seen.sensors) {
-    const ApparentMap apparent_map =
-        apparent_map_of(transmission.loaded_scene(), transmission.survey().sensors[s], apex);
+    const ApparentMap apparent_map = apparent_map_of(
+        transmission.loaded_scene(), transmission.survey().sensors[s], transmission.number(), apex);
     const RayEnclosure rays(apparent_map, eigenray_options(transmission.loaded_scene()));
     const SensorModel sensor_model(transmission, found.surface_mesh, s);
     const EchoModel& model = sensor_model.model;
@@ -312,8 +312,8 @@ RefractedEndsTransmission certify_refracted_receiver_pair_transmission(const Tra
                               ? tubes_of_fan(transmission.receive_tubes(sensor), fans, fan)
                               : transmit;
   std::vector<TubeSet> tubes{transmit};
-  std::vector<ApparentMap> water{
-      apparent_map_of(transmission.loaded_scene(), pings, grid.to_metres(transmit.apex))};
+  std::vector<ApparentMap> water{apparent_map_of(transmission.loaded_scene(), pings, transmission.number(),
+                                                 grid.to_metres(transmit.apex))};
   for (const double end : {1.0, -1.0}) {
     const glm::dvec3 at_m =
         grid.to_metres(receive.apex) + end * receiver_pair.baseline_m / 2 * receiver_pair.axis;
@@ -324,7 +324,7 @@ RefractedEndsTransmission certify_refracted_receiver_pair_transmission(const Tra
                       "shorten 'baseline_m', or raise 'surface_height_m' of [water]",
                       transmission.name(), above));
     tubes.push_back(moved_along(receive, receiver_pair, end, grid.unit_m()));
-    water.push_back(apparent_map_of(transmission.loaded_scene(), pings, at_m));
+    water.push_back(apparent_map_of(transmission.loaded_scene(), pings, transmission.number(), at_m));
   }
   const EndsApparentMap ends(transmission, std::move(tubes), std::move(water));
   return certify_ends(transmission, {ends, sensor, fan, &receiver_pair});

@@ -92,14 +92,32 @@ double gap_of_phases_m(const Transmission& transmission) {
   for (const std::size_t s : transmission.group().sensors) {
     const Sensor& sensor = transmission.sensor(s);
     if (!sensor.has_receiver_pair()) continue;
-    const double wavelength_m =
-                     transmission.survey().sensors[s].sound_speed_m_s / (1e3 * sensor.frequency_khz()),
+    const double wavelength_m = transmission.survey().sensors[s].sound_speed_m_s /
+                                (1e3 * sensor.frequency_khz(transmission.number())),
                  baseline_m = sensor.receiver_pair().baseline_m,
                  nearest_m = std::max(sensor.samples().first_m - between_m, baseline_m / 2);
     travel_path_error_m = std::min(travel_path_error_m, phase_error_rad * wavelength_m /
                                                             (2 * std::numbers::pi) * nearest_m / baseline_m);
   }
   return std::max(travel_path_error_m, 2 * transmission.scene().grid.unit_m());
+}
+
+/// Returns the water of each transmission. Transmissions of equal frequency and absorption share it.
+std::vector<std::shared_ptr<const WaterColumn>> columns_of(const SceneWater& water, const Sensor& sensor) {
+  std::vector<std::shared_ptr<const WaterColumn>> columns;
+  for (std::size_t t = 0; t < sensor.transmissions(); ++t) {
+    const double frequency_khz = sensor.frequency_khz(t);
+    const std::optional<double> own = sensor.own_absorption_db_per_km(t);
+    if (t > 0 && frequency_khz == sensor.frequency_khz(t - 1) &&
+        own == sensor.own_absorption_db_per_km(t - 1)) {
+      columns.push_back(columns.back());
+      continue;
+    }
+    WaterColumn column = water.column(frequency_khz);
+    if (own) std::ranges::fill(column.absorption_db_per_m, *own / 1000);
+    columns.push_back(std::make_shared<const WaterColumn>(std::move(column)));
+  }
+  return columns;
 }
 
 nlohmann::ordered_json place_json(const std::array<double, 3>& place) {
@@ -129,7 +147,7 @@ void rethrow_as_seen_by(const Transmission& transmission) {
 
 PathWater path_water(const Transmission& transmission, std::size_t sensor, double reach_m) {
   const SensorPings& pings = transmission.survey().sensors[sensor];
-  return {*pings.water,
+  return {*pings.water.at(transmission.number()),
           transmission.scene().water->surface_height_m(),
           eigenray_options(transmission.loaded_scene()),
           pings.sound_speed_m_s,
@@ -145,11 +163,12 @@ EigenrayOptions eigenray_options(const LoadedScene& loaded_scene) {
   return options;
 }
 
-ApparentMap apparent_map_of(const LoadedScene& loaded_scene, const SensorPings& pings, glm::dvec3 apex_m) {
+ApparentMap apparent_map_of(const LoadedScene& loaded_scene, const SensorPings& pings,
+                            std::size_t transmission, glm::dvec3 apex_m) {
   EigenrayOptions options = eigenray_options(loaded_scene);
-  options.frequency_hz = 1e3 * pings.sensor->frequency_khz();
-  return ApparentMap(*pings.water, apex_m, loaded_scene.scene.water->surface_height_m(), options,
-                     pings.sound_speed_m_s);
+  options.frequency_hz = 1e3 * pings.sensor->frequency_khz(transmission);
+  return ApparentMap(*pings.water.at(transmission), apex_m, loaded_scene.scene.water->surface_height_m(),
+                     options, pings.sound_speed_m_s);
 }
 
 double sound_speed_at(const Scene& scene, const SensorDescription& sensor, const Trajectory& trajectory) {
@@ -179,7 +198,7 @@ void put_into_water(LoadedScene& loaded_scene, SensorSet& sensor_set) {
   if (loaded_scene.relief.omitted) loaded_scene.lowest_m -= loaded_scene.relief.omitted->largest_height_m();
   const double surface = scene.water->surface_height_m();
   for (SensorPings& pings : sensor_set.sensors) {
-    pings.water = std::make_shared<const WaterColumn>(scene.water->column(pings.sensor->frequency_khz()));
+    pings.water = columns_of(*scene.water, *pings.sensor);
     for (const auto* poses : {&pings.poses, &pings.transmission_poses, &pings.receiver_poses})
       for (const Pose& pose : *poses)
         if (!(pose.position_m.z <= surface))
@@ -250,7 +269,7 @@ TransmissionApparentMap::TransmissionApparentMap(const Transmission& transmissio
     : transmission_(transmission),
       weights_(weights),
       tubes_(transmission.tubes()),
-      apparent_map_(apparent_map_of(transmission.loaded_scene(), transmission.pings(),
+      apparent_map_(apparent_map_of(transmission.loaded_scene(), transmission.pings(), transmission.number(),
                                     transmission.scene().grid.to_metres(tubes_.apex))),
       view_bounds_(tubes_, transmission.scene().grid.unit_m(), apparent_map_),
       seabed_(transmission, {&tubes_, 1}, {&view_bounds_, 1}, weights),
@@ -260,8 +279,8 @@ ApparentSurface TransmissionApparentMap::surface_mesh(const ApparentMapSettings&
   const Scene& scene = transmission_.scene();
   return made_for(transmission_, [&] {
     return map_apparent(seabed_.mesh(), facets_, scene.grid, apparent_map_,
-                        absorption_db_per_m(scene, *transmission_.pings().sensor), settings,
-                        {most_per_transmission.facets, weights_}, scene.scattering, &view_bounds_);
+                        absorption_db_per_m(scene, *transmission_.pings().sensor, transmission_.number()),
+                        settings, {most_per_transmission.facets, weights_}, scene.scattering, &view_bounds_);
   });
 }
 
@@ -286,7 +305,8 @@ EndsApparentMap::EndsApparentMap(const Transmission& transmission, std::vector<T
 }
 
 double EndsApparentMap::absorption_db_per_m() const {
-  return tubefoot::absorption_db_per_m(transmission_.scene(), *transmission_.pings().sensor);
+  return tubefoot::absorption_db_per_m(transmission_.scene(), *transmission_.pings().sensor,
+                                       transmission_.number());
 }
 
 double EndsApparentMap::reach_m() const {
@@ -311,9 +331,9 @@ namespace {
 
 std::vector<ApparentMap> water_of_both(const Transmission& transmission) {
   const WorldGrid& grid = transmission.scene().grid;
-  return {apparent_map_of(transmission.loaded_scene(), transmission.pings(),
+  return {apparent_map_of(transmission.loaded_scene(), transmission.pings(), transmission.number(),
                           grid.to_metres(transmission.tubes().apex)),
-          apparent_map_of(transmission.loaded_scene(), transmission.pings(),
+          apparent_map_of(transmission.loaded_scene(), transmission.pings(), transmission.number(),
                           grid.to_metres(transmission.receive_tubes(transmission.first()).apex))};
 }
 

@@ -26,7 +26,9 @@ double sound_speed_at(const Scene& scene, const SensorDescription& sensor, const
 void put_into_water(LoadedScene& loaded_scene, SensorSet& sensor_set);
 
 EigenrayOptions eigenray_options(const LoadedScene& loaded_scene);
-ApparentMap apparent_map_of(const LoadedScene& loaded_scene, const SensorPings& pings, glm::dvec3 apex_m);
+/// `transmission`: number of a transmission of the sensor, which has its own frequency and absorption.
+ApparentMap apparent_map_of(const LoadedScene& loaded_scene, const SensorPings& pings,
+                            std::size_t transmission, glm::dvec3 apex_m);
 /// Returns the settings of the apparent-position map that the scene requests.
 ApparentMapSettings apparent_map_settings(const Transmission& transmission, double reach_m);
 

@@ -93,6 +93,15 @@ Recording recording_of(const Survey& survey, std::size_t s, const Selection& sel
   }
   recording.sound_speed_m_s = pings.sound_speed_m_s;
   recording.absorption_db_per_km = 1000 * absorption_db_per_m(survey.scene, *pings.sensor);
+  const Sensor& sensor = *pings.sensor;
+  const std::size_t transmissions = sensor.transmissions();
+  for (std::size_t t = 0; t < sensor.transmit_sectors().size(); ++t)
+    recording.sector_absorption_db_per_km.push_back(1000 * absorption_db_per_m(survey.scene, sensor, t));
+  if (!sensor.transmit_sectors().empty())
+    recording.transmission_pose = {
+        pings.transmission_poses.begin() + static_cast<std::ptrdiff_t>(chosen.first_ping * transmissions),
+        pings.transmission_poses.begin() +
+            static_cast<std::ptrdiff_t>((chosen.first_ping + chosen.pings) * transmissions)};
   if (selection.pings) {
     recording.ping_numbers.resize(chosen.pings);
     std::iota(recording.ping_numbers.begin(), recording.ping_numbers.end(),

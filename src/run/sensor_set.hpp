@@ -22,8 +22,9 @@ struct SensorPings {
   /// Sound speed at the sensor's first position, or the scene's in isovelocity water. Slant ranges are
   /// travel times multiplied by this speed.
   double sound_speed_m_s = 1500;
-  std::shared_ptr<const WaterColumn> water;  ///< with absorption at the sensor's frequency; null: isovelocity
-                                             ///< water, in which rays are straight
+  /// By transmission, with the absorption of the transmission. Empty in isovelocity water, in which rays are
+  /// straight.
+  std::vector<std::shared_ptr<const WaterColumn>> water;
   /// altitudes above the terrain vertically below; NaN where there is none
   std::vector<double> altitudes_m;
 

@@ -35,11 +35,13 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 bool same_transmissions(const WorldGrid& grid, const SensorPings& a, const SensorPings& b) {
-  // The echo of an apparent facet includes the absorption along its ray, which depends on the frequency.
-  if (a.water &&
-      (a.sensor->frequency_khz() != b.sensor->frequency_khz() || a.sound_speed_m_s != b.sound_speed_m_s))
-    return false;
   if (a.times_s != b.times_s || a.sensor->transmissions() != b.sensor->transmissions()) return false;
+  // The echo of an apparent facet includes the absorption along its ray, which depends on the frequency.
+  if (!a.water.empty() && a.sound_speed_m_s != b.sound_speed_m_s) return false;
+  for (std::size_t t = 0; !a.water.empty() && t < a.sensor->transmissions(); ++t)
+    if (a.sensor->frequency_khz(t) != b.sensor->frequency_khz(t) ||
+        a.sensor->own_absorption_db_per_km(t) != b.sensor->own_absorption_db_per_km(t))
+      return false;
   if (a.sensor->has_separate_receiver() || b.sensor->has_separate_receiver()) return false;  // two apexes
   const auto same = [](const Pose& p, const Pose& q) {
     return p.position_m == q.position_m && p.attitude == q.attitude;
@@ -77,6 +79,14 @@ void place_transmissions(SensorPings& pings, const Trajectory& trajectory) {
   pings.poses.reserve(pings.times_s.size());
   pings.transmission_poses.reserve(transmissions);
   if (sensor.has_separate_receiver()) pings.receiver_poses.reserve(transmissions);
+  for (std::size_t t = 0; t < sensor.transmit_sectors().size(); ++t)
+    if (const double delay_s = sensor.transmission_delay_s(t);
+        pings.times_s.size() > 1 && delay_s >= sensor.description().ping_interval_s)
+      throw InputError(
+          sensor.description().place,
+          fmt::format("sector {} of sensor '{}' has a delay of {} s, which is longer than the "
+                      "ping: it must be below 'ping_interval_s', which is {} s",
+                      t, sensor.description().name, delay_s, sensor.description().ping_interval_s));
   Steps placed("pings placed", pings.times_s.size());
   for (const double time_s : pings.times_s) {
     placed.done();
@@ -326,6 +336,11 @@ Survey survey_with_tiles(const Survey& survey, const TileChoice& choice) {
 
 double absorption_db_per_m(const Scene& scene, const Sensor& sensor) {
   return absorption_db_per_km(scene.description.water, sensor.frequency_khz()) / 1000;
+}
+
+double absorption_db_per_m(const Scene& scene, const Sensor& sensor, std::size_t transmission) {
+  if (const auto own = sensor.own_absorption_db_per_km(transmission)) return *own / 1000;
+  return absorption_db_per_km(scene.description.water, sensor.frequency_khz(transmission)) / 1000;
 }
 
 }  // namespace tubefoot

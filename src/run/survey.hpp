@@ -42,5 +42,7 @@ Survey survey_with_tiles(const Survey& survey, const TileChoice& choice);
 
 /// Returns the absorption in dB per metre, one way, at a sensor's frequency in the scene's water.
 double absorption_db_per_m(const Scene& scene, const Sensor& sensor);
+/// Returns the absorption of a transmission: its own, or that of the water at its frequency.
+double absorption_db_per_m(const Scene& scene, const Sensor& sensor, std::size_t transmission);
 
 }  // namespace tubefoot

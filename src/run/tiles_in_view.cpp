@@ -134,7 +134,8 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
       // Ratio by which a ray may travel farther than its range indicates.
       double stretch = 1;
       if (scene.water->refracts()) {
-        const ApparentMap apparent_map = apparent_map_of(loaded_scene_, pings, grid.to_metres(tubes.apex));
+        const ApparentMap apparent_map =
+            apparent_map_of(loaded_scene_, pings, number, grid.to_metres(tubes.apex));
         const ViewBounds view_bounds(tubes, grid.unit_m(), apparent_map);
         for (const Boxes& boxes : list)
           boxes.add_to(choice, view_bounds.facets(boxes.mesh, *boxes.tree, grid, lift_m_));
@@ -150,7 +151,7 @@ TileChoice TilesInView::looked_at(std::span<const Boxes> list, const Transmissio
       }
       for (const std::size_t s : group.sensors) {
         const Sensor& sensor = transmission.sensor(s);
-        const std::optional<PathSettings> paths = path_settings(scene, sensor.frequency_khz());
+        const std::optional<PathSettings> paths = path_settings(transmission, s);
         if (!paths) continue;
         const double reach = stretch * std::max(2 * sensor.reach(grid), tubes.reach);
         const double farthest = farthest_of_paths(*paths, reach) + lift_m_ / grid.unit_m();

@@ -31,7 +31,8 @@ SensorModel::SensorModel(const Transmission& transmission, const TransmissionSur
                          std::size_t sensor) {
   const Scene& scene = transmission.scene();
   const SensorPings& pings = transmission.survey().sensors[sensor];
-  model = {scene.material_mu, surface_mesh.mesh().material, absorption_db_per_m(scene, *pings.sensor)};
+  model = {scene.material_mu, surface_mesh.mesh().material,
+           absorption_db_per_m(scene, *pings.sensor, transmission.number())};
   model.reflectivity = scene.reflectivity;
   model.scattering = scene.scattering;
   model.path.tx.apex_m = scene.grid.to_metres(

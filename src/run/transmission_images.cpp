@@ -34,7 +34,7 @@ TransmissionImages::TransmissionImages(const Transmission& transmission, std::si
   try {
     images_ = std::make_unique<const PathImages>(
         surface_mesh().mesh(), surface_mesh().tree(), grid.unit_m(), options, ends_.transmit, ends_.receive,
-        settings_, absorption_db_per_m(transmission.scene(), transmission.sensor(s)),
+        settings_, absorption_db_per_m(transmission.scene(), transmission.sensor(s), transmission.number()),
         water_ ? &*water_ : nullptr);
   } catch (const RefinementTooLarge&) {
     rethrow_as_seen_by(transmission);
@@ -50,7 +50,7 @@ void audit_paths(const Transmission& transmission, std::uint64_t label,
   constexpr std::uint64_t of_paths = std::uint64_t{1} << 61;
   std::uint64_t number = 0;
   for (const std::size_t s : transmission.group().sensors) {
-    const auto settings = path_settings(transmission.scene(), transmission.sensor(s).frequency_khz());
+    const auto settings = path_settings(transmission, s);
     if (!settings || settings->order < 2) continue;
     const auto audit = [&](PathEnds ends) {
       const TransmissionImages images(transmission, s, *settings, std::move(ends), true);

@@ -35,7 +35,7 @@ RayGuide guide_of(const Transmission& transmission) {
   const Scene& scene = transmission.scene();
   const RangeSamples samples = transmission.sensor(s).samples();
   RayGuide guide{samples.first_m, samples.step_m, samples.count,
-                 absorption_per_m(absorption_db_per_m(scene, transmission.sensor(s)))};
+                 absorption_per_m(absorption_db_per_m(scene, transmission.sensor(s), transmission.number()))};
   const double slant = std::sqrt(0.5);
   for (std::size_t m = 0; m < scene.material_mu.size(); ++m)
     guide.material_strength.push_back(m < scene.scattering.size() && scene.scattering[m] != nullptr

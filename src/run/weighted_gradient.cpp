@@ -288,7 +288,7 @@ WeightedGradient weighted_gradient(const Survey& survey, RunRequest request,
             }
             add(GradientRays(*seen), echo);
           }
-          if (const auto paths = path_settings(survey.scene, transmission.sensor(s).frequency_khz())) {
+          if (const auto paths = path_settings(transmission, s)) {
             const PathEnds ends(transmission, s);
             const auto gradient = [&] {
               try {

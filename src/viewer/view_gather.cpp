@@ -146,7 +146,7 @@ class ViewBuilder {
   /// carrier moves.
   void note_motion_between_transmissions() {
     const std::size_t transmissions = sensor_.transmissions();
-    if (transmissions < 2) return;
+    if (transmissions < 2 || !sensor_.transmit_sectors().empty()) return;
     double moves_m = 0, turns_deg = 0;
     for (const ViewPing& ping : view.pings) {
       const Pose &first = pings_.transmission_pose(ping.number, 0),
