@@ -38,8 +38,8 @@ class NativeTransmission : public std::enable_shared_from_this<NativeTransmissio
   const ReceivedTransmission& which() const { return which_; }
   const SensorPings& pings() const { return survey().sensors[which_.sensor]; }
   const Sensor& sensor() const { return *pings().sensor; }
-  const Pose& pose() const { return transmission_.pose(); }
-  const Pose& receiver_pose() const { return transmission_.receiver_pose(); }
+  const SteeredPose& pose() const { return transmission_.pose(); }
+  const SteeredPose& receiver_pose() const { return transmission_.receiver_pose(); }
   /// Mesh of the facets that both ends see, at the positions that the transmitter sees.
   const FacetMesh& mesh() const { return ends_.shared_mesh(); }
   const TransmissionEnds& ends() const { return ends_; }

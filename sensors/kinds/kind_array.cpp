@@ -73,7 +73,7 @@ Array::Array(const SensorDescription& description) : Sensor(description) {
   for (const auto& [x, y, z] : own.receivers_m) model.array.receivers_m.emplace_back(x, y, z);
   model.waveform = waveform_of(description);
   model.sampling = sampling_of(description);
-  model.stop_and_hop = own.stop_and_hop;
+  model.stop_and_hop = description.stop_and_hop;
   model.own_views = own.own_views;
   model.tolerance = own.signal_tolerance;
   check_sampled(model.waveform, model.sampling);
@@ -227,9 +227,6 @@ class ArrayKind : public SensorKind {
                {.meaning = "Position of each receiver (starboard, forward, up), instead of `receivers` and "
                            "`receiver_spacing_m`. At most 4096 receivers.",
                 .ranges = {place}}),
-         field("stop_and_hop", &A::stop_and_hop,
-               {.meaning = "true: the carrier stands still during a ping. false: the carrier moves while the "
-                           "sound travels."}),
          field("own_sights", &A::own_views,
                {.meaning = "true: the signal of a receiver comes from the surface that is visible from both "
                            "the transmitter and this receiver. false: the signals of all receivers come from "
@@ -300,7 +297,7 @@ class ArrayKind : public SensorKind {
     for (const char* key :
          {"source_level_db", "noise_level_db", "speckle", "speckle_looks", "speckle_shape", "tvg_spreading",
           "tvg_absorption_db_per_km", "tvg_gain_db", "tvg_fixed_below_m", "display_gain_db",
-          "quantisation_bits", "quantisation_bottom_db", "quantisation_top_db"})
+          "quantisation_bits", "quantisation_bottom_db", "quantisation_top_db", "motion_step_beams"})
       if (table.has(key))
         throw InputError(
             table.place_of(key),
@@ -313,7 +310,7 @@ class ArrayKind : public SensorKind {
             table.place_of(key),
             fmt::format("'receivers_m' already gives the receiver positions: remove '{}', or 'receivers_m'",
                         key));
-    if (sensor.look_at_m && (sensor.receiver_arm_m || !own.stop_and_hop))
+    if (sensor.look_at_m && (sensor.receiver_arm_m || !sensor.stop_and_hop))
       throw InputError(table.place_of("look_at_m"),
                        "'look_at_m' needs an array with a single position that stands still during "
                        "reception: remove 'look_at_m', or 'receiver_arm_m' and stop_and_hop = false");

@@ -26,7 +26,6 @@ struct ArrayDescription {
   std::optional<std::array<double, 3>> receiver_spacing_m;
   std::vector<std::array<double, 3>> receivers_m;  ///< position of each receiver on the sensor's axes,
                                                    ///< instead of receivers and receiver_spacing_m
-  bool stop_and_hop = true;
   bool own_views = false;  ///< each receiver has its own visible polygons
   double signal_tolerance = 1e-3;
 

@@ -40,6 +40,8 @@ class Multibeam : public Sensor {
  private:
   /// `angles`: axes of all beams from straight down.
   Transmission transmission_of(const std::vector<double>& angles, const FanSector& sector) const;
+  void add_separate_ends(Transmission& transmission, const std::vector<double>& angles,
+                         const FanSector& sector, const glm::dmat3& frame, int slices) const;
 };
 
 constexpr double straight_down_rad = std::numbers::pi / 2;
@@ -147,11 +149,16 @@ Multibeam::Multibeam(const SensorDescription& description) : Sensor(description)
   for (const FanSector& sector : sectors) {
     for (std::uint32_t beam = sector.first_beam; beam < sector.end_beam; ++beam) {
       beams_[beam] = tilted(beams_[beam], angles[beam], sector.properties.tilt_rad);
-      beams_[beam].transmission = static_cast<std::uint32_t>(transmissions_.size());
+      beams_[beam].sector = static_cast<std::uint32_t>(transmissions_.size());
     }
     transmissions_.push_back(transmission_of(angles, sector));
     transmissions_.back().delay_s = sector.delay_s;
   }
+  const auto is_stabilised = [&](const char* motion) {
+    return std::ranges::find(fan.stabilisation, motion) != fan.stabilisation.end();
+  };
+  stabilisation_ = {is_stabilised("roll"), is_stabilised("pitch"), is_stabilised("yaw"),
+                    fan.stabilisation_heading_s};
   if (differ_from_sensor(sectors, sector_keys(fan)))
     for (const FanSector& sector : sectors) transmit_sectors_.push_back(sector.properties);
 }
@@ -232,6 +239,7 @@ Sensor::Transmission Multibeam::transmission_of(const std::vector<double>& angle
     cut(to, to + starboard_rad, parts);
     name(last, parts);
   }
+  add_separate_ends(transmission, angles, sector, frame, slices);
   transmission.beams.resize(beams);
   std::iota(transmission.beams.begin(), transmission.beams.end(), first);
   const double tilt_rad = sector.properties.tilt_rad;
@@ -240,6 +248,34 @@ Sensor::Transmission Multibeam::transmission_of(const std::vector<double>& angle
   transmission.fans.push_back({0, beams, static_cast<std::uint32_t>(transmission.beam_of_tube.size()), axis,
                                forward_axis, starboard_axis});
   return transmission;
+}
+
+/// Adds the sectors of a transmitter whose receiver is separate, and of a receiver that moves during a ping.
+void Multibeam::add_separate_ends(Transmission& transmission, const std::vector<double>& angles,
+                                  const FanSector& sector, const glm::dmat3& frame, int slices) const {
+  const auto& fan = description_.kind.as<MultibeamDescription>();
+  const bool is_divided = transmission.sectors.size() > 1;
+  const double half_across_rad = radians(fan.beam_across_deg) / 2;
+  transmission.axis = {(angles[sector.first_beam] + angles[sector.end_beam - 1]) / 2,
+                       sector.properties.tilt_rad};
+  constexpr double largest_turn_deg = 3;
+  transmission.transmit_margin_rad = radians(largest_turn_deg);
+  const double corner_rad = height_of_corners(radians(fan.receive_along_track_deg) / 2,
+                                              2 * half_across_rad / slices, description_.cone_tolerance);
+  transmission.moving_sectors = transmission.sectors;
+  for (AngularGrid& grid : transmission.moving_sectors)
+    grid.elevation_edges_rad = {sector.properties.tilt_rad - corner_rad,
+                                sector.properties.tilt_rad + corner_rad};
+  transmission.transmitter_sectors = transmission.sectors;
+  if (!is_divided) return;
+  // Each beam has its own sector. Beams that overlap are cut midway between their axes.
+  for (std::uint32_t beam = sector.first_beam; beam < sector.end_beam; ++beam) {
+    double from = angles[beam] - half_across_rad, to = angles[beam] + half_across_rad;
+    if (beam > sector.first_beam) from = std::max(from, (angles[beam - 1] + angles[beam]) / 2);
+    if (beam + 1 < sector.end_beam) to = std::min(to, (angles[beam] + angles[beam + 1]) / 2);
+    transmission.transmitter_sectors[beam - sector.first_beam] = {
+        even_edges(from, to, slices), transmission.sectors.front().elevation_edges_rad, frame};
+  }
 }
 
 bool is_like_8101(const MultibeamDescription& fan) {
@@ -316,6 +352,16 @@ class MultibeamKind : public SensorKind {
                {.meaning = "One-way absorption per transmit sector. Absent: that of the water at the "
                            "frequency of the sector.",
                 .ranges = {{.lo = 0, .hi = 100000}}}),
+         field("receive_along_track_deg", &M::receive_along_track_deg,
+               {.meaning = "With stop_and_hop = false: width of the receive beams along the track.",
+                .ranges = {sector(90, false)}}),
+         field("stabilisation", &M::stabilisation,
+               {.meaning = "Motions of the carrier against which the beams are steered.",
+                .choices = {"roll", "pitch", "yaw"}}),
+         field("stabilisation_heading_s", &M::stabilisation_heading_s,
+               {.meaning = "With yaw stabilisation: duration of the mean heading, half before and half after "
+                           "the transmission.",
+                .ranges = {{.lo = 0, .hi = 3600}}}),
          field("samples", &M::samples,
                {.meaning = "Number of range bins of equal length.", .ranges = {range_samples}}),
          field("range_min_m", &M::range_min_m,
@@ -352,6 +398,19 @@ class MultibeamKind : public SensorKind {
                       fan.swath_deg, fan.beam_across_deg));
     }
     check_ranges(fan.range_min_m, fan.range_max_m, table);
+    const struct {
+      const char* key;
+      bool takes;
+      const char* wanted;
+    } rules[] = {
+        {"receive_along_track_deg", !sensor.stop_and_hop, "stop_and_hop = false"},
+        {"stabilisation_heading_s", std::ranges::find(fan.stabilisation, "yaw") != fan.stabilisation.end(),
+         "stabilisation = [\"yaw\"]"},
+    };
+    for (const auto& [key, takes, wanted] : rules)
+      if (table.has(key) && !takes)
+        throw InputError(table.place_of(key),
+                         fmt::format("'{}' needs {}: add it, or remove the key", key, wanted));
     if (const auto error = error_of_sectors(sensor, sector_keys(fan), across_angles_rad(fan)))
       throw InputError(table.place_of(error->key), error->what);
   }

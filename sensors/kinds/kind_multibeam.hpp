@@ -16,6 +16,10 @@ struct MultibeamDescription {
   std::string spacing = "angle";        ///< angle | distance: the quantity that is equal between neighbours
   std::vector<double> beam_angles_deg;  ///< from port to starboard, instead of `beams` over `swath_deg`
   double beam_across_deg = 1.5, along_track_deg = 1.5;  ///< one-way widths of the ideal rectangular beam
+  /// Width of the receive beams along the track, with stop_and_hop = false.
+  double receive_along_track_deg = 30;
+  std::vector<std::string> stabilisation;  ///< of roll, pitch, yaw
+  double stabilisation_heading_s = 10;     ///< duration of the mean heading for yaw
   int samples = 2000;
   double range_min_m = 0.5, range_max_m = 100;
   // Transmit sectors: one value per sector, or empty.

@@ -50,6 +50,25 @@ glm::dvec3 beam_direction(const BeamAxis& axis) {
           std::sin(axis.elevation_rad)};
 }
 
+namespace {
+
+/// Direction of an axis after steering of the fan.
+glm::dvec3 steered(glm::dvec3 axis, const SteeredPose& pose) {
+  if (pose.across_rad == 0 && pose.along_rad == 0) return axis;
+  const double across_rad = std::atan2(axis.x, -axis.z) + pose.across_rad,
+               along_rad = std::asin(std::clamp(axis.y, -1.0, 1.0)) + pose.along_rad;
+  return std::cos(along_rad) * (std::sin(across_rad) * starboard_axis - std::cos(across_rad) * up_axis) +
+         std::sin(along_rad) * forward_axis;
+}
+
+std::vector<double> turned_by(std::vector<double> edges_rad, double angle_rad) {
+  if (angle_rad != 0)
+    for (double& edge : edges_rad) edge += angle_rad;
+  return edges_rad;
+}
+
+}  // namespace
+
 Sensor::Sensor(SensorDescription description) : description_(std::move(description)) {
   require(description_.pings.value_or(1) >= 1, description_, "pings", description_.pings.value_or(1),
           "1 or more");
@@ -57,14 +76,68 @@ Sensor::Sensor(SensorDescription description) : description_(std::move(descripti
   receive_ = opened(description_.receive);
 }
 
-TubeSet Sensor::tubes(const Pose& sensor_pose, const WorldGrid& grid, std::size_t transmission) const {
+TubeSet Sensor::tubes_of(const std::vector<AngularGrid>& sectors, const SteeredPose& pose,
+                         const WorldGrid& grid, std::size_t transmission) const {
   TubeSet set;
-  set.apex = grid.snap(sensor_pose.position_m);
-  set.reach = reach(grid);
-  const glm::dmat3 turn = glm::mat3_cast(glm::normalize(sensor_pose.attitude));
-  for (const AngularGrid& sector : transmissions_.at(transmission).sectors)
-    append_tubes(set, {sector.azimuth_edges_rad, sector.elevation_edges_rad, turn * sector.frame});
+  set.apex = grid.snap(pose.position_m);
+  set.reach = reach(grid, transmission);
+  const glm::dmat3 turn = glm::mat3_cast(glm::normalize(pose.attitude));
+  for (const AngularGrid& sector : sectors)
+    append_tubes(set, {turned_by(sector.azimuth_edges_rad, pose.across_rad),
+                       turned_by(sector.elevation_edges_rad, pose.along_rad), turn * sector.frame});
   return set;
+}
+
+TubeSet Sensor::tubes(const SteeredPose& sensor_pose, const WorldGrid& grid, std::size_t transmission) const {
+  return tubes_of(transmissions_.at(transmission).sectors, sensor_pose, grid, transmission);
+}
+
+TubeSet Sensor::transmit_tubes(const SteeredPose& sensor_pose, const WorldGrid& grid,
+                               std::size_t transmission) const {
+  const Transmission& fired = transmissions_.at(transmission);
+  return tubes_of(fired.transmitter_sectors.empty() ? fired.sectors : fired.transmitter_sectors, sensor_pose,
+                  grid, transmission);
+}
+
+RangeSamples Sensor::samples(std::size_t transmission) const {
+  const Transmission& fired = transmissions_.at(transmission);
+  if (!fired.samples) return samples_;
+  RangeSamples own = samples_;
+  own.first_m += static_cast<double>(fired.first_sample) * samples_.step_m;
+  own.count = *fired.samples;
+  return own;
+}
+
+void Sensor::divide_record(int intervals, double sound_speed_m_s) {
+  if (intervals < 1 || intervals > samples_.count)
+    throw std::invalid_argument(
+        fmt::format("sensor '{}': invalid division of {} range bins into {} intervals", description_.name,
+                    samples_.count, intervals));
+  receiver_moves_ = true;
+  std::vector<Transmission> divided;
+  for (const Transmission& whole : transmissions_)
+    for (int k = 0; k < intervals; ++k) {
+      const int first = static_cast<int>(std::int64_t{samples_.count} * k / intervals),
+                end = static_cast<int>(std::int64_t{samples_.count} * (k + 1) / intervals);
+      Transmission& part = divided.emplace_back(whole);
+      if (!whole.moving_sectors.empty()) part.sectors = whole.moving_sectors;
+      if (!part.transmitter_sectors.empty()) {
+        part.transmitter_sectors.front().azimuth_edges_rad.front() -= whole.transmit_margin_rad;
+        part.transmitter_sectors.back().azimuth_edges_rad.back() += whole.transmit_margin_rad;
+      }
+      part.first_sample = static_cast<std::size_t>(first);
+      part.samples = end - first;
+      const double middle_m = samples_.first_m + (first + end) / 2.0 * samples_.step_m;
+      part.reception_delay_s = whole.delay_s + 2 * middle_m / sound_speed_m_s;
+    }
+  transmissions_ = std::move(divided);
+  intervals_ *= static_cast<std::size_t>(intervals);
+}
+
+std::size_t Sensor::transmission_of(std::size_t sector, std::size_t sample) const {
+  std::size_t transmission = first_transmission(sector);
+  for (std::size_t k = 1; k < intervals_ && first_sample(transmission + 1) <= sample; ++k) ++transmission;
+  return transmission;
 }
 
 Directivity Sensor::directivity(const PatternDescription& pattern,
@@ -89,10 +162,11 @@ Directivity Sensor::directivity(const PatternDescription& pattern,
   return made;
 }
 
-BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s,
-                              std::size_t transmission) const {
+BeamPatterns Sensor::patterns(const SteeredPose& transmitter, const SteeredPose& receiver,
+                              double sound_speed_m_s, std::size_t transmission) const {
   const Transmission& fired = transmissions_.at(transmission);
-  const glm::dmat3 turn = glm::mat3_cast(glm::normalize(sensor_pose.attitude));
+  const glm::dmat3 transmit_turn = glm::mat3_cast(glm::normalize(transmitter.attitude)),
+                   receive_turn = glm::mat3_cast(glm::normalize(receiver.attitude));
   const double frequency_khz = this->frequency_khz(transmission),
                wavelength_m = sound_speed_m_s / (frequency_khz * 1000);
   BeamPatterns made;
@@ -107,18 +181,20 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s,
         axes.push_back(beam_direction(beams_[fired.beams[beam]]));
       made.transmit.back().beams.clear();
       for (const glm::dvec3 axis : axes)
-        made.transmit.back().beams.push_back(
-            directivity(description_.transmit, *transmit_, fan, axis, turn, wavelength_m));
+        made.transmit.back().beams.push_back(directivity(description_.transmit, *transmit_, fan,
+                                                         steered(axis, transmitter), transmit_turn,
+                                                         wavelength_m));
     }
     if (receive_) {
       for (std::uint32_t beam = fan.first_beam; beam < fan.end_beam; ++beam)
         made.receive[beam] = directivity(description_.receive, *receive_, fan,
-                                         beam_direction(beams_[fired.beams[beam]]), turn, wavelength_m);
+                                         steered(beam_direction(beams_[fired.beams[beam]]), receiver),
+                                         receive_turn, wavelength_m);
       apart.push_back(
           are_resolved(std::span(made.receive).subspan(fan.first_beam, fan.end_beam - fan.first_beam)));
     }
     if (has_receiver_pair())
-      made.baselines.push_back({glm::normalize(turn * fan.receiver_pair), receiver_pair_.baseline_m,
+      made.baselines.push_back({glm::normalize(receive_turn * fan.receiver_pair), receiver_pair_.baseline_m,
                                 2 * std::numbers::pi * frequency_khz * 1000 / sound_speed_m_s});
   }
   made.fan_of_tube = fan_of_tube(transmission);
@@ -133,10 +209,10 @@ BeamPatterns Sensor::patterns(const Pose& sensor_pose, double sound_speed_m_s,
   return made;
 }
 
-double Sensor::reach(const WorldGrid& grid) const {
+double Sensor::reach(const WorldGrid& grid, const RangeSamples& samples) const {
   // Half a path is at least the range from the transmitter less a quarter of the baseline.
   const double apart_m = signals_ ? signals_->farthest_element_m() : receiver_pair_.baseline_m / 2;
-  return (samples_.first_m + samples_.count * samples_.step_m + apart_m) / grid.unit_m();
+  return (samples.first_m + samples.count * samples.step_m + apart_m) / grid.unit_m();
 }
 
 namespace {

@@ -21,12 +21,6 @@
 namespace tubefoot {
 namespace {
 
-std::vector<double> across_angles_deg(const Sensor& sensor) {
-  std::vector<double> angles;
-  for (const BeamAxis& axis : sensor.beams()) angles.push_back(degrees(across_angle_rad(axis)));
-  return angles;
-}
-
 /// Level of the sample that contains a sounding, within the limits of the files.
 double level_db(const Sounding& sounding) {
   constexpr double lowest = -600, highest = 600;
@@ -48,7 +42,6 @@ class SonarNetcdfFormat : public SwathFormat {
                     const SwathSettings& settings, const BottomFinder& finder)
       : recording_(recording),
         finder_(finder),
-        angles_deg_(across_angles_deg(*recording.sensor)),
         name_(recording.sensor->description().name + "-sonar.nc"),
         file_(folder / name_, header(recording, run, settings)) {}
 
@@ -70,8 +63,8 @@ class SonarNetcdfFormat : public SwathFormat {
     ping.sound_speed_m_s = c;
     ping.sample_interval_s = 2 * samples.step_m / c;
     ping.blanking_interval_s = 2 * (samples.first_m + samples.step_m / 2) / c;
-    ping.across_angle_deg = angles_deg_;
-    for (std::size_t beam = 0; beam < angles_deg_.size(); ++beam) {
+    for (std::size_t beam = 0; beam < placed.sounded.rays.size(); ++beam) {
+      ping.across_angle_deg.push_back(degrees(placed.sounded.rays[beam].across_rad));
       ping.backscatter_db.push_back(levels_db(placed.sounded, beam));
       ping.detections.push_back(detection(placed, beam));
     }
@@ -92,7 +85,7 @@ class SonarNetcdfFormat : public SwathFormat {
 
   SonarDetection detection(const PlacedPing& placed, std::size_t beam) const {
     SonarDetection detection;
-    detection.beam_angle_deg = angles_deg_[beam];
+    detection.beam_angle_deg = degrees(placed.sounded.rays[beam].across_rad);
     const std::optional<Sounding>& sounding = placed.sounded.soundings[beam];
     if (!sounding) return detection;
     detection.found = true;
@@ -157,7 +150,7 @@ class SonarNetcdfFormat : public SwathFormat {
       beam.width_across_deg = degrees(sector.last_across_rad - sector.first_across_rad);
       beam.across_deg = degrees((sector.first_across_rad + sector.last_across_rad) / 2);
       beam.tilt_deg = degrees(sector.tilt_rad);
-      beam.delay_s = sensor.transmission_delay_s(k);
+      beam.delay_s = sensor.transmission_delay_s(sensor.first_transmission(k));
       header.transmit_beams.push_back(beam);
     }
     for (std::size_t beam = 0; beam < sensor.beams().size(); ++beam)
@@ -166,7 +159,6 @@ class SonarNetcdfFormat : public SwathFormat {
 
   const Recording& recording_;
   const BottomFinder& finder_;
-  std::vector<double> angles_deg_;
   std::filesystem::path name_;
   SonarNetcdfFile file_;
 };
@@ -180,9 +172,10 @@ int depth_offset_m(const Recording& recording, const RunContext& run, const Soun
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
     const Pose& pose = recording.ping_pose[ping];
     double up_m = pose.position_m.z;
-    for (std::size_t beam = 0; beam < sensor.beams().size(); ++beam)
-      up_m = std::max(up_m, placer.highest_m(recording.beam_pose(ping, beam),
-                                             across_direction(sensor.beams()[beam]), far_m));
+    for (std::size_t beam = 0; beam < sensor.beams().size(); ++beam) {
+      const BeamRay ray = ray_of_beam(recording, ping, beam, static_cast<std::size_t>(samples.count) - 1);
+      up_m = std::max(up_m, placer.highest_m(ray.pose, ray.axis, far_m));
+    }
     // The Earth's surface falls away from a tangent plane.
     constexpr double least_radius_m = 6.3e6;
     const double away_m = std::hypot(pose.position_m.x, pose.position_m.y) + placer.longest_m(far_m);
@@ -285,17 +278,18 @@ class GsfFormat : public SwathFormat {
       ping.reson_8101 = settings_8101(recording_, settings_);
       ping.ping_number = recording_.number_of(placed.ping);
     }
-    const bool has_sectors = !recording_.sensor->transmit_sectors().empty();
+    const Sensor& sensor = *recording_.sensor;
+    const bool has_sectors = !sensor.transmit_sectors().empty(),
+               is_tilted = has_sectors || sensor.stabilisation().any() || sensor.receiver_moves();
     for (std::size_t beam = 0; beam < placed.sounded.soundings.size(); ++beam) {
-      const glm::dvec3 axis =
-          forward_starboard_down(fix.place.direction(recording_.beam_pose(placed.ping, beam).attitude *
-                                                     across_direction(recording_.sensor->beams()[beam])),
-                                 fix.lie.heading_deg);
-      if (has_sectors) {
+      const BeamRay& ray = placed.sounded.rays[beam];
+      const glm::dvec3 axis = forward_starboard_down(fix.place.direction(ray.pose.attitude * ray.axis),
+                                                     fix.lie.heading_deg);
+      if (is_tilted) {
         ping.beam_angle_deg.push_back(
             degrees(std::copysign(std::acos(std::clamp(axis.z, -1.0, 1.0)), axis.y)));
         ping.beam_azimuth_deg.push_back(counterclockwise_deg(axis));
-        ping.sector.push_back(static_cast<std::uint8_t>(recording_.sector_of(beam)));
+        if (has_sectors) ping.sector.push_back(static_cast<std::uint8_t>(recording_.sector_of(beam)));
       } else {
         ping.beam_angle_deg.push_back(degrees(std::atan2(axis.y, axis.z)));
       }
@@ -339,7 +333,6 @@ class XtfFormat : public SwathFormat {
             const SwathSettings& settings)
       : recording_(recording),
         settings_(settings),
-        angles_deg_(across_angles_deg(*recording.sensor)),
         depths_m_(middle_depths_m(recording, run)),
         lines_(folder, ".xtf", recording, headers(recording, settings, depths_m_)) {}
 
@@ -448,7 +441,7 @@ class XtfFormat : public SwathFormat {
       if (!sounding) continue;
       constexpr std::int32_t cut = 0, good = 1, of_several = 2;
       soundings.push_back({static_cast<std::int32_t>(beam), sounding->two_way_travel_time_s,
-                           angles_deg_[beam], degrees(recording_.sensor->beams()[beam].tilt_rad),
+                           degrees(sounded.rays[beam].across_rad), degrees(sounded.rays[beam].tilt_rad),
                            level_db(*sounding),
                            is_cut(*sounding)              ? cut
                            : is_one_of_several(*sounding) ? of_several
@@ -460,7 +453,6 @@ class XtfFormat : public SwathFormat {
 
   const Recording& recording_;
   const SwathSettings settings_;
-  std::vector<double> angles_deg_;
   std::vector<double> depths_m_;  ///< by line
   LineFiles<XtfFile, XtfHeader> lines_;
 };

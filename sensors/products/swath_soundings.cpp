@@ -13,8 +13,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double straight_down_rad = std::numbers::pi / 2;
-
 std::vector<std::vector<double>> noise_floors_j(const Recording& recording, const RunContext& run) {
   std::vector<std::vector<double>> floors;
   for (std::size_t k = 0; k < recording.sectors(); ++k) floors.push_back(noise_floor_j(recording, run, k));
@@ -22,22 +20,6 @@ std::vector<std::vector<double>> noise_floors_j(const Recording& recording, cons
 }
 
 }  // namespace
-
-double across_angle_rad(const BeamAxis& axis) {
-  if (axis.tilt_rad != 0) {
-    const glm::dvec3 direction = beam_direction(axis);
-    return std::atan2(glm::dot(direction, starboard_axis), -glm::dot(direction, up_axis));
-  }
-  return std::copysign(straight_down_rad + axis.elevation_rad, axis.azimuth_rad);
-}
-
-glm::dvec3 across_direction(double across_angle_rad) {
-  return std::sin(across_angle_rad) * starboard_axis - std::cos(across_angle_rad) * up_axis;
-}
-
-glm::dvec3 across_direction(const BeamAxis& axis) {
-  return axis.tilt_rad != 0 ? beam_direction(axis) : across_direction(across_angle_rad(axis));
-}
 
 BottomFinder::BottomFinder(const Recording& recording, const RunContext& run, const DetectionRule& rule)
     : BottomFinder(recording, ReceivedPings(recording, run),
@@ -89,20 +71,21 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
     sounded.soundings.emplace_back();
     sounded.range_sigma_m.push_back(0);
     const std::optional<Detection> found = detect_bottom(evened, samples, rule_);
+    const auto sample = static_cast<std::size_t>(found ? found->sample : samples.count / 2);
+    const BeamRay& ray = sounded.rays.emplace_back(ray_of_beam(recording_, ping, beam, sample));
     if (!found) continue;
-    const BeamAxis& axis = sensor.beams()[beam];
     Sounding sounding;
     sounding.ping = recording_.number_of(ping);
     sounding.beam = static_cast<std::uint32_t>(beam);
     sounding.sector = static_cast<std::uint32_t>(sector);
     sounding.time_s = recording_.ping_time_s[ping];
-    if (!sensor.transmit_sectors().empty()) sounding.time_s += sensor.transmission_delay_s(sector);
-    sounding.position_m =
-        placer_.place(recording_.beam_pose(ping, beam), across_direction(axis), found->range_m);
+    if (!sensor.transmit_sectors().empty())
+      sounding.time_s += sensor.transmission_delay_s(sensor.first_transmission(sector));
+    sounding.position_m = placer_.place(ray.pose, ray.axis, found->range_m);
     sounding.two_way_travel_time_s = 2 * found->range_m / recording_.sound_speed_m_s;
     sounding.slant_range_m = found->range_m;
-    sounding.beam_angle_deg = degrees(across_angle_rad(axis));
-    sounding.amplitude = receiver(beam).amplitude_upa(received[static_cast<std::size_t>(found->sample)]);
+    sounding.beam_angle_deg = degrees(ray.across_rad);
+    sounding.amplitude = receiver(beam).amplitude_upa(received[sample]);
     sounding.quality = found->quality;
     sounding.method = rule_.method;
     sounding.flags = found->flags;

@@ -7,22 +7,17 @@
 #include "sensors/detection/bottom_detection.hpp"
 #include "sensors/detection/sounding.hpp"
 #include "sensors/detection/sounding_place.hpp"
+#include "sensors/products/beam_ray.hpp"
 #include "sensors/products/received.hpp"
 
 namespace tubefoot {
-
-/// Across-track angle of a beam from the sensor's downward axis, positive to starboard.
-double across_angle_rad(const BeamAxis& axis);
-/// Direction of a beam at such an angle, in the sensor's frame.
-glm::dvec3 across_direction(double across_angle_rad);
-/// Direction of a beam's axis in the sensor's frame, with its tilt.
-glm::dvec3 across_direction(const BeamAxis& axis);
 
 /// The received energies and soundings of one ping of a fan across the track.
 struct SoundedPing {
   std::vector<std::vector<double>> received_j;     ///< by beam, received energies up to the last echo
   std::vector<std::optional<Sounding>> soundings;  ///< by beam; empty if no sample counted
   std::vector<double> range_sigma_m;               ///< by beam, of its sounding
+  std::vector<BeamRay> rays;                       ///< by beam, at the time of its sounding
 };
 
 /// Detects the bottom in the pings of a fan across the track. Energies are weighted by the gain 20 log10 R +

@@ -61,12 +61,17 @@ std::vector<RecordedVariable> Recording::variables() const {
 std::size_t Recording::sectors() const { return std::max<std::size_t>(sensor->transmit_sectors().size(), 1); }
 
 std::size_t Recording::sector_of(std::size_t beam) const {
-  return sensor->transmit_sectors().empty() ? 0 : sensor->beams().at(beam).transmission;
+  return sensor->transmit_sectors().empty() ? 0 : sensor->beams().at(beam).sector;
 }
 
-const Pose& Recording::beam_pose(std::size_t ping, std::size_t beam) const {
+SteeredPose Recording::beam_pose(std::size_t ping, std::size_t beam) const {
   if (transmission_pose.empty()) return ping_pose.at(ping);
-  return transmission_pose.at(ping * sensor->transmissions() + sector_of(beam));
+  return transmission_pose.at(ping * sensor->transmissions() + sensor->first_transmission(sector_of(beam)));
+}
+
+SteeredPose Recording::receive_pose(std::size_t ping, std::size_t beam, std::size_t sample) const {
+  if (receiver_pose.empty()) return beam_pose(ping, beam);
+  return receiver_pose.at(ping * sensor->transmissions() + sensor->transmission_of(sector_of(beam), sample));
 }
 
 std::vector<PingSpan> Recording::lines() const {
@@ -178,12 +183,13 @@ std::vector<SectorColumn> sector_columns(const Recording& recording) {
        true}};
   for (std::size_t k = 0; k < sectors.size(); ++k) {
     const double values[] = {sectors[k].frequency_khz, degrees(sectors[k].tilt_rad),
-                             sensor.transmission_delay_s(k), recording.absorption_of(k)};
+                             sensor.transmission_delay_s(sensor.first_transmission(k)),
+                             recording.absorption_of(k)};
     for (std::size_t column = 0; column < std::size(values); ++column)
       columns[column].values.push_back(values[column]);
   }
   for (const BeamAxis& axis : sensor.beams()) {
-    columns[4].values.push_back(static_cast<double>(axis.transmission));
+    columns[4].values.push_back(static_cast<double>(axis.sector));
     columns[5].values.push_back(degrees(axis.tilt_rad));
   }
   if (std::ranges::any_of(sectors,

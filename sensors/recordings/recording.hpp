@@ -35,7 +35,9 @@ struct Recording {
   std::vector<double> ping_time_s;
   std::vector<Pose> ping_pose;  ///< of the sensor
   /// [ping][transmission], of a sensor with transmit sectors, each at its own time; empty: ping_pose
-  std::vector<Pose> transmission_pose{};
+  std::vector<SteeredPose> transmission_pose{};
+  /// [ping][transmission], at the time of reception. Empty unless the receiver moves during a ping.
+  std::vector<SteeredPose> receiver_pose{};
   std::vector<std::size_t> line_starts{};  ///< first ping of each line of a survey; empty: not divided
   std::vector<double> altitude_m;          ///< above the terrain straight below; NaN: unknown. May be empty
   /// [ping][beam][sample], J/m^2 for a source of 1 J/sr at 1 m. For a sensor with several channels
@@ -72,7 +74,10 @@ struct Recording {
     return ping_numbers.empty() ? static_cast<std::uint32_t>(ping) : ping_numbers[ping];
   }
   /// Pose of the sensor at the time of the transmission that a beam receives.
-  const Pose& beam_pose(std::size_t ping, std::size_t beam) const;
+  SteeredPose beam_pose(std::size_t ping, std::size_t beam) const;
+  /// Pose of the receiver at the time of reception of a range bin. It is beam_pose() unless the receiver
+  /// moves during a ping.
+  SteeredPose receive_pose(std::size_t ping, std::size_t beam, std::size_t sample) const;
   /// Number of the transmit sector of a beam; 0 for a sensor without them.
   std::size_t sector_of(std::size_t beam) const;
   /// Number of transmit sectors; 1 for a sensor without them.

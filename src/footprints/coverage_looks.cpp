@@ -59,7 +59,7 @@ void add_straight(const Transmission& transmission, std::size_t sensor, std::uin
   const VisibilityOptions& options = transmission.request().visibility;
   const auto seabed = seabed_of(ends.tx());
   CoverageLook look{ping, seen_by(ends.tx(), seabed, options),
-                    transmission.sensor(sensor).samples().first_m / transmission.scene().grid.unit_m(),
+                    transmission.samples(sensor).first_m / transmission.scene().grid.unit_m(),
                     transmission.sensor(sensor).reach(transmission.scene().grid)};
   if (!ends.are_two()) {
     looks.push_back(std::move(look));
@@ -133,7 +133,7 @@ void add_over_mirrors(const Transmission& transmission, std::size_t sensor, cons
     if (!is_order_wanted(transmission.scene(), images.sent()[i].mirrors + images.received()[j].mirrors + 1))
       continue;
     CoverageLook look{ping, sent[i],
-                      transmission.sensor(sensor).samples().first_m / transmission.scene().grid.unit_m(),
+                      transmission.samples(sensor).first_m / transmission.scene().grid.unit_m(),
                       transmission.sensor(sensor).reach(transmission.scene().grid)};
     if (images.one_place() && i == j) {
       looks.push_back(std::move(look));

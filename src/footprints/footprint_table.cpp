@@ -176,7 +176,7 @@ FootprintTable table_of_two_ends(const Transmission& transmission, std::size_t s
     received.footprints[k].tube = seen.receive_tube[k];
   const FootprintEnergies energies =
       footprint_energies(received, seen.history, beam_of_tube, transmission.beams_by_fans(s, fans),
-                         sensor.samples(), ends.model(s)->model, transmission.request().binning);
+                         transmission.samples(s), ends.model(s)->model, transmission.request().binning);
   const Occluders tx = occluders_of(alone[0].footprints, ends.tx()),
                   rx = occluders_of(alone[1].footprints, ends.rx());
   const glm::dvec3 apex = transmission.scene().grid.to_metres(ends.tx().tubes.apex);
@@ -262,7 +262,7 @@ class PathRows {
     for (std::size_t k = 0; k < at_rx.footprints.size(); ++k) at_rx.footprints[k].tube = seen.receive_tube[k];
     const Sensor& sensor = transmission_.sensor(s_);
     const FootprintEnergies energies =
-        footprint_energies(at_rx, seen.history, model.beams.of_tube, model.beams, sensor.samples(),
+        footprint_energies(at_rx, seen.history, model.beams.of_tube, model.beams, transmission_.samples(s_),
                            model.model, transmission_.request().binning);
     const glm::dvec3 apex = transmission_.scene().grid.to_metres(sent.windows.apex);
     const RowPath path{sent.mirrors, received.mirrors, sent.leg.to_true};
@@ -338,7 +338,7 @@ FootprintTable table_of_one_end(const Transmission& transmission, std::size_t s,
   const std::vector<std::uint32_t>& beam_of_tube = transmission.sensor(s).beam_of_tube(transmission.number());
   const FootprintEnergies energies = footprint_energies(
       history.footprints, history, beam_of_tube, {transmission.beams(s), beam_of_tube},
-      transmission.sensor(s).samples(), transmission.model(s).model, transmission.request().binning);
+      transmission.samples(s), transmission.model(s).model, transmission.request().binning);
 
   const FootprintSet& set = history.footprints;
   const ApparentSurface* apparent = surface_mesh.apparent();

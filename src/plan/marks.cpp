@@ -47,8 +47,8 @@ SectorMark sector_of(const Scene& scene, const SensorPings& pings, std::size_t s
   const std::size_t transmission_step = stride_of(sensor.transmissions(), most_transmissions);
   for (std::size_t transmission = 0; transmission < sensor.transmissions();
        transmission += transmission_step) {
-    const Pose& pose = pings.transmission_pose(ping, transmission);
-    const TubeSet set = sensor.tubes(pose, scene.grid, transmission);
+    const SteeredPose& pose = pings.transmission_pose(ping, transmission);
+    const TubeSet set = sensor.transmit_tubes(pose, scene.grid, transmission);
     const std::size_t tube_step = stride_of(set.tubes.size(), most_tubes);
     for (std::size_t t = 0; t < set.tubes.size(); t += tube_step) {
       std::array<glm::dvec3, 4> rays;

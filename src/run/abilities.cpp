@@ -23,6 +23,7 @@ using enum Feature;
 constexpr std::array<std::string_view, features> names{"refraction",
                                                        "mirror paths",
                                                        "separate receiver",
+                                                       "motion within a ping",
                                                        "receiver pair",
                                                        "signals",
                                                        "tiles",
@@ -74,6 +75,17 @@ constexpr auto refusal_table = std::to_array<Refusal>({
     {reference, fast_binning, {}, "certified bounds need footprints: use --binning exact"},
     {reference, rays, {}, "this output needs footprints: use --engine tube"},
     {reference, own_engine, {}, "this output needs footprints: use --engine tube"},
+    {motion, two_receivers, {}, "receiver pairs have one pose per ping: set stop_and_hop = true"},
+    {motion,
+     gradient,
+     {},
+     "derivatives need one pose of the receiver per ping: leave out --gradient, or set stop_and_hop = true"},
+    {motion,
+     own_engine,
+     {},
+     "a custom engine computes all range bins of a ping at once: use a built-in engine, or set stop_and_hop "
+     "= "
+     "true"},
     {refraction,
      signals,
      {},
@@ -228,6 +240,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     if (path_settings(scene, sensor.frequency_khz()))
       add(mirrors, "has paths via mirrors or with second scattering");
     if (sensor.has_separate_receiver()) add(separate_receiver, "has a separate receiver");
+    if (sensor.receiver_moves()) add(motion, "moves within a ping (stop_and_hop = false)");
     if (sensor.has_receiver_pair()) add(two_receivers, "has two receivers");
     if (sensor.signals() != nullptr) add(signals, "records signals");
   }

@@ -24,6 +24,7 @@ enum class Feature : unsigned char {
   refraction,                ///< water whose sound speed varies
   mirrors,                   ///< paths over mirrors, and paths with two scatterings
   separate_receiver,         ///< a receiver that is separate from its transmitter
+  motion,                    ///< a receiver that moves during a ping
   two_receivers,             ///< two receivers, one above the other, for phase differences
   signals,                   ///< signals of array elements, with phase
   tiles,                     ///< terrain of which only parts are in memory

@@ -83,7 +83,7 @@ void add_refracted_receiver_pair_reference(const EchoContribution& plan, const T
     for (std::uint32_t fan = 0; fan < std::uint32_t(transmission.beams(s)); ++fan) {
       const RefractedEndsTransmission found =
           certify_refracted_receiver_pair_transmission(transmission, s, fan);
-      count_ends(transmission, found, transmission.sensor(s).samples().step_m, sums);
+      count_ends(transmission, found, transmission.samples(s).step_m, sums);
       sums.counts.tubes += 3 * found.history.transmit.tubes.size();
       rows.set(fan, found.sensors.front().certified);
       add_labels_of_receiver_pair(transmission, s, fan, found.apparent.seabed.mesh, found.history, sums);
@@ -173,7 +173,7 @@ void add_separate_receiver(const EchoContribution& plan, const Transmission& tra
       if (plan.tolerance) {
         const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
         sums.add(transmission, s,
-                 certify_echo(mesh, history, transmission.beams_by_fans(s, fans), sensor.samples(),
+                 certify_echo(mesh, history, transmission.beams_by_fans(s, fans), transmission.samples(s),
                               model.model, echo, *plan.tolerance));
       } else {
         sums.add(transmission, s, 1, echo.energy);
@@ -193,7 +193,7 @@ void add_receiver_pairs(const EchoContribution& plan, const Transmission& transm
   const FacetMesh& mesh = surface.mesh();
   const double unit_m = transmission.scene().grid.unit_m();
   for (const std::size_t s : plan.sensors) {
-    const RangeSamples& samples = transmission.sensor(s).samples();
+    const RangeSamples samples = transmission.samples(s);
     SensorModel model(transmission, surface.model_surface(), s);
     model.model.material = mesh.material;
     surface.set_baselines(model.patterns);
@@ -241,7 +241,7 @@ void add_history(const EchoContribution& plan, const Transmission& transmission,
           sums.add(transmission, s,
                    certify_echo(surface_mesh.mesh(), surface_mesh.tree(), history,
                                 transmission.request().visibility, sensor.beam_of_tube(transmission.number()),
-                                sensor.samples(), model.model, echo, *plan.tolerance));
+                                transmission.samples(s), model.model, echo, *plan.tolerance));
         else
           sums.add(transmission, s, 1, echo.energy, echo.nonzero);
       });

@@ -163,7 +163,7 @@ void add_paths_to(std::vector<std::vector<double>>& derivatives, const Transmiss
   try {
     const std::vector<std::vector<double>> more = path_derivatives(
         surface.mesh(), surface.tree(), transmission.scene().grid.unit_m(), transmission.request().visibility,
-        ends.transmit, ends.receive, beams, transmission.sensor(s).samples(), model, settings, parameters,
+        ends.transmit, ends.receive, beams, transmission.samples(s), model, settings, parameters,
         [&](std::size_t order) { return is_order_wanted(transmission.scene(), order); });
     for (std::size_t k = 0; k < more.size(); ++k)
       for (std::size_t bin = 0; bin < more[k].size(); ++bin) derivatives[k][bin] += more[k][bin];
@@ -372,7 +372,7 @@ void add_gradients(const EchoContribution& plan, const Transmission& transmissio
       const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
       const EchoModel& echo_model = model.model;
       const ReceiveBeams beams = transmission.beams_by_fans(s, fans);
-      const RangeSamples& samples = transmission.sensor(s).samples();
+      const RangeSamples samples = transmission.samples(s);
       if (transmission.request().gradient_steps) add_steps(transmission, s, own_parameters, parameters, sums);
       if (!plan.tolerance) {
         std::vector<std::vector<double>> derivatives(

@@ -69,8 +69,7 @@ void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s
   LabelModels(transmission, s, model, mesh).add(sums, [&](const EchoModel& one) {
     return row_of_fan(
         transmission, s, fan,
-        integrate_receiver_pair_echo(upper, receiver_pair, fan, fan, transmission.sensor(s).samples(), one)
-            .upper_j);
+        integrate_receiver_pair_echo(upper, receiver_pair, fan, fan, transmission.samples(s), one).upper_j);
   });
 }
 
@@ -85,7 +84,7 @@ void add_labels_of_receiver_pair(const Transmission& transmission, std::size_t s
   const std::vector<std::uint32_t> only_beam(tubes, 0);
   LabelModels(transmission, s, own, mesh).add(sums, [&](const EchoModel& one) {
     return row_of_fan(transmission, s, fan,
-                      integrate_echo(history, {1, only_beam}, transmission.sensor(s).samples(), one).energy);
+                      integrate_echo(history, {1, only_beam}, transmission.samples(s), one).energy);
   });
 }
 

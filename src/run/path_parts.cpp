@@ -80,7 +80,7 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
                             const PathWater* water) {
     return path_echo(mesh, (*seabed).tree(), transmission.scene().grid.unit_m(),
                      transmission.request().visibility, ends.transmit, ends.receive,
-                     transmission.beams_by_fans(s, fans), sensor.samples(), by, how, water);
+                     transmission.beams_by_fans(s, fans), transmission.samples(s), by, how, water);
   };
   const auto trace = [&](const PathWater* water) {
     return trace_by((*seabed).mesh(), model.model, settings, water);
@@ -134,9 +134,10 @@ void add_receiver_pair_paths_of(const Transmission& transmission, std::size_t s,
     own.patterns = &patterns;
     const auto trace = [&](const FacetMesh& mesh, const EchoModel& by, const PathSettings& how) {
       return as_seen_by(transmission, [&] {
-        return receiver_pair_path_echo(
-            mesh, (*seabed).tree(), transmission.scene().grid.unit_m(), transmission.request().visibility,
-            {transmit, receive, model.patterns.baselines[fan]}, sensor.samples(), by, how, seabed.water());
+        return receiver_pair_path_echo(mesh, (*seabed).tree(), transmission.scene().grid.unit_m(),
+                                       transmission.request().visibility,
+                                       {transmit, receive, model.patterns.baselines[fan]},
+                                       transmission.samples(s), by, how, seabed.water());
       });
     };
     const ReceiverPairPathEcho paths = trace((*seabed).mesh(), own, settings);

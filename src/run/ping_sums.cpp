@@ -31,13 +31,16 @@ void each_chosen_row(std::size_t rows, const std::vector<std::uint32_t>& beams, 
 }
 
 /// `rows`: [channel][beam of the transmission][sample]. `all`: values of the sensor's selected beams.
+/// `first` and `all_samples` give the position of a row's samples in those of the sensor.
 void add_rows(std::span<const double> rows, const std::vector<std::uint32_t>& beams, std::size_t channels,
-              const ChosenEchoes& chosen, std::span<double> all) {
+              const ChosenEchoes& chosen, std::size_t first, std::size_t all_samples, std::span<double> all) {
   const std::size_t samples = rows.size() / (beams.size() * channels);
   each_chosen_row(beams.size() * channels, beams, chosen, [&](std::size_t row, std::size_t place) {
-    add_to(all.subspan(place * samples, samples), rows.subspan(row * samples, samples));
+    add_to(all.subspan(place * all_samples + first, samples), rows.subspan(row * samples, samples));
   });
 }
+
+std::size_t sample_count(const RangeSamples& samples) { return static_cast<std::size_t>(samples.count); }
 
 /// Compares the bounds of the selected beams with the tolerance if some beams of a transmission are not
 /// selected. The tolerance refers to the whole transmission.
@@ -87,16 +90,17 @@ void PingSums::add_to_channel(const Transmission& transmission, std::size_t s, s
   if (chosen(s).pings == 0) return;
   const std::vector<std::uint32_t>& beams =
       transmission.sensor(s).beams_of_transmission(transmission.number());
-  const auto samples = static_cast<std::size_t>(transmission.sensor(s).samples().count);
-  const std::size_t all = chosen(s).beams.size() * samples;
-  add_rows(values.first(beams.size() * samples), beams, 1, chosen(s),
+  const Sensor& sensor = transmission.sensor(s);
+  const std::size_t all_samples = sample_count(sensor.samples()), all = chosen(s).beams.size() * all_samples;
+  add_rows(values.first(beams.size() * sample_count(transmission.samples(s))), beams, 1, chosen(s),
+           sensor.first_sample(transmission.number()), all_samples,
            values_.of(s, channel).subspan(array * all, all));
 }
 
 void PingSums::add_to_beams(const Transmission& transmission, std::size_t s, std::string_view channel,
                             std::span<const double> values) {
   if (chosen(s).pings == 0) return;
-  add_rows(values, transmission.sensor(s).beams_of_transmission(transmission.number()), 1, chosen(s),
+  add_rows(values, transmission.sensor(s).beams_of_transmission(transmission.number()), 1, chosen(s), 0, 1,
            values_.of(s, channel));
 }
 
@@ -112,9 +116,8 @@ void PingSums::add_to_signals(std::size_t s, std::string_view channel, std::span
 void PingSums::with_echo(const Transmission& transmission, const CommonVisibility& visibility, std::size_t s,
                          const EchoModel& model, const std::function<void(const Echo&)>& use) {
   const std::vector<std::uint32_t> fans = transmission.sensor(s).fan_of_tube(transmission.number());
-  Echo echo =
-      integrate_echo(visibility, transmission.beams_by_fans(s, fans), transmission.sensor(s).samples(), model,
-                     transmission.request().binning, values_.take_echo_room());
+  Echo echo = integrate_echo(visibility, transmission.beams_by_fans(s, fans), transmission.samples(s), model,
+                             transmission.request().binning, values_.take_echo_room());
   use(echo);
   values_.give_back_echo_room(cleared_buffer(std::move(echo)));
 }
@@ -124,14 +127,17 @@ void PingSums::add(const Transmission& transmission, std::size_t s, std::size_t 
   if (chosen(s).pings == 0) return;
   const std::vector<std::uint32_t>& beams =
       transmission.sensor(s).beams_of_transmission(transmission.number());
-  const auto samples = static_cast<std::size_t>(transmission.sensor(s).samples().count);
+  const Sensor& sensor = transmission.sensor(s);
+  const std::size_t samples = sample_count(transmission.samples(s)),
+                    all_samples = sample_count(sensor.samples()),
+                    first_sample = sensor.first_sample(transmission.number());
   // Zeros do not change a sum, so that samples outside of `nonzero` are skipped.
   double sum = 0;
   each_chosen_row(energy.size() / samples, beams, chosen(s), [&](std::size_t row, std::size_t place) {
     const auto [first, end] = nonzero.empty() ? SampleSpan{0, samples} : nonzero[row];
     const std::span<const double> values = energy.subspan(row * samples + first, end - first);
     if (row < beams.size()) sum = std::accumulate(values.begin(), values.end(), sum);
-    add_to(values_.of(s, "energy", place * samples + first, values.size()), values);
+    add_to(values_.of(s, "energy", place * all_samples + first_sample + first, values.size()), values);
   });
   counts.energy_of_order[order] += sum;
 }
@@ -141,9 +147,10 @@ void PingSums::add(const Transmission& transmission, std::size_t s, const Certif
   if (chosen(s).pings == 0) return;
   const Sensor& sensor = transmission.sensor(s);
   const std::vector<std::uint32_t>& beams = sensor.beams_of_transmission(transmission.number());
-  const auto samples = static_cast<std::size_t>(sensor.samples().count);
-  add_rows(certified.bound, beams, certified.bound.size() / (beams.size() * samples), chosen(s),
-           values_.of(s, "energy_bound"));
+  const std::size_t samples = sample_count(transmission.samples(s)),
+                    first_sample = sensor.first_sample(transmission.number());
+  add_rows(certified.bound, beams, certified.bound.size() / (beams.size() * samples), chosen(s), first_sample,
+           sample_count(sensor.samples()), values_.of(s, "energy_bound"));
   each_chosen_row(certified.bound.size() / samples, beams, chosen(s), [&](std::size_t row, std::size_t) {
     counts.refraction.unbounded += static_cast<std::uint64_t>(
         std::ranges::count_if(std::span(certified.bound).subspan(row * samples, samples),
@@ -155,7 +162,8 @@ void PingSums::add(const Transmission& transmission, std::size_t s, const Certif
     met.worst_ratio = counted.worst_ratio;
     met.worst_sensor = static_cast<std::uint32_t>(s);
     met.worst_beam = beams[static_cast<std::size_t>(counted.worst_beam)];
-    met.worst_sample = static_cast<std::uint32_t>(counted.worst_sample);
+    met.worst_sample =
+        static_cast<std::uint32_t>(first_sample) + static_cast<std::uint32_t>(counted.worst_sample);
     keep_worst(counts, met);
   };
   if (chosen(s).all_beams) {

@@ -59,8 +59,9 @@ RefractedTransmission certify(const Transmission& transmission, const CertifiedV
     const EchoModel& model = sensor_model.model;
     const Sensor& sensor = transmission.sensor(s);
     found.sensors.push_back(certify_refracted_echo(
-        seabed, rays, found.history, options, sensor.beam_of_tube(transmission.number()), sensor.samples(),
-        model, transmission.echo(found.history, s, model), *transmission.request().reference_tolerance));
+        seabed, rays, found.history, options, sensor.beam_of_tube(transmission.number()),
+        sensor.samples(transmission.number()), model, transmission.echo(found.history, s, model),
+        *transmission.request().reference_tolerance));
   }
   return found;
 }
@@ -108,14 +109,15 @@ RefractedEndsTransmission certify(const Transmission& transmission, const Certif
     } catch (...) {
       rethrow_as_seen_by(transmission);
     }
-    return integrate_echo(found.history, beams, sensor.samples(), model.model, binning);
+    return integrate_echo(found.history, beams, transmission.samples(seen.sensor), model.model, binning);
   };
   if (seen.receiver_pair == nullptr) {
     const std::vector<std::uint32_t> fans = sensor.fan_of_tube(transmission.number());
     const ReceiveBeams beams = transmission.beams_by_fans(seen.sensor, fans);
     const Echo echo = ordinary(1, beams, transmission.request().binning);
     found.sensors.push_back(certify_refracted_echo(seabed_of(1), tubes_of(1), options, beams,
-                                                   sensor.samples(), model.model, echo, tolerance));
+                                                   transmission.samples(seen.sensor), model.model, echo,
+                                                   tolerance));
   } else {
     const BeamPatterns patterns = patterns_of_fan(model.patterns, seen.fan, ends.tubes(1).tubes.size());
     model.model.patterns = &patterns;

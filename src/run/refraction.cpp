@@ -95,7 +95,7 @@ double gap_of_phases_m(const Transmission& transmission) {
     const double wavelength_m = transmission.survey().sensors[s].sound_speed_m_s /
                                 (1e3 * sensor.frequency_khz(transmission.number())),
                  baseline_m = sensor.receiver_pair().baseline_m,
-                 nearest_m = std::max(sensor.samples().first_m - between_m, baseline_m / 2);
+                 nearest_m = std::max(transmission.samples(s).first_m - between_m, baseline_m / 2);
     travel_path_error_m = std::min(travel_path_error_m, phase_error_rad * wavelength_m /
                                                             (2 * std::numbers::pi) * nearest_m / baseline_m);
   }
@@ -199,14 +199,16 @@ void put_into_water(LoadedScene& loaded_scene, SensorSet& sensor_set) {
   const double surface = scene.water->surface_height_m();
   for (SensorPings& pings : sensor_set.sensors) {
     pings.water = columns_of(*scene.water, *pings.sensor);
-    for (const auto* poses : {&pings.poses, &pings.transmission_poses, &pings.receiver_poses})
-      for (const Pose& pose : *poses)
-        if (!(pose.position_m.z <= surface))
-          throw InputError(
-              pings.sensor->description().place,
-              fmt::format("sensor '{}' is {:.3g} m above the sea surface (at {:.6g} m): lower "
-                          "its trajectory, or raise 'surface_height_m' of [water]",
-                          pings.sensor->description().name, pose.position_m.z - surface, surface));
+    const auto check = [&](const Pose& pose) {
+      if (!(pose.position_m.z <= surface))
+        throw InputError(pings.sensor->description().place,
+                         fmt::format("sensor '{}' is {:.3g} m above the sea surface (at {:.6g} m): lower "
+                                     "its trajectory, or raise 'surface_height_m' of [water]",
+                                     pings.sensor->description().name, pose.position_m.z - surface, surface));
+    };
+    std::ranges::for_each(pings.poses, check);
+    std::ranges::for_each(pings.transmission_poses, check);
+    std::ranges::for_each(pings.receiver_poses, check);
   }
 }
 

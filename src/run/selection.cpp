@@ -96,12 +96,14 @@ Recording recording_of(const Survey& survey, std::size_t s, const Selection& sel
   const Sensor& sensor = *pings.sensor;
   const std::size_t transmissions = sensor.transmissions();
   for (std::size_t t = 0; t < sensor.transmit_sectors().size(); ++t)
-    recording.sector_absorption_db_per_km.push_back(1000 * absorption_db_per_m(survey.scene, sensor, t));
-  if (!sensor.transmit_sectors().empty())
-    recording.transmission_pose = {
-        pings.transmission_poses.begin() + static_cast<std::ptrdiff_t>(chosen.first_ping * transmissions),
-        pings.transmission_poses.begin() +
-            static_cast<std::ptrdiff_t>((chosen.first_ping + chosen.pings) * transmissions)};
+    recording.sector_absorption_db_per_km.push_back(1000 * absorption_db_per_m(survey.scene, sensor, sensor.first_transmission(t)));
+  const auto of_chosen_pings = [&](const std::vector<SteeredPose>& poses) {
+    const auto first = poses.begin() + static_cast<std::ptrdiff_t>(chosen.first_ping * transmissions);
+    return std::vector(first, first + static_cast<std::ptrdiff_t>(chosen.pings * transmissions));
+  };
+  if (!sensor.transmit_sectors().empty() || sensor.receiver_moves() || sensor.stabilisation().any())
+    recording.transmission_pose = of_chosen_pings(pings.transmission_poses);
+  if (sensor.receiver_moves()) recording.receiver_pose = of_chosen_pings(pings.receiver_poses);
   if (selection.pings) {
     recording.ping_numbers.resize(chosen.pings);
     std::iota(recording.ping_numbers.begin(), recording.ping_numbers.end(),

@@ -15,10 +15,11 @@ namespace tubefoot {
 struct SensorPings {
   std::shared_ptr<const Sensor> sensor;  ///< never null
   std::vector<double> times_s;
-  std::vector<std::size_t> line_starts;  ///< first ping of each line of a survey; empty: not divided
-  std::vector<Pose> poses;               ///< at the times of the pings
-  std::vector<Pose> transmission_poses;  ///< [ping][transmission], each at its own time
-  std::vector<Pose> receiver_poses;      ///< [ping][transmission], for a separate receiver; otherwise empty
+  std::vector<std::size_t> line_starts;         ///< first ping of each line of a survey; empty: not divided
+  std::vector<Pose> poses;                      ///< at the times of the pings
+  std::vector<SteeredPose> transmission_poses;  ///< [ping][transmission], each at its own time
+  /// [ping][transmission], at the time of reception, for a separate receiver; otherwise empty
+  std::vector<SteeredPose> receiver_poses;
   /// Sound speed at the sensor's first position, or the scene's in isovelocity water. Slant ranges are
   /// travel times multiplied by this speed.
   double sound_speed_m_s = 1500;
@@ -28,10 +29,10 @@ struct SensorPings {
   /// altitudes above the terrain vertically below; NaN where there is none
   std::vector<double> altitudes_m;
 
-  const Pose& transmission_pose(std::size_t ping, std::size_t transmission) const {
+  const SteeredPose& transmission_pose(std::size_t ping, std::size_t transmission) const {
     return transmission_poses.at(ping * sensor->transmissions() + transmission);
   }
-  const Pose& receiver_pose(std::size_t ping, std::size_t transmission) const {
+  const SteeredPose& receiver_pose(std::size_t ping, std::size_t transmission) const {
     return receiver_poses.empty() ? transmission_pose(ping, transmission)
                                   : receiver_poses.at(ping * sensor->transmissions() + transmission);
   }

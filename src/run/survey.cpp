@@ -16,6 +16,7 @@
 #include "geometry/steps/steps.hpp"
 #include "geometry/tubes/mirror.hpp"
 #include "run/coarsening.hpp"
+#include "run/motion_within_ping.hpp"
 #include "run/paths.hpp"
 #include "run/refraction.hpp"
 #include "run/scene_below.hpp"
@@ -43,12 +44,7 @@ bool same_transmissions(const WorldGrid& grid, const SensorPings& a, const Senso
         a.sensor->own_absorption_db_per_km(t) != b.sensor->own_absorption_db_per_km(t))
       return false;
   if (a.sensor->has_separate_receiver() || b.sensor->has_separate_receiver()) return false;  // two apexes
-  const auto same = [](const Pose& p, const Pose& q) {
-    return p.position_m == q.position_m && p.attitude == q.attitude;
-  };
-  if (!std::equal(a.transmission_poses.begin(), a.transmission_poses.end(), b.transmission_poses.begin(),
-                  same))
-    return false;
+  if (a.transmission_poses != b.transmission_poses) return false;
   for (std::size_t transmission = 0; transmission < a.sensor->transmissions(); ++transmission) {
     TubeSet first = a.sensor->tubes(a.transmission_pose(0, transmission), grid, transmission);
     TubeSet second = b.sensor->tubes(b.transmission_pose(0, transmission), grid, transmission);
@@ -80,7 +76,7 @@ void place_transmissions(SensorPings& pings, const Trajectory& trajectory) {
   pings.transmission_poses.reserve(transmissions);
   if (sensor.has_separate_receiver()) pings.receiver_poses.reserve(transmissions);
   for (std::size_t t = 0; t < sensor.transmit_sectors().size(); ++t)
-    if (const double delay_s = sensor.transmission_delay_s(t);
+    if (const double delay_s = sensor.transmission_delay_s(sensor.first_transmission(t));
         pings.times_s.size() > 1 && delay_s >= sensor.description().ping_interval_s)
       throw InputError(
           sensor.description().place,
@@ -100,9 +96,10 @@ void place_transmissions(SensorPings& pings, const Trajectory& trajectory) {
             fmt::format("transmission {} of the ping at {:.9g} s of sensor '{}' is sent at {:.9g} s, but the "
                         "trajectory ends at {:.9g} s: use fewer pings or a longer trajectory",
                         transmission, time_s, sensor.description().name, at_s, trajectory.end_s()));
-      const Pose carrier = trajectory.at(at_s);
-      pings.transmission_poses.push_back(sensor.pose_on(carrier));
-      if (sensor.has_separate_receiver()) pings.receiver_poses.push_back(sensor.receiver_pose_on(carrier));
+      pings.transmission_poses.push_back(steered_pose(sensor, trajectory, at_s, transmission));
+      if (sensor.has_separate_receiver())
+        pings.receiver_poses.push_back(steered_receiver_pose(
+            sensor, trajectory, time_s + sensor.reception_delay_s(transmission), transmission));
     }
   }
 }
@@ -129,6 +126,15 @@ void warn_of_aperture(const SensorPings& pings, std::vector<std::string>& warnin
                     "{:.3g} m: is 'frequency_khz' in kHz, and are the beam widths in degrees?",
                     to_string(pings.sensor->description().place), pings.sensor->description().name,
                     figures.beam_deg, figures.frequency_khz, antenna_m));
+}
+
+/// Warns about sensors that move too far during a ping. Must follow check_places(), which finds altitudes.
+void warn_of_motion(LoadedScene& loaded_scene, const SensorSet& sensor_set) {
+  Scene& scene = loaded_scene.scene;
+  for (std::size_t s = 0; s < sensor_set.sensors.size(); ++s)
+    if (const auto warning =
+            motion_warning(sensor_set.sensors[s], scene.trajectories[scene.sensor_trajectory[s]]))
+      scene.report.warnings.push_back(*warning);
 }
 
 /// Throws InputError for elements of an array that are not in the water, because each element receives at
@@ -274,16 +280,20 @@ SensorPings pings_of(LoadedScene& loaded_scene, const SensorDescription& descrip
                      const Trajectory& trajectory) {
   SensorPings pings;
   pings.sound_speed_m_s = sound_speed_at(loaded_scene.scene, description, trajectory);
-  pings.sensor =
+  std::unique_ptr<Sensor> sensor =
       make_sensor(in_water(description, pings.sound_speed_m_s, &loaded_scene.scene.report.warnings));
   const PingTimes times(description, trajectory, description.trajectory);
+  pings.times_s = times.times_s();
+  if (!description.stop_and_hop && sensor->signals() == nullptr)
+    if (const int intervals = intervals_of_record(*sensor, trajectory, pings.times_s, pings.sound_speed_m_s))
+      sensor->divide_record(intervals, pings.sound_speed_m_s);
+  pings.sensor = std::move(sensor);
   const auto count = static_cast<double>(times.count());
   const double transmissions = static_cast<double>(pings.sensor->transmissions()) * count;
   require_memory(transmissions * sizeof(Pose) * (pings.sensor->has_separate_receiver() ? 2 : 1) +
                      count * (sizeof(Pose) + 2.0 * sizeof(double)),
                  description.place, fmt::format("the poses of {:.3g} transmissions", transmissions),
                  "reduce the number of pings per scene");
-  pings.times_s = times.times_s();
   pings.line_starts = times.line_starts();
   place_transmissions(pings, trajectory);
   if (const SignalModel* model = pings.sensor->signals())
@@ -311,6 +321,7 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
         pings_of(*loaded_scene, description.sensors[s],
                  loaded_scene->scene.trajectories[loaded_scene->scene.sensor_trajectory[s]]));
   check_places(*loaded_scene, *sensor_set);
+  warn_of_motion(*loaded_scene, *sensor_set);
   // Must follow check_places(), whose messages name the facets under a sensor.
   if (facets == Facets::merged && !keeps_its_facets(*loaded_scene)) {
     merge_planes(*loaded_scene);

@@ -48,6 +48,7 @@ SensorModel::SensorModel(const Transmission& transmission, const TransmissionSur
   }
   if (!pings.sensor->has_patterns()) return;
   patterns = pings.sensor->patterns(pings.transmission_pose(transmission.ping(), transmission.number()),
+                                    pings.receiver_pose(transmission.ping(), transmission.number()),
                                     pings.sound_speed_m_s, transmission.number());
   model.patterns = &patterns;
   if (surface_mesh.apparent() == nullptr || patterns.baselines.empty()) return;
@@ -93,11 +94,14 @@ double Transmission::sample_length_m() const {
 TubeSet Transmission::tubes() const {
   const WorldGrid& grid = scene().grid;
   TubeSet set = tubes_of(first());
-  for (const std::size_t s : group_.sensors) set.reach = std::max(set.reach, sensor(s).reach(grid));
+  for (const std::size_t s : group_.sensors) set.reach = std::max(set.reach, sensor(s).reach(grid, number_));
   return reaching_beyond(*this, pings(), std::move(set));
 }
 
-TubeSet Transmission::tubes_of(std::size_t s) const { return sensor(s).tubes(pose(), scene().grid, number_); }
+TubeSet Transmission::tubes_of(std::size_t s) const {
+  return has_separate_receiver() ? sensor(s).transmit_tubes(pose(), scene().grid, number_)
+                                 : sensor(s).tubes(pose(), scene().grid, number_);
+}
 
 TubeSet Transmission::receive_tubes(std::size_t s) const {
   const SensorPings& its = survey().sensors[s];
@@ -178,12 +182,12 @@ ReceiveBeams Transmission::beams_by_fans(std::size_t s, const std::vector<std::u
 
 Echo Transmission::echo(const CommonVisibility& visibility, std::size_t s, const EchoModel& model) const {
   const std::vector<std::uint32_t> fans = sensor(s).fan_of_tube(number_);
-  return integrate_echo(visibility, beams_by_fans(s, fans), sensor(s).samples(), model, request().binning);
+  return integrate_echo(visibility, beams_by_fans(s, fans), samples(s), model, request().binning);
 }
 
 ReceiverPairEcho Transmission::echo(const ReceiverPairHistory& history, std::size_t s, std::uint32_t fan,
                                     const SensorModel& model) const {
-  return integrate_receiver_pair_echo(history, model.patterns.baselines[fan], fan, fan, sensor(s).samples(),
+  return integrate_receiver_pair_echo(history, model.patterns.baselines[fan], fan, fan, samples(s),
                                       model.model);
 }
 

@@ -87,11 +87,13 @@ class Transmission {
   std::size_t first() const { return group_.sensors.front(); }
   const SensorPings& pings() const { return survey().sensors[first()]; }
   const Sensor& sensor(std::size_t s) const { return *survey().sensors[s].sensor; }
-  const Pose& pose() const { return pings().transmission_pose(ping_, number_); }
-  const Pose& receiver_pose() const { return pings().receiver_pose(ping_, number_); }
+  const SteeredPose& pose() const { return pings().transmission_pose(ping_, number_); }
+  const SteeredPose& receiver_pose() const { return pings().receiver_pose(ping_, number_); }
   /// Returns whether the receiver is separate. A sensor with a separate receiver shares its transmissions
   /// with no other sensor.
   bool has_separate_receiver() const { return pings().sensor->has_separate_receiver(); }
+  /// Returns the range bins of a sensor that receive this transmission.
+  RangeSamples samples(std::size_t s) const { return sensor(s).samples(number_); }
   /// Returns the shortest range sample of the group's sensors.
   double sample_length_m() const;
 

@@ -33,7 +33,7 @@ RayGuide guide_of(const Transmission& transmission) {
     return transmission.sensor(a).samples().step_m < transmission.sensor(b).samples().step_m;
   });
   const Scene& scene = transmission.scene();
-  const RangeSamples samples = transmission.sensor(s).samples();
+  const RangeSamples samples = transmission.samples(s);
   RayGuide guide{samples.first_m, samples.step_m, samples.count,
                  absorption_per_m(absorption_db_per_m(scene, transmission.sensor(s), transmission.number()))};
   const double slant = std::sqrt(0.5);

@@ -105,6 +105,9 @@ struct SensorDescription {
   double first_ping_s = 0;
   std::optional<int> pings;  ///< default 1; on the lines of a survey, all that fit
   double ping_interval_s = 0.1;
+  bool stop_and_hop = true;        ///< the carrier stands still during a ping
+  double motion_step_beams = 0.1;  ///< largest change of the receiver's direction within an interval of the
+                                   ///< record, in widths of the narrowest beam
   /// Permitted relative error of a beam's height, as planes approximate its cones (angles.hpp).
   double cone_tolerance = 4.5e-5;
   PatternDescription transmit, receive;

@@ -114,6 +114,9 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
             fmt::format("'look_at_m' already sets the direction of the sensor: remove '{}' or 'look_at_m'",
                         key));
   }
+  if (table.has("motion_step_beams") && sensor.stop_and_hop)
+    throw InputError(table.place_of("motion_step_beams"),
+                     "'motion_step_beams' needs stop_and_hop = false: add it, or remove the key");
   sensor.kind.section().check(sensor, table);
   check_amounts(sensor, table);
 }
@@ -266,6 +269,14 @@ TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
                   .default_value = "1, or all pings of a survey"}),
            field("ping_interval_s", &S::ping_interval_s,
                  {.meaning = "Time between pings.", .ranges = {ping_interval}}),
+           field("stop_and_hop", &S::stop_and_hop,
+                 {.meaning = "true: the carrier stands still during a ping. false: the carrier moves while "
+                             "the sound travels."}),
+           field("motion_step_beams", &S::motion_step_beams,
+                 {.meaning = "With stop_and_hop = false, energies are computed for intervals of the range. "
+                             "Within an interval, the direction of the receiver changes by at most this part "
+                             "of the width of the narrowest beam.",
+                  .ranges = {{.lo = 1e-4, .hi = 10}}}),
            field("cone_tolerance", &S::cone_tolerance,
                  {.meaning = "Largest relative error in the height of an ideal beam, whose cones are "
                              "approximated by planes. Determines the number of tubes per beam.",

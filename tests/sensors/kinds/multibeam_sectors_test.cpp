@@ -60,7 +60,7 @@ TEST(MultibeamSectors, EachBeamBelongsToTheSectorOfItsAxis) {
   for (std::size_t t = 0; t < 3; ++t)
     for (const std::uint32_t own : sensor->beams_of_transmission(t)) {
       EXPECT_EQ(own, beam);
-      EXPECT_EQ(sensor->beams()[own].transmission, t);
+      EXPECT_EQ(sensor->beams()[own].sector, t);
       const double angle_deg = -75 + 1.5 * double(beam++);
       EXPECT_EQ(t, angle_deg < -20 ? 0u : angle_deg < 22.5 ? 1u : 2u) << angle_deg;
     }
@@ -94,7 +94,7 @@ TEST(MultibeamSectors, TiltIsAConeAboutTheForwardAxis) {
   const auto sensor = make_sensor(sectored(fan));
   for (std::size_t beam = 0; beam < 101; ++beam) {
     const BeamAxis& axis = sensor->beams()[beam];
-    const double tilt = fan.sector_tilts_deg[axis.transmission] * degree,
+    const double tilt = fan.sector_tilts_deg[axis.sector] * degree,
                  across = (-75 + 1.5 * double(beam)) * degree;
     const glm::dvec3 direction = across_direction(axis);
     EXPECT_NEAR(glm::length(direction), 1, 1e-14);

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "run/sensor_set.hpp"
+#include "scene/trajectory.hpp"
+#include "sensors/model/sensor.hpp"
+
+// This header declares the motion of a carrier between transmission and reception, and the steering of
+// beams against it (docs/sensors.md).
+namespace tubefoot {
+
+/// Returns the number of intervals into which the record of a ping is divided. The direction of the receiver
+/// changes by at most SensorDescription::motion_step_beams within each of them. Returns 0 for a carrier that
+/// is at rest during all pings. `times_s` are the times of the pings. Throws InputError if a record continues
+/// after the end of the trajectory.
+int intervals_of_record(const Sensor& sensor, const Trajectory& trajectory,
+                        const std::vector<double>& times_s, double sound_speed_m_s);
+
+/// Returns the pose of a sensor on its carrier, with the steering that stabilises a transmission. `at_s` is
+/// the time of transmission or of reception.
+///
+/// Roll: the angles across the track change by the roll of the carrier, which is positive for starboard down. Pitch and yaw: the sector
+/// is tilted along the track until its middle has its angle from the vertical plane across the heading. Yaw
+/// stabilisation uses the mean heading, and pitch stabilisation alone the present heading.
+SteeredPose steered_pose(const Sensor& sensor, const Trajectory& trajectory, double at_s,
+                         std::size_t transmission);
+/// The same for the receiver. A receiver that moves during a ping is steered across the track only.
+SteeredPose steered_receiver_pose(const Sensor& sensor, const Trajectory& trajectory, double at_s,
+                                  std::size_t transmission);
+
+/// Returns a warning if a sensor stops and hops, although a beam of its receiver turns during a ping by more
+/// than a tenth of its width. Requires the altitudes of the pings.
+std::optional<std::string> motion_warning(const SensorPings& pings, const Trajectory& trajectory);
+
+}  // namespace tubefoot
