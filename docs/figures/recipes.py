@@ -133,6 +133,8 @@ FIGURES = [
            "out/labelled/sonar-labels-0000.png", 1200),
     Figure("pictures/refraction.png", ("build/release/tubefoot_refraction_study scenes/refraction/scene.toml out/refraction.png",),
            "out/refraction.png", 900),
+    Figure("pictures/wrong-profile.png", (run("processing/wrong-profile.toml", "wrong-profile"),),
+           "out/wrong-profile/multibeam-depth.png", 1200),
     Figure("pictures/scene-window.png", (f"{TUBEFOOT} check window.toml --png out/window.png",), "out/window.png", 1300,
            files=(("window.toml", WINDOW_SCENE),)),
     Figure("pictures/howto-validate.png", picture="out/mine.png", width=1300, follows="docs/engine-validation.md"),

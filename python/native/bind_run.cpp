@@ -181,19 +181,31 @@ py::dict arrays_of(const py::object& self, std::size_t sensor) {
   }
   arrays["ping_time"] = view_of<double>(r.ping_time_s, self);
   arrays["sensor_position"] = view_of<double>(r.ping_pose, &Pose::position_m, self, 3);
-  std::vector<double> attitude, heading, pitch, roll;
-  for (const Pose& pose : r.ping_pose) {
-    const glm::dquat q = glm::normalize(pose.attitude);
-    attitude.insert(attitude.end(), {q.w, q.x, q.y, q.z});
-    const PoseAngles angles = angles_of(q);
-    heading.push_back(angles.heading_deg);
-    pitch.push_back(angles.pitch_deg);
-    roll.push_back(angles.roll_deg);
+  const auto add_attitudes = [&](const std::string& sensor_name, const auto& pose_of) {
+    std::vector<double> attitude, heading, pitch, roll;
+    for (std::size_t ping = 0; ping < r.pings(); ++ping) {
+      const glm::dquat q = glm::normalize(pose_of(ping).attitude);
+      attitude.insert(attitude.end(), {q.w, q.x, q.y, q.z});
+      const PoseAngles angles = angles_of(q);
+      heading.push_back(angles.heading_deg);
+      pitch.push_back(angles.pitch_deg);
+      roll.push_back(angles.roll_deg);
+    }
+    arrays[(sensor_name + "_attitude").c_str()] = array_of(attitude, 4);
+    arrays[(sensor_name + "_heading").c_str()] = array_of(heading);
+    arrays[(sensor_name + "_pitch").c_str()] = array_of(pitch);
+    arrays[(sensor_name + "_roll").c_str()] = array_of(roll);
+  };
+  add_attitudes("sensor", [&](std::size_t ping) { return r.ping_pose[ping]; });
+  if (!r.recorded_poses.empty()) {
+    std::vector<double> positions;
+    for (std::size_t ping = 0; ping < r.pings(); ++ping) {
+      const glm::dvec3 p = r.recorded_pose(ping).position_m;
+      positions.insert(positions.end(), {p.x, p.y, p.z});
+    }
+    arrays["recorded_sensor_position"] = array_of(positions, 3);
+    add_attitudes("recorded_sensor", [&](std::size_t ping) { return r.recorded_pose(ping); });
   }
-  arrays["sensor_attitude"] = array_of(attitude, 4);
-  arrays["sensor_heading"] = array_of(heading);
-  arrays["sensor_pitch"] = array_of(pitch);
-  arrays["sensor_roll"] = array_of(roll);
   arrays["altitude"] = view_of<double>(r.altitude_m, self);
   const Provenance& provenance = self.cast<const NativeResult&>().provenance;
   for (const PingColumn& column : ping_columns(r, provenance)) arrays[column.name] = array_of(column.values);

@@ -71,8 +71,8 @@ std::vector<InterferometricSounding> interferometric_soundings(const Recording& 
       const double side = beam == 0 ? -1 : 1;
       const glm::dquat attitude = glm::normalize(pose.attitude);
       if (placer.traces_rays()) {
-        sounding.position_m =
-            placer.place(pose, {side * std::cos(angle), 0, -std::sin(angle)}, sounding.range_m);
+        sounding.position_m = placer.place(pose, {side * std::cos(angle), 0, -std::sin(angle)},
+                                           sounding.range_m, recording.water_level_error_m(ping));
         const glm::dvec3 from_sensor = glm::inverse(attitude) * (sounding.position_m - pose.position_m);
         sounding.estimate.horizontal_m = side * from_sensor.x;
         sounding.estimate.depth_m = -from_sensor.z;

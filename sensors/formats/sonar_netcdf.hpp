@@ -88,7 +88,8 @@ struct SonarNetcdfPing {
   double waterline_below_reference_m = 0;  ///< negative for a platform under water
   double transducer_depth_m = 0;           ///< below the water line
   double waterline_to_chart_datum_m = 0;
-  double sound_speed_m_s = 0;  ///< at the transducer
+  double sound_speed_m_s = 0;           ///< at the transducer, for ranges
+  double steering_sound_speed_m_s = 0;  ///< at the transducer, for angles; 0: the same
   double sample_interval_s = 0;
   double blanking_interval_s = 0;        ///< two-way travel time of sample 0
   std::vector<double> across_angle_deg;  ///< by beam, from the platform's down axis, starboard positive

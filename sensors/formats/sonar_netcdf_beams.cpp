@@ -156,7 +156,9 @@ void SonarNetcdfBuilder::navigation(const NetcdfGroup& g) {
              "Sound speed at ping time and transducer depth",
              "speed_of_sound_in_sea_water",
              0.0},
-            [](const Ping& p) { return p.sound_speed_m_s; });
+            [](const Ping& p) {
+              return p.steering_sound_speed_m_s > 0 ? p.steering_sound_speed_m_s : p.sound_speed_m_s;
+            });
   shared();
 }
 

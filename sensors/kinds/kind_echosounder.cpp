@@ -104,7 +104,8 @@ void append_line(std::string& text, const Recording& recording, const SoundingPl
   fmt::format_to(std::back_inserter(text), "{},{:.9g},", recording.number_of(ping),
                  recording.ping_time_s[ping]);
   if (bottom) {
-    const glm::dvec3 place = placer.place(recording.ping_pose[ping], {0, 0, -1}, bottom->range_m);
+    const glm::dvec3 place = placer.place(recording.ping_pose[ping], {0, 0, -1}, bottom->range_m,
+                                          recording.water_level_error_m(ping));
     fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
                    bottom->range_m, bottom->range_sigma_m, bottom->energy_j, bottom->quality, place.x,
                    place.y, place.z);

@@ -87,6 +87,53 @@ void require_memory_of(const SignalProducts& products, const Recording& recordin
                  "use fewer pings at a time (--pings), or leave out products");
 }
 
+bool has_assumed_configuration(const Recording& recording) {
+  return !recording.recorded_poses.empty() || recording.assumed_sensor != nullptr ||
+         recording.assumed_sound_speed_m_s > 0 || recording.steering_sound_speed_m_s > 0;
+}
+
+/// Track of the carrier that the software assumes, at the pings. If the sensor moves during reception, the
+/// track continues after the last ping by the true motion.
+std::vector<Trajectory::Sample> recorded_track(const Recording& recording, const Sensor& assumed) {
+  const SignalModel& model = *recording.sensor->signals();
+  const SensorDescription& description = assumed.description();
+  const auto& arm = description.lever_arm_m;
+  const glm::dquat from_mounting = glm::inverse(assumed.mounting());
+  std::vector<Trajectory::Sample> track;
+  for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
+    Pose pose = recording.recorded_pose(ping);
+    if (!description.look_at_m) {
+      pose.attitude = glm::normalize(pose.attitude * from_mounting);
+      pose.position_m -= pose.attitude * glm::dvec3(arm[0], arm[1], arm[2]);
+    }
+    track.push_back({recording.ping_time_s[ping], pose});
+  }
+  if (model.stop_and_hop) return track;
+  const Trajectory truth(recording.signals->track);
+  const Pose last = track.back().pose, at_last = truth.at(track.back().time_s);
+  const double end_s = track.back().time_s + model.sampling.end_s();
+  const Pose at_end = truth.at(end_s);
+  track.push_back({end_s,
+                   {at_end.position_m + last.position_m - at_last.position_m,
+                    glm::normalize(last.attitude * glm::inverse(at_last.attitude) * at_end.attitude)}});
+  return track;
+}
+
+/// The signals with the geometry and the sound speed that the software assumes. It uses one sound speed for
+/// steering and for ranges.
+ElementSignals recorded_signals(const Recording& recording, ElementSignals signals) {
+  const Sensor& assumed = recording.assumed_sensor ? *recording.assumed_sensor : *recording.sensor;
+  signals.array = array_on_vehicle(assumed);
+  signals.motion = VehicleMotion(recorded_track(recording, assumed), recording.ping_time_s,
+                                 recording.sensor->signals()->stop_and_hop);
+  if (recording.assumed_sound_speed_m_s > 0) signals.sound_speed_m_s = recording.assumed_sound_speed_m_s;
+  // The assumed speed for steering takes precedence over that of the water.
+  if (const double steering = recording.steering_sound_speed_m_s;
+      steering > 0 && steering != recording.sound_speed_m_s)
+    signals.sound_speed_m_s = steering;
+  return signals;
+}
+
 }  // namespace
 
 ElementSignals element_signals_of(const Recording& recording) {
@@ -129,7 +176,11 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
   require_memory_of(products, recording, run);
   products.ping_numbers = recording.ping_numbers;
   try {
-    return write_signal_files(folder, element_signals_of(recording), products, run, warnings);
+    const ElementSignals signals = element_signals_of(recording);
+    if (!has_assumed_configuration(recording))
+      return write_signal_files(folder, signals, products, run, warnings);
+    const ElementSignals recorded = recorded_signals(recording, signals);
+    return write_signal_files(folder, signals, products, run, warnings, &recorded);
   } catch (const std::invalid_argument& error) {
     throw InputError(description.place, fmt::format("sensor '{}': {}", description.name, error.what()));
   }

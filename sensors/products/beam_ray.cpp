@@ -38,11 +38,11 @@ BeamRay ray_of_beam(const Recording& recording, std::size_t ping, std::size_t be
                    normal = turn * (std::cos(across_rad) * starboard_axis + std::sin(across_rad) * up_axis),
                    ahead = glm::normalize(forward_axis - glm::dot(forward_axis, normal) * normal),
                    abeam = glm::normalize(in_plane - glm::dot(in_plane, ahead) * ahead);
-  const double cosine =
-      std::clamp(std::sin(tilt_rad) / glm::dot(forward_axis, ahead), -1.0, 1.0);
+  const double cosine = std::clamp(std::sin(tilt_rad) / glm::dot(forward_axis, ahead), -1.0, 1.0);
   return {{(sent.position_m + received.position_m) / 2.0, sent.attitude},
           glm::normalize(cosine * ahead + std::sqrt(1 - cosine * cosine) * abeam),
-          across_rad, tilt_rad};
+          across_rad,
+          tilt_rad};
 }
 
 }  // namespace tubefoot

@@ -53,10 +53,12 @@ DdfHeader ddf_header(const Recording& recording, const RunContext& run) {
     throw std::invalid_argument(fmt::format("a DIDSON has 48 or 96 beams, not {}", beams));
   if (sensor.samples().count != 512)
     throw std::invalid_argument(fmt::format("a DIDSON has 512 samples, not {}", sensor.samples().count));
-  const double length_m = sensor.samples().count * sensor.samples().step_m;
+  // A DIDSON states its window by codes for lengths at a nominal sound speed, which the assumed one does not
+  // change.
+  const double length_m = sensor.samples().count * sensor.samples().step_m / recording.range_ratio;
   DdfHeader header = didson_nearest(beams, sensor.frequency_khz());
   header.title = run.title;
-  header.window = ddf_window(header, sensor.samples().first_m, length_m);
+  header.window = ddf_window(header, sensor.samples().first_m / recording.range_ratio, length_m);
   header.sample_rate_hz = ddf_sample_rate_hz(length_m);
   header.frame_rate_hz = 1 / sensor.description().ping_interval_s;
   header.sound_speed_m_s = recording.sound_speed_m_s;

@@ -33,6 +33,26 @@ std::vector<double> column(const std::vector<Item>& items, Value value) {
   return values;
 }
 
+/// Poses as the variables of a file: [ping][xyz], [ping][wxyz] and the angles of each.
+struct PoseColumns {
+  std::vector<double> positions, attitudes;
+  std::vector<PoseAngles> angles;
+};
+
+template <typename PoseOf>
+PoseColumns pose_columns(std::size_t pings, PoseOf pose_of) {
+  PoseColumns columns;
+  for (std::size_t ping = 0; ping < pings; ++ping) {
+    const Pose pose = pose_of(ping);
+    const auto& p = pose.position_m;
+    const glm::dquat q = glm::normalize(pose.attitude);
+    columns.positions.insert(columns.positions.end(), {p.x, p.y, p.z});
+    columns.attitudes.insert(columns.attitudes.end(), {q.w, q.x, q.y, q.z});
+    columns.angles.push_back(angles_of(q));
+  }
+  return columns;
+}
+
 /// A variable of the file over ping, beam and range bin, and the packed values of its pings.
 struct FileVariable {
   ChannelVariable meaning;
@@ -183,15 +203,8 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
 
   define_sectors(group, recording, beam, received);
 
-  std::vector<double> positions, attitudes;
-  std::vector<PoseAngles> angles;
-  for (const Pose& pose : recording.ping_pose) {
-    const auto& p = pose.position_m;
-    const glm::dquat q = glm::normalize(pose.attitude);
-    positions.insert(positions.end(), {p.x, p.y, p.z});
-    attitudes.insert(attitudes.end(), {q.w, q.x, q.y, q.z});
-    angles.push_back(angles_of(q));
-  }
+  const auto [positions, attitudes, angles] =
+      pose_columns(recording.pings(), [&](std::size_t k) { return recording.ping_pose[k]; });
   group.variable("sensor_position", {ping, xyz}, "m",
                  "position of the sensor in the local frame: east, north, up", positions);
   group.variable("sensor_attitude", {ping, wxyz}, "1",
@@ -205,6 +218,27 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
                  column(angles, [](const PoseAngles& a) { return a.pitch_deg; }));
   group.variable("sensor_roll", {ping}, "degree", "roll of the sensor, starboard down positive",
                  column(angles, [](const PoseAngles& a) { return a.roll_deg; }));
+
+  if (!recording.recorded_poses.empty()) {
+    const auto recorded =
+        pose_columns(recording.pings(), [&](std::size_t k) { return recording.recorded_pose(k); });
+    group.variable("recorded_sensor_position", {ping, xyz}, "m",
+                   "position of the sensor that its software assumes, in the local frame: east, north, up",
+                   recorded.positions);
+    group.variable("recorded_sensor_attitude", {ping, wxyz}, "1",
+                   "quaternion w, x, y, z of the attitude that the software of the sensor assumes, as in "
+                   "sensor_attitude",
+                   recorded.attitudes);
+    group.variable("recorded_sensor_heading", {ping}, "degree",
+                   "heading of the sensor that its software assumes, clockwise from north in the local frame",
+                   column(recorded.angles, [](const PoseAngles& a) { return a.heading_deg; }));
+    group.variable("recorded_sensor_pitch", {ping}, "degree",
+                   "pitch of the sensor that its software assumes, forward axis up positive",
+                   column(recorded.angles, [](const PoseAngles& a) { return a.pitch_deg; }));
+    group.variable("recorded_sensor_roll", {ping}, "degree",
+                   "roll of the sensor that its software assumes, starboard down positive",
+                   column(recorded.angles, [](const PoseAngles& a) { return a.roll_deg; }));
+  }
 
   for (const PingColumn& column : ping_columns(recording, provenance))
     group.variable(column.name, {ping}, column.units, column.long_name, column.values);

@@ -49,9 +49,10 @@ double compressed_bytes(const SignalCounts& counts) {
 
 }  // namespace
 
-std::vector<fs::path> write_signal_files(const fs::path& folder, const ElementSignals& signals,
+std::vector<fs::path> write_signal_files(const fs::path& folder, const ElementSignals& true_signals,
                                          const SignalProducts& products, const RunContext& run,
-                                         std::vector<std::string>& warnings) {
+                                         std::vector<std::string>& warnings, const ElementSignals* recorded) {
+  const ElementSignals& signals = recorded != nullptr ? *recorded : true_signals;
   const SignalCounts counts{signals.pings(), signals.receivers(), signals.samples()};
   check(signals);
   check(products, signals.array, counts);
@@ -61,7 +62,7 @@ std::vector<fs::path> write_signal_files(const fs::path& folder, const ElementSi
                  fmt::format("the files of '{}'", products.name),
                  "use fewer pings, or no synthetic aperture");
   std::vector<fs::path> files{products.name + "-signals.nc"};
-  write_signals(folder / files.front(), signals, provenance_of(products, run));
+  write_signals(folder / files.front(), true_signals, provenance_of(products, run));
   if (silent(signals)) {
     warnings.push_back(
         fmt::format("'{}': the receivers receive nothing, so tubefoot computes no pictures, beams or "

@@ -23,11 +23,14 @@ namespace tubefoot {
 /// - <name>-sonar.nc: complex beams as SONAR-netCDF4.
 /// Pings are compressed one by one, except for a synthetic aperture, which needs all of them. Signals that
 /// are 0 have no pictures, and `warnings` says so. Throws std::invalid_argument as both check() functions
-/// do, and std::runtime_error that names the file and the failed operation.
+/// do, and std::runtime_error that names the file and the failed operation. `recorded`, if not null, has the
+/// same pressures with the geometry and the sound speed that the software of the sonar assumes. All files
+/// except <name>-signals.nc are made of it.
 std::vector<std::filesystem::path> write_signal_files(const std::filesystem::path& folder,
                                                       const ElementSignals& signals,
                                                       const SignalProducts& products, const RunContext& run,
-                                                      std::vector<std::string>& warnings);
+                                                      std::vector<std::string>& warnings,
+                                                      const ElementSignals* recorded = nullptr);
 
 /// Approximate cost of these files.
 WritingCost cost_of_signal_files(const SignalProducts& products, const SignalCounts& counts,

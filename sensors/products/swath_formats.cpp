@@ -61,6 +61,7 @@ class SonarNetcdfFormat : public SwathFormat {
     ping.waterline_below_reference_m = above_water_m;
     ping.transducer_depth_m = -above_water_m;
     ping.sound_speed_m_s = c;
+    ping.steering_sound_speed_m_s = recording_.steering_sound_speed_m_s;
     ping.sample_interval_s = 2 * samples.step_m / c;
     ping.blanking_interval_s = 2 * (samples.first_m + samples.step_m / 2) / c;
     for (std::size_t beam = 0; beam < placed.sounded.rays.size(); ++beam) {
@@ -174,7 +175,7 @@ int depth_offset_m(const Recording& recording, const RunContext& run, const Soun
     double up_m = pose.position_m.z;
     for (std::size_t beam = 0; beam < sensor.beams().size(); ++beam) {
       const BeamRay ray = ray_of_beam(recording, ping, beam, static_cast<std::size_t>(samples.count) - 1);
-      up_m = std::max(up_m, placer.highest_m(ray.pose, ray.axis, far_m));
+      up_m = std::max(up_m, placer.highest_m(ray.pose, ray.axis, far_m, recording.water_level_error_m(ping)));
     }
     // The Earth's surface falls away from a tangent plane.
     constexpr double least_radius_m = 6.3e6;
@@ -222,12 +223,12 @@ std::vector<GsfSoundSpeedProfile::Point> points_below_0(const Recording& recordi
 }
 
 /// Processing of the soundings, in the format's own terms.
-std::vector<std::string> gsf_parameters(bool traces_rays) {
+std::vector<std::string> gsf_parameters(bool traces_rays, bool corrects_water_level) {
   return {"REFERENCE TIME=1970/001 00:00:00",
           "ROLL_COMPENSATED=YES",
           "PITCH_COMPENSATED=YES",
           "HEAVE_COMPENSATED=YES",  // heave is in the depth corrector, which the depths include
-          "TIDE_COMPENSATED=NO",
+          corrects_water_level ? "TIDE_COMPENSATED=YES" : "TIDE_COMPENSATED=NO",
           "DEPTH_CALCULATION=CORRECTED",
           traces_rays ? "RAY_TRACING=YES" : "RAY_TRACING=NO",  // NO: rays are straight in isovelocity water
           "ROLL_REFERENCE=ROTATED_PITCH_AXIS",
@@ -256,7 +257,7 @@ class GsfFormat : public SwathFormat {
             const SwathSettings& settings, const SoundingPlacer& placer)
       : recording_(recording),
         settings_(settings),
-        parameters_(gsf_parameters(placer.traces_rays())),
+        parameters_(gsf_parameters(placer.traces_rays(), !recording.water_level_errors_m.empty())),
         profile_{0, 0, 0, 0, points_below_0(recording, run)},
         lines_(folder, ".gsf", recording,
                std::vector<GsfOptions>(recording.lines().size(), gsf_options(recording, run, placer))) {}
@@ -283,8 +284,8 @@ class GsfFormat : public SwathFormat {
                is_tilted = has_sectors || sensor.stabilisation().any() || sensor.receiver_moves();
     for (std::size_t beam = 0; beam < placed.sounded.soundings.size(); ++beam) {
       const BeamRay& ray = placed.sounded.rays[beam];
-      const glm::dvec3 axis = forward_starboard_down(fix.place.direction(ray.pose.attitude * ray.axis),
-                                                     fix.lie.heading_deg);
+      const glm::dvec3 axis =
+          forward_starboard_down(fix.place.direction(ray.pose.attitude * ray.axis), fix.lie.heading_deg);
       if (is_tilted) {
         ping.beam_angle_deg.push_back(
             degrees(std::copysign(std::acos(std::clamp(axis.z, -1.0, 1.0)), axis.y)));

@@ -70,7 +70,9 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
       if (received[k] >= floor_j_[sector][k]) evened[k] = received[k] * gain_[sector][k];
     sounded.soundings.emplace_back();
     sounded.range_sigma_m.push_back(0);
-    const std::optional<Detection> found = detect_bottom(evened, samples, rule_);
+    const std::optional<Detection> found = std::ranges::binary_search(recording_.beams_without_angle, beam)
+                                               ? std::nullopt
+                                               : detect_bottom(evened, samples, rule_);
     const auto sample = static_cast<std::size_t>(found ? found->sample : samples.count / 2);
     const BeamRay& ray = sounded.rays.emplace_back(ray_of_beam(recording_, ping, beam, sample));
     if (!found) continue;
@@ -81,7 +83,8 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
     sounding.time_s = recording_.ping_time_s[ping];
     if (!sensor.transmit_sectors().empty())
       sounding.time_s += sensor.transmission_delay_s(sensor.first_transmission(sector));
-    sounding.position_m = placer_.place(ray.pose, ray.axis, found->range_m);
+    sounding.position_m =
+        placer_.place(ray.pose, ray.axis, found->range_m, recording_.water_level_error_m(ping));
     sounding.two_way_travel_time_s = 2 * found->range_m / recording_.sound_speed_m_s;
     sounding.slant_range_m = found->range_m;
     sounding.beam_angle_deg = degrees(ray.across_rad);

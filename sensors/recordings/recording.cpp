@@ -74,6 +74,23 @@ SteeredPose Recording::receive_pose(std::size_t ping, std::size_t beam, std::siz
   return receiver_pose.at(ping * sensor->transmissions() + sensor->transmission_of(sector_of(beam), sample));
 }
 
+Recording Recording::as_recorded() const {
+  Recording recorded = *this;
+  for (std::size_t ping = 0; ping < ping_pose.size(); ++ping) recorded.ping_pose[ping] = recorded_pose(ping);
+  // The sonar knows the steering of its beams.
+  const auto replace = [](std::vector<SteeredPose>& poses, const std::vector<Pose>& by) {
+    for (std::size_t k = 0; k < by.size() && k < poses.size(); ++k) static_cast<Pose&>(poses[k]) = by[k];
+  };
+  replace(recorded.transmission_pose, recorded_poses);
+  replace(recorded.receiver_pose, recorded_receiver_poses);
+  if (assumed_sensor) recorded.sensor = assumed_sensor.get();
+  if (assumed_sound_speed_m_s > 0) {
+    recorded.sound_speed_m_s = assumed_sound_speed_m_s;
+    recorded.range_ratio = assumed_sound_speed_m_s / sound_speed_m_s;
+  }
+  return recorded;
+}
+
 std::vector<PingSpan> Recording::lines() const {
   std::vector<PingSpan> lines;
   for (const std::size_t start : line_starts) {

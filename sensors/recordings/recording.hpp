@@ -49,6 +49,18 @@ struct Recording {
   /// Reference runs: certified half-width of each energy [J/m^2], in the order of the energies; empty in
   /// other runs.
   std::span<const double> energy_bound{};
+  // The assumed configuration, with which the sonar's software makes its files (docs/processing.md). Each
+  // default means that it is the true one.
+  std::vector<Pose> recorded_poses{};  ///< [ping][transmission] of the sensor
+  std::vector<Pose>
+      recorded_receiver_poses{};  ///< the same at reception, if the receiver moves during a ping
+  /// Assumed minus true height of the water level at each ping [m]. The recorded poses include it.
+  std::vector<double> water_level_errors_m{};
+  std::shared_ptr<const Sensor> assumed_sensor{};    ///< with recorded ranges, beam angles and mounting
+  double assumed_sound_speed_m_s = 0;                ///< replaces `sound_speed_m_s`; 0: the true one
+  double steering_sound_speed_m_s = 0;               ///< for the angles of beams; 0: that of the water
+  std::vector<std::uint32_t> beams_without_angle{};  ///< sorted; they have no soundings
+  double range_ratio = 1;  ///< recorded ranges divided by the true ones, in as_recorded()
   // For a part of a run (docs/command-reference.md):
   std::vector<std::uint32_t> ping_numbers{};   ///< numbers in the scene; empty: all, from 0
   std::vector<std::uint32_t> beam_numbers{};   ///< numbers in the sonar; empty: all
@@ -86,6 +98,18 @@ struct Recording {
   double absorption_of(std::size_t sector) const {
     return sector_absorption_db_per_km.empty() ? absorption_db_per_km
                                                : sector_absorption_db_per_km.at(sector);
+  }
+  /// Pose of the sensor that its software assumes, at the time of a ping or of a transmission.
+  const Pose& recorded_pose(std::size_t ping) const { return recorded_pose(ping, 0); }
+  const Pose& recorded_pose(std::size_t ping, std::size_t transmission) const {
+    return recorded_poses.empty() ? ping_pose.at(ping)
+                                  : recorded_poses.at(ping * sensor->transmissions() + transmission);
+  }
+  /// This recording as the sonar's software sees it: poses, sound speed, ranges and beam angles are the
+  /// assumed ones. It shares the energies.
+  Recording as_recorded() const;
+  double water_level_error_m(std::size_t ping) const {
+    return water_level_errors_m.empty() ? 0 : water_level_errors_m.at(ping);
   }
   /// The lines of a survey, or all pings as one line.
   std::vector<PingSpan> lines() const;

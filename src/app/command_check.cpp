@@ -22,6 +22,7 @@
 #include "run/console/say.hpp"
 #include "run/no_return.hpp"
 #include "run/placement.hpp"
+#include "run/recorded_navigation.hpp"
 #include "run/run_request.hpp"
 #include "run/run_steps.hpp"
 #include "run/settings.hpp"
@@ -328,6 +329,8 @@ int check_command(const CheckOptions& options) {
     print_places(scene, pings, scene.trajectories[scene.sensor_trajectory[s]]);
     if (!pings.water.empty())
       tell("               sound speed {:.2f} m/s at the first position\n", pings.sound_speed_m_s);
+    if (const auto assumed = assumed_configuration_text(scene, pings))
+      tell("               files assume: {}\n", *assumed);
   }
   print_cost(*survey, request, limit.threads(), options.quiet);
   if (picture) tell("wrote {}\n", options.picture->string());

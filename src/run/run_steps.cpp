@@ -83,7 +83,7 @@ RunContext context_of(const Scene& scene, const PictureSettings& pictures, bool 
   return {scene.frame,          *unix_time_s(description.run.start_utc),
           description.run.seed, description.water,
           description.title,    pictures,
-          with_bounds,          scene.water};
+          with_bounds,          scene.assumed_water};
 }
 
 /// Returns recordings of the selection, without energies.
@@ -93,6 +93,12 @@ std::vector<Recording> recordings_to_be(const Survey& survey, const Selection& s
   for (std::size_t s = 0; s < chosen.size(); ++s)
     if (chosen[s].pings > 0) recordings.push_back(recording_of(survey, s, selection, chosen[s]));
   return recordings;
+}
+
+/// Returns the recording of which the files of the sonar are made. The writer of signals needs both the true
+/// and the assumed configuration, and selects them itself.
+Recording for_products(const Recording& recording) {
+  return recording.sensor->signals() != nullptr ? recording : recording.as_recorded();
 }
 
 std::string only_echoes_of(const Recording& recording) {
@@ -210,7 +216,8 @@ std::vector<std::string> files_left_out(const Survey& survey, const Selection& s
       warnings.push_back(only_echoes_of(recording));
       continue;
     }
-    for (std::string& warning : kind_of(recording.sensor->description()).files_left_out(recording, context))
+    for (std::string& warning :
+         kind_of(recording.sensor->description()).files_left_out(for_products(recording), context))
       warnings.push_back(std::move(warning));
   }
   return warnings;
@@ -255,8 +262,8 @@ std::vector<std::filesystem::path> write_result_files(const std::filesystem::pat
     if (!recording.beam_numbers.empty()) {
       warnings.push_back(only_echoes_of(recording));
     } else {
-      for (const auto& file :
-           kind_of(recording.sensor->description()).write_products(folder, recording, context, warnings))
+      for (const auto& file : kind_of(recording.sensor->description())
+                                  .write_products(folder, for_products(recording), context, warnings))
         files.push_back(file);
     }
   }

@@ -27,10 +27,11 @@ class SomeBeams : public Sensor {
 };
 
 template <class Value>
-std::vector<Value> part_of(const std::vector<Value>& all, const ChosenEchoes& chosen) {
+std::vector<Value> part_of(const std::vector<Value>& all, const ChosenEchoes& chosen,
+                           std::size_t values_per_ping = 1) {
   if (all.empty()) return {};
-  const auto first = all.begin() + static_cast<std::ptrdiff_t>(chosen.first_ping);
-  return {first, first + static_cast<std::ptrdiff_t>(chosen.pings)};
+  const auto first = all.begin() + static_cast<std::ptrdiff_t>(chosen.first_ping * values_per_ping);
+  return {first, first + static_cast<std::ptrdiff_t>(chosen.pings * values_per_ping)};
 }
 
 }  // namespace
@@ -80,6 +81,14 @@ Recording recording_of(const Survey& survey, std::size_t s, const Selection& sel
   recording.ping_time_s = part_of(pings.times_s, chosen);
   recording.ping_pose = part_of(pings.poses, chosen);
   recording.altitude_m = part_of(pings.altitudes_m, chosen);
+  recording.recorded_poses = part_of(pings.recorded_poses, chosen, pings.sensor->transmissions());
+  recording.recorded_receiver_poses =
+      part_of(pings.recorded_receiver_poses, chosen, pings.sensor->transmissions());
+  recording.water_level_errors_m = part_of(pings.water_level_errors_m, chosen);
+  recording.assumed_sensor = pings.assumed.sensor;
+  recording.beams_without_angle = pings.assumed.beams_without_angle;
+  recording.assumed_sound_speed_m_s = pings.assumed_sound_speed_m_s;
+  recording.steering_sound_speed_m_s = pings.steering_sound_speed_m_s;
   for (const std::size_t start : pings.line_starts) {
     const std::size_t end = chosen.first_ping + chosen.pings;
     if (start >= end) break;
@@ -96,14 +105,11 @@ Recording recording_of(const Survey& survey, std::size_t s, const Selection& sel
   const Sensor& sensor = *pings.sensor;
   const std::size_t transmissions = sensor.transmissions();
   for (std::size_t t = 0; t < sensor.transmit_sectors().size(); ++t)
-    recording.sector_absorption_db_per_km.push_back(1000 * absorption_db_per_m(survey.scene, sensor, sensor.first_transmission(t)));
-  const auto of_chosen_pings = [&](const std::vector<SteeredPose>& poses) {
-    const auto first = poses.begin() + static_cast<std::ptrdiff_t>(chosen.first_ping * transmissions);
-    return std::vector(first, first + static_cast<std::ptrdiff_t>(chosen.pings * transmissions));
-  };
+    recording.sector_absorption_db_per_km.push_back(
+        1000 * absorption_db_per_m(survey.scene, sensor, sensor.first_transmission(t)));
   if (!sensor.transmit_sectors().empty() || sensor.receiver_moves() || sensor.stabilisation().any())
-    recording.transmission_pose = of_chosen_pings(pings.transmission_poses);
-  if (sensor.receiver_moves()) recording.receiver_pose = of_chosen_pings(pings.receiver_poses);
+    recording.transmission_pose = part_of(pings.transmission_poses, chosen, transmissions);
+  if (sensor.receiver_moves()) recording.receiver_pose = part_of(pings.receiver_poses, chosen, transmissions);
   if (selection.pings) {
     recording.ping_numbers.resize(chosen.pings);
     std::iota(recording.ping_numbers.begin(), recording.ping_numbers.end(),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/water/water_column.hpp"
+#include "sensors/model/assumed_sensor.hpp"
 #include "sensors/model/sensor.hpp"
 
 namespace tubefoot {
@@ -26,6 +27,13 @@ struct SensorPings {
   /// By transmission, with the absorption of the transmission. Empty in isovelocity water, in which rays are
   /// straight.
   std::vector<std::shared_ptr<const WaterColumn>> water;
+  // The assumed configuration (recorded_navigation.hpp). Each default means that it is the true one.
+  std::vector<Pose> recorded_poses;           ///< [ping][transmission]
+  std::vector<Pose> recorded_receiver_poses;  ///< the same at reception, if the receiver moves during a ping
+  std::vector<double> water_level_errors_m;   ///< by ping
+  AssumedSensor assumed;                      ///< null sensor: the true one
+  double assumed_sound_speed_m_s = 0;         ///< for ranges; 0: sound_speed_m_s
+  double steering_sound_speed_m_s = 0;        ///< for angles of beams; 0: that of the water
   /// altitudes above the terrain vertically below; NaN where there is none
   std::vector<double> altitudes_m;
 

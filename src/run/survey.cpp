@@ -18,6 +18,7 @@
 #include "run/coarsening.hpp"
 #include "run/motion_within_ping.hpp"
 #include "run/paths.hpp"
+#include "run/recorded_navigation.hpp"
 #include "run/refraction.hpp"
 #include "run/scene_below.hpp"
 #include "run/sensor_places.hpp"
@@ -320,6 +321,7 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
     sensor_set->sensors.push_back(
         pings_of(*loaded_scene, description.sensors[s],
                  loaded_scene->scene.trajectories[loaded_scene->scene.sensor_trajectory[s]]));
+  assume_configuration(loaded_scene->scene, *sensor_set);
   check_places(*loaded_scene, *sensor_set);
   warn_of_motion(*loaded_scene, *sensor_set);
   // Must follow check_places(), whose messages name the facets under a sensor.

@@ -51,6 +51,17 @@ auto named_at(const SourcePlace& place, Read read) {
   }
 }
 
+/// Returns `truth` if the described water has the same sound speeds. The heights of both sea surfaces are
+/// equal by default.
+std::shared_ptr<const SceneWater> assumed_water_of(const ProcessingDescription& processing,
+                                                   const std::shared_ptr<const SceneWater>& truth) {
+  if (!processing.water) return truth;
+  WaterDescription description = *processing.water;
+  if (!description.surface_height_m) description.surface_height_m = truth->surface_height_m();
+  const auto assumed = std::make_shared<const SceneWater>(description);
+  return assumed->has_same_speeds(*truth) ? truth : assumed;
+}
+
 template <typename Described>
 std::size_t index_of(const std::vector<Described>& list, const std::string& name, const char* what,
                      const SourcePlace& place) {
@@ -268,6 +279,7 @@ class Loader {
                 .smooth = load_smooth_surfaces(description_, report_.warnings),
                 .mirror_phase = {},
                 .water = {},
+                .assumed_water = {},
                 .trajectories = std::move(trajectories_),
                 .sensor_trajectory = std::move(sensor_trajectory),
                 .tiled = tiled_,
@@ -284,6 +296,7 @@ class Loader {
                                        ? surface->reflection / std::abs(surface->reflection)
                                        : 1.0);
     scene.water = std::make_shared<const SceneWater>(description_.water);
+    scene.assumed_water = assumed_water_of(description_.processing, scene.water);
     scene.sound_speed_m_s = scene.water->profile().at(description_.water.depth_m);
     scene.frame = frame_.value_or(LocalFrame());
     scene.relief = std::move(relief);

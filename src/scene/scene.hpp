@@ -69,6 +69,9 @@ struct Scene {
   /// the loss.
   std::vector<std::complex<double>> mirror_phase;
   std::shared_ptr<const SceneWater> water;
+  /// Water that the software of the sonars assumes. It is the same object as `water` if both have the same
+  /// sound speeds.
+  std::shared_ptr<const SceneWater> assumed_water;
   double sound_speed_m_s = 1500;               ///< of isovelocity water; otherwise at the depth in [water]
   std::vector<Trajectory> trajectories;        ///< in the order of the description
   std::vector<std::size_t> sensor_trajectory;  ///< index of the trajectory, by sensor

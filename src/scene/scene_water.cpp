@@ -74,6 +74,15 @@ SceneWater::SceneWater(const WaterDescription& description) : description_(descr
   }
 }
 
+bool SceneWater::has_same_speeds(const SceneWater& other) const {
+  if (!refracts() && !other.refracts()) return profile_.at(0) == other.profile_.at(0);
+  return surface_height_m() == other.surface_height_m() &&
+         std::ranges::equal(profile_.points(), other.profile_.points(),
+                            [](const ProfilePoint& a, const ProfilePoint& b) {
+                              return a.depth_m == b.depth_m && a.sound_speed_m_s == b.sound_speed_m_s;
+                            });
+}
+
 std::vector<ProfilePoint> SceneWater::read_table() const {
   constexpr std::array<std::string_view, 2> columns = {"depth_m", "sound_speed_m_s"};
   std::vector<ProfilePoint> points;

@@ -22,6 +22,8 @@ class SceneWater {
   bool refracts() const { return !profile_.is_constant(); }
   /// Returns the height of the sea surface in the local frame; depth = this height - z.
   double surface_height_m() const { return description_.surface_height_m.value_or(0); }
+  /// Returns whether both waters have the same sound speed at every height.
+  bool has_same_speeds(const SceneWater& other) const;
   /// Returns the profile with the absorption of each layer. The absorption is the value of the description,
   /// or that of the model at the middle of the layer. For a cast, the model uses the cast's temperature and
   /// salinity there.

@@ -23,7 +23,8 @@ enum class Purpose : std::uint32_t {
   surface_place = 4,    ///< position of the scatterer in a cell of the surface
   surface_mesh = 5,     ///< the field at the scatterer
   surface_texture = 6,  ///< strength of the scatterer
-  drawn = 7             ///< signals drawn from their covariances
+  drawn = 7,            ///< signals drawn from their covariances
+  navigation = 8        ///< noise of recorded positions and attitudes
 };
 
 /// The random numbers of one range sample, or of one cell of a lattice in space (given by three numbers).

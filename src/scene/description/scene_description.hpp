@@ -10,6 +10,7 @@
 #include "scene/description/material_description.hpp"
 #include "scene/description/object_description.hpp"
 #include "scene/description/paths_description.hpp"
+#include "scene/description/processing_description.hpp"
 #include "scene/description/refinement_description.hpp"
 #include "scene/description/run_description.hpp"
 #include "scene/description/scatterers_description.hpp"
@@ -46,6 +47,7 @@ struct SceneDescription {
   std::vector<SensorDescription> sensors;
   RefinementDescription refinement;
   ScatterersDescription scatterers;
+  ProcessingDescription processing;
   RunDescription run;
 };
 

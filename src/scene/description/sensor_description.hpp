@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "files/input_error.hpp"
+#include "scene/description/processing_description.hpp"
 #include "scene/description/sensor_section.hpp"
 
 // Describes a sensor of a scene file: the keys of all sensors, the keys of its kind, its beam patterns and
@@ -102,6 +103,7 @@ struct SensorDescription {
   double yaw_deg = 0, tilt_deg = 0, roll_deg = 0;       ///< mounting: yaw to starboard, tilt downwards, roll
   std::optional<std::array<double, 3>>
       look_at_m;  ///< east, north, up of the point that the sensor faces, independent of the carrier
+  AssumedMountingDescription assumed;  ///< mounting with which files of the sonar are made
   double first_ping_s = 0;
   std::optional<int> pings;  ///< default 1; on the lines of a survey, all that fit
   double ping_interval_s = 0.1;

@@ -194,6 +194,7 @@ struct SceneEntries {
   std::vector<Entry<SensorDescription>> sensors;
   std::vector<Entry<RefinementDescription>> refinement;
   std::vector<Entry<ScatterersDescription>> scatterers;
+  std::vector<Entry<ProcessingDescription>> processing;
   std::vector<Entry<RunDescription>> run;
 };
 
@@ -218,6 +219,7 @@ SceneEntries read_entries(const toml::table& root, const TomlSection<SensorDescr
       {"sensors", into(sensors, all.sensors)},
       {"relief", into(refinement_section(), all.refinement)},
       {"scatterers", into(scatterers_section(), all.scatterers)},
+      {"processing", into(processing_section(), all.processing)},
       {"run", into(run_section(), all.run)},
   };
   for (const TomlEntry& entry : entries_in_file_order(root, source)) {
@@ -344,6 +346,9 @@ void for_each_section(const TomlSection<SensorDescription>& sensors, Call call) 
   call(object_section());
   call(trajectory_section());
   call(sensors);
+  call(assumed_mounting_section());
+  call(processing_section());
+  call(assumed_water_section());
   call(refinement_section());
   call(paths_section());
   call(scatterers_section());
@@ -429,6 +434,7 @@ SceneDescription read_scene_text(const std::string& text, const fs::path& file, 
   if (!all.refinement.empty()) scene.refinement.file_place = all.refinement.front().table.place_of("file");
   if (auto& seabed = scene.refinement.file) seabed = (file.parent_path() / *seabed).string();
   scene.scatterers = only(all.scatterers, file);
+  scene.processing = only(all.processing, file);
   scene.run = only(all.run, file);
 
   scene.confined = confined;

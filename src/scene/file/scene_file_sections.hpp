@@ -10,6 +10,8 @@ namespace tubefoot {
 const TomlField<SceneDescription>& title_field();
 const TomlSection<GeoreferenceDescription>& georeference_section();
 const TomlSection<WaterDescription>& water_section();
+/// Returns the section with the keys of [water] that determine the sound speed.
+const TomlSection<WaterDescription>& assumed_water_section();
 const TomlSection<SeaSurfaceDescription>& sea_surface_section();
 const TomlSection<PathsDescription>& paths_section();
 const TomlSection<MaterialDescription>& material_section();
@@ -25,6 +27,10 @@ const TomlSection<ObjectDescription>& object_section();
 const TomlSection<TrajectoryDescription>& trajectory_section();
 /// Returns the section with the keys of the given kinds.
 TomlSection<SensorDescription> sensor_section(const SensorSections& kinds);
+const TomlSection<AssumedMountingDescription>& assumed_mounting_section();
+/// Returns the key of [[sensors]] that holds the assumed mounting.
+TomlField<SensorDescription> assumed_mounting_field();
+const TomlSection<ProcessingDescription>& processing_section();
 const TomlSection<RefinementDescription>& refinement_section();
 const TomlSection<ScatterersDescription>& scatterers_section();
 const TomlSection<RunDescription>& run_section();

@@ -113,6 +113,10 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
             table.place_of(key),
             fmt::format("'look_at_m' already sets the direction of the sensor: remove '{}' or 'look_at_m'",
                         key));
+    if (sensor.assumed.yaw_deg || sensor.assumed.tilt_deg || sensor.assumed.roll_deg)
+      throw InputError(sensor.assumed.place,
+                       "'look_at_m' already sets the direction of the sensor: remove the assumed angles from "
+                       "[sensors.processing] or 'look_at_m'");
   }
   if (table.has("motion_step_beams") && sensor.stop_and_hop)
     throw InputError(table.place_of("motion_step_beams"),
@@ -258,6 +262,7 @@ TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
                {.meaning = "Point that the sensor faces at every ping, instead of `yaw_deg` and `tilt_deg`: "
                            "east, north, up. For the kinds array, didson, imaging and scanning.",
                 .ranges = {coordinate}}),
+           assumed_mounting_field(),
            field("first_ping_s", &S::first_ping_s,
                  {.meaning = "Time of the first ping on the trajectory. On a survey, the time is relative to "
                              "the start of each line.",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 
 #include "scene/file/scene_file_ranges.hpp"
 #include "scene/file/scene_file_sections.hpp"
@@ -93,104 +94,130 @@ void check_formula(const WaterDescription& water, const TomlTable& table) {
   }
 }
 
+/// Returns the keys of the water. Without `all`, returns those that determine the sound speed.
+std::vector<TomlField<WaterDescription>> water_fields(bool all) {
+  using W = WaterDescription;
+  std::vector<TomlField<W>> fields{
+      field("sound_speed_m_s", &W::sound_speed_m_s,
+            {.meaning = "Sound speed of isovelocity water. Default: computed with "
+                        "`sound_speed_formula`. For a profile given by a formula: speed at the "
+                        "surface, or on the channel axis for munk.",
+             .ranges = {{.lo = 1300, .hi = 1700}}}),
+      field("absorption_db_per_km", &W::absorption_db_per_km,
+            {.meaning = "One-way absorption. Default: computed with `absorption_model` at the "
+                        "frequency of each sensor.",
+             .ranges = {{.lo = 0, .hi = 100000}}}),
+      field("temperature_c", &W::temperature_c,
+            {.meaning = "Temperature of the water.", .ranges = {{.lo = -2, .hi = 30}}}),
+      field("salinity_psu", &W::salinity_psu,
+            {.meaning = "Salinity of the water. The Mackenzie formula needs at least 25.",
+             .ranges = {{.lo = 0, .hi = 40}}}),
+      field("ph", &W::ph,
+            {.meaning = "Acidity (pH) of the water, which affects only the absorption.",
+             .ranges = {{.lo = 6, .hi = 9}}}),
+      field("depth_m", &W::depth_m,
+            {.meaning = "Depth below the sea surface at which the formulas apply in isovelocity "
+                        "water. The Mackenzie formula holds down to 8000 m.",
+             .ranges = {{.lo = 0, .hi = 10000}}}),
+      field("sound_speed_formula", &W::sound_speed_formula,
+            {.meaning = "mackenzie: Mackenzie 1981. leroy: Leroy, Robinson and Goldsmith 2008.",
+             .choices = {"mackenzie", "leroy"}}),
+      field("latitude_deg", &W::latitude_deg,
+            {.meaning = "Latitude for the Leroy formula, which computes pressure from depth.",
+             .ranges = {latitude},
+             .default_value = "45"}),
+      field("absorption_model", &W::absorption_model,
+            {.meaning = "francois-garrison: Francois and Garrison 1982. ainslie-mccolm: Ainslie "
+                        "and McColm 1998.",
+             .choices = {"francois-garrison", "ainslie-mccolm"}}),
+      field("profile", &W::profile,
+            {.meaning = "Type of the sound-speed profile. Each type has its own keys.",
+             .choices = {"constant", "table", "cast", "gradient", "munk", "n2-linear"}}),
+      field("profile_file", &W::profile_file,
+            {.meaning = "CSV file. table: columns `depth_m,sound_speed_m_s`. cast: columns "
+                        "`depth_m,temperature_c,salinity_psu`, from which tubefoot computes sound "
+                        "speed and absorption. Depths increase by at least 1 um per row."}),
+      field("surface_height_m", &W::surface_height_m,
+            {.meaning = "Height (z) of the sea surface, where the depth is 0.",
+             .ranges = {{.lo = -12000, .hi = 12000}},
+             .default_value = "0"}),
+      field("profile_bottom_m", &W::profile_bottom_m,
+            {.meaning = "Depth at which a profile given by a formula ends. The sound speed is "
+                        "constant below this depth.",
+             .ranges = {{.lo = 0, .hi = 12000, .lo_excluded = true}}}),
+      field("gradient_per_s", &W::gradient_per_s,
+            {.meaning = "gradient: change of sound speed with depth. n2-linear: parameter g of "
+                        "the sound speed c0 / sqrt(1 + 2 g z / c0) at depth z.",
+             .ranges = {{.lo = -10, .hi = 10}}}),
+      field("munk_axis_m", &W::munk_axis_m,
+            {.meaning = "munk: depth of the axis of the sound channel.",
+             .ranges = {{.lo = 0, .hi = 12000}},
+             .default_value = "1300"}),
+      field("munk_scale_m", &W::munk_scale_m,
+            {.meaning = "munk: depth scale of the sound channel.",
+             .ranges = {{.lo = 1, .hi = 12000}},
+             .default_value = "1300"}),
+      field("munk_epsilon", &W::munk_epsilon,
+            {.meaning = "munk: strength of the sound channel.",
+             .ranges = {{.lo = 0, .hi = 0.1}},
+             .default_value = "0.00737"}),
+      field("profile_error_m_s", &W::profile_error_m_s,
+            {.meaning = "munk, n2-linear: largest error of the linear interpolation between the "
+                        "sampled points of the profile.",
+             .ranges = {{.lo = 0.0001, .hi = 10}},
+             .default_value = "0.01"}),
+      field("profile_step_m", &W::profile_step_m,
+            {.meaning = "munk, n2-linear: spacing of the sampled points of the profile, instead "
+                        "of `profile_error_m_s`.",
+             .ranges = {{.lo = 0.01, .hi = 1000}}}),
+      field("refraction_gap_m", &W::travel_path_error_m,
+            {.meaning = "Largest travel-path error: distance between refracted facets and their apparent "
+                        "positions. Default: a quarter of a range bin, or less for a receiver pair.",
+             .ranges = {{.lo = 0.00001, .hi = 1000}}}),
+      field("refraction_tolerance_db", &W::refraction_tolerance_db,
+            {.meaning = "Largest error in the energy density on a facet due to the approximation "
+                        "of the apparent facet by a plane.",
+             .ranges = {{.lo = 0.001, .hi = 10}},
+             .default_value = "0.1"}),
+      field("refraction_turns", &W::refraction_turns,
+            {.meaning = "Largest number of turning points of a ray between the sonar and the "
+                        "seabed. tubefoot omits rays with more turning points.",
+             .ranges = {{.lo = 0, .hi = 16}}})};
+  constexpr std::array<std::string_view, 6> others = {"absorption_db_per_km",    "ph",
+                                                      "absorption_model",        "refraction_gap_m",
+                                                      "refraction_tolerance_db", "refraction_turns"};
+  if (!all)
+    std::erase_if(
+        fields, [&](const TomlField<W>& f) { return std::ranges::find(others, f.key.name) != others.end(); });
+  return fields;
+}
+
+void check_water(const WaterDescription& water, const TomlTable& table) {
+  check_profile(water, table);
+  check_formula(water, table);
+}
+
 }  // namespace
 
 const TomlSection<WaterDescription>& water_section() {
-  using W = WaterDescription;
   static const auto section =
-      TomlSection<W>("[water]",
-                     "Sound speed and absorption of the water, which is isovelocity or stratified. Depths "
-                     "increase downwards from the sea surface.")
-          .keys({field("sound_speed_m_s", &W::sound_speed_m_s,
-                       {.meaning = "Sound speed of isovelocity water. Default: computed with "
-                                   "`sound_speed_formula`. For a profile given by a formula: speed at the "
-                                   "surface, or on the channel axis for munk.",
-                        .ranges = {{.lo = 1300, .hi = 1700}}}),
-                 field("absorption_db_per_km", &W::absorption_db_per_km,
-                       {.meaning = "One-way absorption. Default: computed with `absorption_model` at the "
-                                   "frequency of each sensor.",
-                        .ranges = {{.lo = 0, .hi = 100000}}}),
-                 field("temperature_c", &W::temperature_c,
-                       {.meaning = "Temperature of the water.", .ranges = {{.lo = -2, .hi = 30}}}),
-                 field("salinity_psu", &W::salinity_psu,
-                       {.meaning = "Salinity of the water. The Mackenzie formula needs at least 25.",
-                        .ranges = {{.lo = 0, .hi = 40}}}),
-                 field("ph", &W::ph,
-                       {.meaning = "Acidity (pH) of the water, which affects only the absorption.",
-                        .ranges = {{.lo = 6, .hi = 9}}}),
-                 field("depth_m", &W::depth_m,
-                       {.meaning = "Depth below the sea surface at which the formulas apply in isovelocity "
-                                   "water. The Mackenzie formula holds down to 8000 m.",
-                        .ranges = {{.lo = 0, .hi = 10000}}}),
-                 field("sound_speed_formula", &W::sound_speed_formula,
-                       {.meaning = "mackenzie: Mackenzie 1981. leroy: Leroy, Robinson and Goldsmith 2008.",
-                        .choices = {"mackenzie", "leroy"}}),
-                 field("latitude_deg", &W::latitude_deg,
-                       {.meaning = "Latitude for the Leroy formula, which computes pressure from depth.",
-                        .ranges = {latitude},
-                        .default_value = "45"}),
-                 field("absorption_model", &W::absorption_model,
-                       {.meaning = "francois-garrison: Francois and Garrison 1982. ainslie-mccolm: Ainslie "
-                                   "and McColm 1998.",
-                        .choices = {"francois-garrison", "ainslie-mccolm"}}),
-                 field("profile", &W::profile,
-                       {.meaning = "Type of the sound-speed profile. Each type has its own keys.",
-                        .choices = {"constant", "table", "cast", "gradient", "munk", "n2-linear"}}),
-                 field("profile_file", &W::profile_file,
-                       {.meaning = "CSV file. table: columns `depth_m,sound_speed_m_s`. cast: columns "
-                                   "`depth_m,temperature_c,salinity_psu`, from which tubefoot computes sound "
-                                   "speed and absorption. Depths increase by at least 1 um per row."}),
-                 field("surface_height_m", &W::surface_height_m,
-                       {.meaning = "Height (z) of the sea surface, where the depth is 0.",
-                        .ranges = {{.lo = -12000, .hi = 12000}},
-                        .default_value = "0"}),
-                 field("profile_bottom_m", &W::profile_bottom_m,
-                       {.meaning = "Depth at which a profile given by a formula ends. The sound speed is "
-                                   "constant below this depth.",
-                        .ranges = {{.lo = 0, .hi = 12000, .lo_excluded = true}}}),
-                 field("gradient_per_s", &W::gradient_per_s,
-                       {.meaning = "gradient: change of sound speed with depth. n2-linear: parameter g of "
-                                   "the sound speed c0 / sqrt(1 + 2 g z / c0) at depth z.",
-                        .ranges = {{.lo = -10, .hi = 10}}}),
-                 field("munk_axis_m", &W::munk_axis_m,
-                       {.meaning = "munk: depth of the axis of the sound channel.",
-                        .ranges = {{.lo = 0, .hi = 12000}},
-                        .default_value = "1300"}),
-                 field("munk_scale_m", &W::munk_scale_m,
-                       {.meaning = "munk: depth scale of the sound channel.",
-                        .ranges = {{.lo = 1, .hi = 12000}},
-                        .default_value = "1300"}),
-                 field("munk_epsilon", &W::munk_epsilon,
-                       {.meaning = "munk: strength of the sound channel.",
-                        .ranges = {{.lo = 0, .hi = 0.1}},
-                        .default_value = "0.00737"}),
-                 field("profile_error_m_s", &W::profile_error_m_s,
-                       {.meaning = "munk, n2-linear: largest error of the linear interpolation between the "
-                                   "sampled points of the profile.",
-                        .ranges = {{.lo = 0.0001, .hi = 10}},
-                        .default_value = "0.01"}),
-                 field("profile_step_m", &W::profile_step_m,
-                       {.meaning = "munk, n2-linear: spacing of the sampled points of the profile, instead "
-                                   "of `profile_error_m_s`.",
-                        .ranges = {{.lo = 0.01, .hi = 1000}}}),
-                 field("refraction_gap_m", &W::travel_path_error_m,
-                       {.meaning =
-                            "Largest travel-path error: distance between refracted facets and their apparent "
-                            "positions. Default: a quarter of a range bin, or less for a receiver pair.",
-                        .ranges = {{.lo = 0.00001, .hi = 1000}}}),
-                 field("refraction_tolerance_db", &W::refraction_tolerance_db,
-                       {.meaning = "Largest error in the energy density on a facet due to the approximation "
-                                   "of the apparent facet by a plane.",
-                        .ranges = {{.lo = 0.001, .hi = 10}},
-                        .default_value = "0.1"}),
-                 field("refraction_turns", &W::refraction_turns,
-                       {.meaning = "Largest number of turning points of a ray between the sonar and the "
-                                   "seabed. tubefoot omits rays with more turning points.",
-                        .ranges = {{.lo = 0, .hi = 16}}})})
-          .check([](const W& water, const TomlTable& table) {
-            check_profile(water, table);
-            check_formula(water, table);
-          });
+      TomlSection<WaterDescription>(
+          "[water]",
+          "Sound speed and absorption of the water, which is isovelocity or stratified. Depths "
+          "increase downwards from the sea surface.")
+          .keys(water_fields(true))
+          .check(check_water);
+  return section;
+}
+
+const TomlSection<WaterDescription>& assumed_water_section() {
+  static const auto section =
+      TomlSection<WaterDescription>(
+          "[processing.water]",
+          "Sound speed of the assumed water, with which the software of a sonar converts travel times to "
+          "ranges and positions. The keys are those of `[water]`, with the same defaults.")
+          .keys(water_fields(false))
+          .check(check_water);
   return section;
 }
 

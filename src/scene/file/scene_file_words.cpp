@@ -9,8 +9,10 @@ namespace {
 
 /// Units in scene files, and others that a person may try. Longer endings precede endings that they
 /// contain.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 33> units{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 35> units{{
     {"db_per_km", "dB/km"},
+    {"deg_per_hour", "degrees per hour"},
+    {"m_per_hour", "metres per hour"},
     {"db_per_m", "dB/m"},
     {"np_per_m", "nepers per metre"},
     {"km_h", "km/h"},

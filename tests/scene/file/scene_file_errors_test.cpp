@@ -452,6 +452,8 @@ class EveryKey : public testing::Test {
   static std::string scene(const SceneKey& key, const std::string& value) {
     std::string text = key.section + "\n" + key.kind + "\n";
     if (key.section == "[terrain.material_map]") text = "[terrain]\n" + some_kind("[[terrain]]") + text;
+    if (key.section == "[sensors.processing]")
+      text = "[[sensors]]\nname = \"s\"\n" + some_kind("[[sensors]]") + text;
     for (const SceneKey& other : scene_file_keys()) {
       const bool together = other.section == key.section && (other.kind.empty() || other.kind == key.kind);
       const bool tells_kind = key.kind.starts_with(other.name + " ");

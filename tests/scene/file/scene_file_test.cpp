@@ -318,6 +318,10 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\nprofile_file = \nprofile_error_m_s = "  // water_keys_test.cpp
                            "\nslope_deg = \nslope_heading_deg = \nturn_s = \ncentre_lat_lon_deg = "
                            "\ncentre_crs = \nspacing_m = \none_way = \nup_m = \naltitude_m = "
+                           "\nwater = \nprocessing = \nsound_speed_at_transducer_m_s = \nlatency_s = "
+                           "\nattitude_latency_s = \ntide_m = \ntide_file = \nattitude_bias_deg = "
+                           "\nattitude_drift_deg_per_hour = \nattitude_noise_deg = \nposition_bias_m = "
+                           "\nposition_drift_m_per_hour = \nposition_noise_m = "  // processing_keys_test.cpp
                            "\naltitude_step_m = \nlook_at_m = \ndisplay_gain_db = "  // track_keys_test.cpp
                            "\nscan_deg = \nstep_deg = \nbeam_horizontal_deg = \nbeam_vertical_deg = "
                            "\nstep_interval_s = \nbeam_angles_deg = ";  // robot_sonar_keys_test.cpp
