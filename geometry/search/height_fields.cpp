@@ -334,8 +334,9 @@ void HeightFields::look_down(const FacetMesh& mesh, const SceneTree& tree, GridP
   view.found.clear();
   facets_near_vertical(tree, below, view.found);
   for (const FacetId facet : view.found)
-    if (height_field_[facet] != none && vertical_side(mesh, facet, below) > 0)
-      view.from_above[height_field_[facet]] = 0;
+    if (const std::uint16_t height_field = height_field_of(facet);
+        height_field != none && vertical_side(mesh, facet, below) > 0)
+      view.from_above[height_field] = 0;
 }
 
 std::size_t HeightFields::bytes() const {

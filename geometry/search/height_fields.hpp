@@ -27,11 +27,12 @@ class HeightFields {
   ~HeightFields();
 
   std::size_t count() const { return turn_.size(); }
-  /// Returns the index of the height field of a facet, or `none`.
+  /// Returns the index of the height field of a facet, or `none`. Facets beyond those of the mesh, which a
+  /// tree of two levels adds, belong to none.
   ///
   /// Law H1 (graph): no vertical line meets a height field twice.
   std::uint16_t height_field_of(FacetId facet) const {
-    return height_field_.empty() ? none : height_field_[facet];
+    return facet < height_field_.size() ? height_field_[facet] : none;
   }
 
   /// State of one view of the height fields, reused from view to view.
@@ -42,7 +43,7 @@ class HeightFields {
 
   /// Sets view.from_above to 1 for each height field that is certainly met from above. This means that every
   /// ray of a tube from the apex that meets it within `reach` meets it first from above. `rays` and
-  /// `half_spaces` are those of the tube, in its order; `tree` belongs to the mesh of the height fields.
+  /// `half_spaces` are those of the tube, in its order; `tree` contains all facets of the height fields.
   /// Parts beyond the reach have no influence. The result holds only for facets that lie wholly within the
   /// reach.
   void look(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
@@ -60,7 +61,7 @@ class HeightFields {
   ///
   /// Law H2 (leaving out): removing facets for which this is true does not change the visible polygons.
   bool surely_hidden(FacetId facet, const FacetCone* cone, const View& view) const {
-    const std::uint16_t height_field = height_field_[facet];
+    const std::uint16_t height_field = height_field_of(facet);
     if (height_field == none || !view.from_above[height_field]) return false;
     // The corners of a cone turn left for the apex. The facets of a height field turn right for an apex above
     // them.

@@ -76,23 +76,37 @@ SceneTree::Fan::Fan(std::span<const HalfSpace> half_spaces)
               std::max(spread.z, std::abs(h.z - middle.z))};
 }
 
-SceneTree::SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields)
-    : mesh_(&mesh), order_(mesh.facets.size()) {
-  std::iota(order_.begin(), order_.end(), 0u);
+SceneTree::SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields) : mesh_(&mesh) {
+  build(0);
+  if (height_fields == HeightFieldSearch::proven)
+    if (auto found = std::make_shared<const HeightFields>(mesh); found->count() > 0)
+      height_fields_ = std::move(found);
+}
+
+SceneTree::SceneTree(const FacetMesh& mesh, std::shared_ptr<const SceneTree> at_rest, FacetId first_moving)
+    : mesh_(&mesh), height_fields_(at_rest->height_fields_), at_rest_(std::move(at_rest)) {
+  build(first_moving);
+}
+
+void SceneTree::build(FacetId first_facet) {
+  const FacetMesh& mesh = *mesh_;
+  order_.resize(mesh.facets.size() - first_facet);
+  std::iota(order_.begin(), order_.end(), first_facet);
   if (order_.empty()) return;
   // Three times the centroid, in single precision, because it only determines the tree's shape.
-  std::vector<std::array<float, 3>> centre(order_.size());
-  for (std::size_t f = 0; f < centre.size(); ++f) {
-    centre[f] = {0, 0, 0};
+  std::vector<std::array<float, 3>> centres(order_.size());
+  const auto centre = [&](FacetId f) -> std::array<float, 3>& { return centres[f - first_facet]; };
+  for (const FacetId f : order_) {
+    centre(f) = {0, 0, 0};
     for (const VertexId v : mesh.facets[f]) {
       const GridPoint p = mesh.vertices[v];
-      centre[f][0] += static_cast<float>(p.x);
-      centre[f][1] += static_cast<float>(p.y);
-      centre[f][2] += static_cast<float>(p.z);
+      centre(f)[0] += static_cast<float>(p.x);
+      centre(f)[1] += static_cast<float>(p.y);
+      centre(f)[2] += static_cast<float>(p.z);
     }
   }
   nodes_.reserve(2 * (order_.size() / (facets_per_leaf / 2) + 1));
-  const auto build = [&](const auto& self, std::uint32_t begin, std::uint32_t end) -> std::uint32_t {
+  const auto split = [&](const auto& self, std::uint32_t begin, std::uint32_t end) -> std::uint32_t {
     stop_if_wanted();
     const auto index = static_cast<std::uint32_t>(nodes_.size());
     nodes_.emplace_back();
@@ -107,11 +121,11 @@ SceneTree::SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields)
       nodes_[index] = {box, begin, end - begin};
       return index;
     }
-    std::array<float, 3> lo = centre[order_[begin]], hi = lo;
+    std::array<float, 3> lo = centre(order_[begin]), hi = lo;
     for (std::uint32_t k = begin; k < end; ++k)
       for (int a = 0; a < 3; ++a) {
-        lo[a] = std::min(lo[a], centre[order_[k]][a]);
-        hi[a] = std::max(hi[a], centre[order_[k]][a]);
+        lo[a] = std::min(lo[a], centre(order_[k])[a]);
+        hi[a] = std::max(hi[a], centre(order_[k])[a]);
       }
     int axis = 0;
     for (int a = 1; a < 3; ++a)
@@ -125,7 +139,7 @@ SceneTree::SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields)
       }
     const std::uint32_t middle = begin + (end - begin) / 2;
     std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                     [&](FacetId f, FacetId g) { return centre[f][axis] < centre[g][axis]; });
+                     [&](FacetId f, FacetId g) { return centre(f)[axis] < centre(g)[axis]; });
     const std::uint32_t first = self(self, begin, middle), second = self(self, middle, end);
     nodes_[index] = {
         {min(nodes_[first].box.lo, nodes_[second].box.lo), max(nodes_[first].box.hi, nodes_[second].box.hi)},
@@ -133,16 +147,14 @@ SceneTree::SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields)
         0};
     return index;
   };
-  build(build, 0, static_cast<std::uint32_t>(order_.size()));
+  split(split, 0, static_cast<std::uint32_t>(order_.size()));
   nodes_.shrink_to_fit();
-  if (height_fields == HeightFieldSearch::proven)
-    if (auto found = std::make_shared<const HeightFields>(mesh); found->count() > 0)
-      height_fields_ = std::move(found);
 }
 
 std::size_t SceneTree::bytes() const {
-  return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(FacetId) +
-         (height_fields_ ? height_fields_->bytes() : 0);
+  const std::size_t own = nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(FacetId);
+  if (at_rest_) return own + at_rest_->bytes();
+  return own + (height_fields_ ? height_fields_->bytes() : 0);
 }
 
 void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
@@ -162,6 +174,7 @@ void SceneTree::query(GridPoint apex, std::span<const Fan> fans, double reach,
 
 void SceneTree::query(const std::function<bool(const GridPoint&, const GridPoint&)>& may_meet,
                       std::vector<FacetId>& out) const {
+  if (at_rest_) at_rest_->query(may_meet, out);
   if (nodes_.empty()) return;
   std::array<std::uint32_t, 64> stack;
   std::size_t depth = 0;
@@ -182,6 +195,7 @@ void SceneTree::query(const std::function<bool(const GridPoint&, const GridPoint
 template <class Side>
 void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double reach, double margin,
                             std::vector<FacetId>& out) const {
+  if (at_rest_) at_rest_->query_sides(apex, sides, reach, margin, out);
   if (nodes_.empty()) return;
   const double reach2 = reach * reach;
   // `checks` has the tests that are still necessary: bit k for side k, the last bit for the reach. A test

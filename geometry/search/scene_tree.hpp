@@ -24,6 +24,14 @@ class SceneTree {
 
   /// `height_fields` selects whether to search for height fields too.
   explicit SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields = HeightFieldSearch::proven);
+  /// Adds facets to a tree, for example moving facets to those at rest. `at_rest` contains the first facets
+  /// of the mesh, and this tree the facets from `first_moving`. A query visits both trees. The mesh of
+  /// `at_rest` must outlive this tree and may be another one with the same first facets. Height fields are
+  /// those of `at_rest`; facets from `first_moving` belong to none.
+  ///
+  /// Law T2 (two levels): queries with half-spaces or fans find the same facets as in one tree of the mesh,
+  /// except copies.
+  SceneTree(const FacetMesh& mesh, std::shared_ptr<const SceneTree> at_rest, FacetId first_moving);
 
   /// A half-space through the apex: directions d with normal . d >= 0. The test is made up to rounding,
   /// because it serves only as a filter.
@@ -77,6 +85,7 @@ class SceneTree {
     std::uint32_t link = 0, count = 0;
   };
 
+  void build(FacetId first_facet);
   template <class Side>
   void query_sides(GridPoint apex, std::span<const Side> sides, double reach, double margin,
                    std::vector<FacetId>& out) const;
@@ -85,6 +94,7 @@ class SceneTree {
   std::vector<Node> nodes_;
   std::vector<FacetId> order_;
   std::shared_ptr<const HeightFields> height_fields_;
+  std::shared_ptr<const SceneTree> at_rest_;  ///< null if this tree contains all facets
 };
 
 }  // namespace tubefoot

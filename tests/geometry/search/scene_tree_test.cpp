@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <set>
 
 #include "fixtures/geometry/grid_scenes.hpp"
 #include "geometry/mesh/facet_cone.hpp"
@@ -158,6 +160,56 @@ TEST(SceneTree, FindsAllInBoxesThatAreNotRefused) {
         EXPECT_TRUE(std::binary_search(some.begin(), some.end(), f));
       }
   }
+}
+
+// Law T2. The small tree is that of the last facets, whose vertices move between the queries.
+TEST(SceneTree, OfTwoLevelsFindsWhatOneTreeFinds) {
+  std::size_t of_lower = 0, of_upper = 0;
+  const auto visible_facets = [](const TubeVisibility& seen) {
+    std::set<FacetId> facets;
+    for (const NamedPiece& piece : seen.pieces) facets.insert(piece.facet);
+    return facets;
+  };
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    FacetMesh mesh = seed % 2 == 0 ? make_random_triangles(random, 300, 1000000, 900000)
+                                   : rough_terrain(random, 12, 2000000, -300000, 20000);
+    const FacetMesh at_rest = mesh;
+    const auto lower = std::make_shared<const SceneTree>(at_rest);
+    const auto first = static_cast<FacetId>(mesh.facets.size());
+    const std::size_t first_vertex = mesh.vertices.size();
+    const FacetMesh moving = make_random_triangles(random, 60, 1000000, 300000);
+    for (const auto& [a, b, c] : moving.facets)
+      add_facet(mesh, static_cast<VertexId>(first_vertex + a), static_cast<VertexId>(first_vertex + b),
+                static_cast<VertexId>(first_vertex + c));
+    mesh.vertices.insert(mesh.vertices.end(), moving.vertices.begin(), moving.vertices.end());
+    const TubeSet tubes = forward_tubes({0, 0, 0}, 6, 3, 60, 30, 0);
+    for (int move = 0; move < 3; ++move) {
+      for (std::size_t v = first_vertex; v < mesh.vertices.size(); ++v) mesh.vertices[v].x += 150000;
+      const SceneTree one(mesh, SceneTree::HeightFieldSearch::ignored), two(mesh, lower, first);
+      EXPECT_EQ(two.height_fields(), lower->height_fields());
+      VisibilityScratch scratch;
+      TubeVisibility seen, expected;
+      for (std::uint32_t t = 0; t < tubes.tubes.size(); ++t) {
+        const auto walls = walls_of(tubes, t);
+        for (const double reach : {900000.0, everywhere}) {
+          const auto found = query(two, tubes.apex, walls, reach);
+          EXPECT_EQ(found, query(one, tubes.apex, walls, reach)) << "tube " << t;
+          for (const FacetId f : found) ++(f < first ? of_lower : of_upper);
+        }
+        // Height fields of the facets at rest hide none of the moving facets.
+        see(mesh, two, tubes, t, {}, scratch, seen);
+        see(mesh, one, tubes, t, {}, scratch, expected);
+        EXPECT_EQ(visible_facets(seen), visible_facets(expected)) << "tube " << t;
+      }
+      std::vector<FacetId> all;
+      two.query([](const GridPoint&, const GridPoint&) { return true; }, all);
+      EXPECT_EQ(all.size(), mesh.facets.size());
+    }
+  }
+  EXPECT_GT(of_lower, 1000u);
+  EXPECT_GT(of_upper, 1000u);
 }
 
 TEST(SceneTree, AnEmptyMeshHasNothingToFind) {
