@@ -42,7 +42,8 @@ NativeTransmission::NativeTransmission(const Survey& survey, const RunRequest& r
       ends_(transmission_, which.sensor) {}
 
 const std::vector<glm::dvec3>& NativeTransmission::vertices_m() const {
-  if (ends_.tx().refined == nullptr) return survey().loaded_scene->vertices_m();
+  if (ends_.tx().refined == nullptr && survey().loaded_scene->moving == nullptr)
+    return survey().loaded_scene->vertices_m();
   std::call_once(vertices_made_, [this] {
     const auto& vertices = ends_.tx().mesh->vertices;
     vertices_m_.reserve(vertices.size());

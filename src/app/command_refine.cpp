@@ -22,7 +22,7 @@ int refine_command(const RefineOptions& options) {
   Scene loaded = load_scene(description);
   const Scene scene = loaded.tiled.empty() ? std::move(loaded) : with_tiles(loaded, all_tiles(loaded));
   print_warnings(scene.report.warnings, options.quiet);
-  const std::unique_ptr<SurfaceMesh> surface_mesh = relief_surface(scene);
+  const std::unique_ptr<SurfaceMesh> surface_mesh = relief_surface(scene, scene.mesh);
   const RefinedMesh seabed = refined_seabed(scene, *surface_mesh);
   write_refined_seabed(output.path(), seabed, scene, *surface_mesh);
   output.commit();

@@ -34,6 +34,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "unbounded texture",
                                                        "inclined mirrors",
                                                        "several scatterings",
+                                                       "moving objects",
                                                        "--reference",
                                                        "double arithmetic",
                                                        "fast binning",
@@ -139,6 +140,23 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      {},
      "in the second scattering, tubefoot treats facets as points: leave out --coarsen, or set scatterings = "
      "1"},
+    {moving_objects,
+     coarsening,
+     {},
+     "--coarsen cannot merge facets that move with facets at rest: leave out --coarsen, or 'trajectory' of "
+     "the object"},
+    {moving_objects,
+     gradient,
+     {},
+     "derivatives refer to vertices at rest: leave out --gradient, or 'trajectory' of the object"},
+    {moving_objects,
+     coverage,
+     {},
+     "coverage adds up the pings on facets at rest: leave out 'trajectory' of the object"},
+    {moving_objects,
+     refine,
+     {},
+     "a file of refined facets contains facets at rest: leave out 'trajectory' of the object"},
     {reference, coarsening, {}, "this output refers to the facets of the scene: leave out --coarsen"},
     {fast_binning,
      coarsening,
@@ -250,6 +268,10 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
                                  d.materials[*material].name)});
   if (d.paths.scatterings > 1)
     found.push_back({scatterings, d.paths.place, "[paths] has several scatterings"});
+  if (!scene.moving.empty()) {
+    const ObjectDescription& object = d.objects[scene.moving.front().component - d.terrains.size()];
+    found.push_back({moving_objects, object.trajectory_place, fmt::format("object '{}' moves", object.name)});
+  }
   if (survey.loaded_scene->is_tiled())
     found.push_back({tiles, d.terrains.front().place, "the terrain is loaded in tiles"});
   if (survey.loaded_scene->relief.cell_m > 0)

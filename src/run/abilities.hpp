@@ -35,6 +35,7 @@ enum class Feature : unsigned char {
   unbounded_texture,  ///< a micro-texture of the user without a certified enclosure
   inclined_mirrors,   ///< facets that are mirrors and are not horizontal
   scatterings,        ///< more than one scattering on a path
+  moving_objects,     ///< objects on trajectories
   // features of a run
   reference,
   double_arithmetic,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/search/scene_tree.hpp"
+#include "run/moving_facets.hpp"
 #include "scene/scene.hpp"
 #include "scene/tiled_scene.hpp"
 
@@ -68,8 +69,10 @@ struct LoadedScene {
 
   Scene scene;
   SceneRelief relief;
+  std::unique_ptr<const FacetMesh> at_rest;  ///< base of `surface_mesh`, with moving objects
   std::unique_ptr<const SurfaceMesh>
       surface_mesh;  ///< relief online: the surface that each transmission refines for itself
+  std::unique_ptr<const MovingFacets> moving;  ///< null without moving objects
   std::unique_ptr<const SceneTree> tree;
   bool is_cut = false;  ///< true if the sea surface has cut the facets, so that no facet lies above it
   std::size_t facets_given = 0;  ///< number of facets before planes were merged; 0 if they were not merged
@@ -85,7 +88,9 @@ struct LoadedScene {
   /// Returns whether relief refines the facets of tiles when they are loaded.
   bool refines_tiles() const { return is_tiled() && relief.cell_m > 0 && surface_mesh == nullptr; }
   /// Returns whether each transmission has a surface mesh of its own.
-  bool has_surface_per_transmission() const { return surface_mesh != nullptr || scene.water->refracts(); }
+  bool has_surface_per_transmission() const {
+    return surface_mesh != nullptr || moving != nullptr || scene.water->refracts();
+  }
   /// Returns the number that a facet of the mesh has in the whole scene. Thread-safe. Throws the errors of
   /// FacetNumbering().
   FacetId number_of(FacetId facet) const;

@@ -31,7 +31,8 @@ class Seabed {
   /// all terrain.
   std::optional<double> height_over_m(glm::dvec3 place_m) {
     const LoadedScene& loaded_scene = below_.in_line_with(place_m);
-    const TransmissionSurface surface_mesh = surface_in_line_with(loaded_scene, place_m);
+    const TransmissionSurface surface_mesh =
+        surface_in_line_with(loaded_scene, place_m, loaded_scene.scene.first_ping_s);
     const GridPoint point = loaded_scene.scene.grid.snap(place_m);
     std::vector<FacetId> near;
     facets_near_vertical(surface_mesh.tree(), point, near);

@@ -195,6 +195,8 @@ void put_into_water(LoadedScene& loaded_scene, SensorSet& sensor_set) {
     if (terrain.tiles)
       loaded_scene.lowest_m =
           std::min(loaded_scene.lowest_m, scene.grid.to_metres(scene.grid.snap(terrain.tiles->lo_m())).z);
+  for (const MovingObject& object : scene.moving)
+    loaded_scene.lowest_m = std::min(loaded_scene.lowest_m, object.lowest_m);
   if (loaded_scene.relief.omitted) loaded_scene.lowest_m -= loaded_scene.relief.omitted->largest_height_m();
   const double surface = scene.water->surface_height_m();
   for (SensorPings& pings : sensor_set.sensors) {
@@ -235,20 +237,22 @@ ApparentMapSettings apparent_map_settings(const Transmission& transmission, doub
 TrueSurface::TrueSurface(const Transmission& transmission, std::span<const TubeSet> tubes,
                          std::span<const ViewBounds> all_view_bounds, bool weights)
     : loaded_scene_(transmission.loaded_scene()) {
-  if (!loaded_scene_.surface_mesh) return;
+  if (!loaded_scene_.surface_mesh) {
+    if (loaded_scene_.moving) surface_.emplace(moved_surface_of(transmission));
+    return;
+  }
   std::vector<Look> looks = transmission.looks(tubes);
   for (std::size_t k = 0; k < looks.size(); ++k) looks[k].view_bounds = &all_view_bounds[k];
-  relief_ = relief_seen_by(transmission, looks, weights);
-  tree_ = std::make_unique<SceneTree>(relief_.mesh, SceneTree::HeightFieldSearch::ignored);
+  surface_.emplace(loaded_scene_, relief_seen_by(transmission, looks, weights));
 }
 
-const FacetMesh& TrueSurface::mesh() const { return tree_ ? relief_.mesh : loaded_scene_.scene.mesh; }
+const FacetMesh& TrueSurface::mesh() const { return surface_ ? surface_->mesh() : loaded_scene_.scene.mesh; }
 
 std::vector<FacetId> TrueSurface::facets(std::span<const ViewBounds> all_view_bounds) const {
   std::vector<FacetId> all;
   for (const ViewBounds& view_bounds : all_view_bounds) {
-    const std::vector<FacetId> some =
-        view_bounds.facets(mesh(), tree_ ? *tree_ : *loaded_scene_.tree, loaded_scene_.scene.grid);
+    const std::vector<FacetId> some = view_bounds.facets(
+        mesh(), surface_ ? surface_->tree() : *loaded_scene_.tree, loaded_scene_.scene.grid);
     all.insert(all.end(), some.begin(), some.end());
   }
   std::sort(all.begin(), all.end());
@@ -257,14 +261,15 @@ std::vector<FacetId> TrueSurface::facets(std::span<const ViewBounds> all_view_bo
 }
 
 void TrueSurface::name_by_scene(ApparentSurface& surface_mesh) const {
-  if (!tree_) return;
+  if (!surface_ || !surface_->is_own()) return;
+  const RefinedMesh& relief = *surface_->refined();
   for (std::size_t k = 0; k < surface_mesh.refined.parent.size(); ++k) {
     FacetId& facet = surface_mesh.refined.parent[k];
     if (!surface_mesh.refined.weights.empty())
-      surface_mesh.refined.weights[k] = part_of_part(relief_.weights[facet], surface_mesh.refined.weights[k]);
-    facet = relief_.parent[facet];
+      surface_mesh.refined.weights[k] = part_of_part(relief.weights[facet], surface_mesh.refined.weights[k]);
+    facet = relief.parent[facet];
   }
-  for (UnclearPlace& place : surface_mesh.unclear) place.facet = relief_.parent[place.facet];
+  for (UnclearPlace& place : surface_mesh.unclear) place.facet = relief.parent[place.facet];
 }
 
 TransmissionApparentMap::TransmissionApparentMap(const Transmission& transmission, bool weights)

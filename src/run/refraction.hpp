@@ -48,8 +48,7 @@ class TrueSurface {
 
  private:
   const LoadedScene& loaded_scene_;
-  RefinedMesh relief_;
-  std::unique_ptr<SceneTree> tree_;  // tree of the relief
+  std::optional<TransmissionSurface> surface_;  ///< relief or moving objects; otherwise the loaded scene
 };
 
 /// Returns the facets of a transmission at their apparent positions. `weights`: whether to compute

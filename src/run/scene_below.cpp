@@ -6,7 +6,7 @@ namespace tubefoot {
 std::unique_ptr<LoadedScene> loaded_with(const LoadedScene& loaded_scene, const TileChoice& choice) {
   auto part = std::make_unique<LoadedScene>(with_tiles(loaded_scene.scene, choice));
   part->relief = loaded_scene.relief;
-  if (loaded_scene.relief.cell_m > 0) part->surface_mesh = relief_surface(part->scene);
+  if (loaded_scene.relief.cell_m > 0) part->surface_mesh = relief_surface(part->scene, resting_facets(*part));
   return part;
 }
 
@@ -20,7 +20,7 @@ const LoadedScene& SceneBelow::in_line_with(glm::dvec3 place_m) {
   if (!part_ || choice != choice_) {
     choice_ = std::move(choice);
     part_ = loaded_with(loaded_scene_, choice_);
-    part_->tree = std::make_unique<SceneTree>(part_->scene.mesh, SceneTree::HeightFieldSearch::ignored);
+    build_tree(*part_, SceneTree::HeightFieldSearch::ignored);
   }
   return *part_;
 }

@@ -16,7 +16,7 @@ namespace tubefoot {
 SensorPlaces::SensorPlaces(LoadedScene& loaded_scene) : loaded_scene_(loaded_scene), below_(loaded_scene) {}
 
 SensorPlaces::Column SensorPlaces::column(const PingPlace& where) {
-  Column column{surface_in_line_with(below_.in_line_with(where.at_m), where.at_m), {}};
+  Column column{surface_in_line_with(below_.in_line_with(where.at_m), where.at_m, where.time_s), {}};
   facets_near_vertical(column.surface_mesh.tree(), loaded_scene_.scene.grid.snap(where.at_m), column.near);
   return column;
 }
@@ -77,10 +77,11 @@ double SensorPlaces::check(const PingPlace& where, std::set<std::uint16_t>& insi
 /// Uses the objects as they are loaded. Relief does not open closed objects, and tiled terrain is not an
 /// object.
 void SensorPlaces::refuse_enclosed(const PingPlace& where) {
-  const FacetMesh& mesh = loaded_scene_.scene.mesh;
+  const TransmissionSurface surface = surface_at(loaded_scene_, where.time_s);
+  const FacetMesh& mesh = surface.mesh();
   const GridPoint point = loaded_scene_.scene.grid.snap(where.at_m);
   std::vector<FacetId> near;
-  facets_near_vertical(*loaded_scene_.tree, point, near);
+  facets_near_vertical(surface.tree(), point, near);
   for (const VerticalCrossings& c : vertical_crossings(mesh, near, point)) {
     // A vertical from inside a closed object crosses the object above and below.
     if (is_terrain(c.component) || c.above == 0 || c.below == 0) continue;

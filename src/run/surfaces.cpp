@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "run/transmission_surface.hpp"
 #include "run/tube_pyramid.hpp"
 
 namespace tubefoot {
@@ -20,10 +21,10 @@ double farthest2(const GridPoint& apex, const GridPoint& lo, const GridPoint& hi
 
 /// Returns the distance of the farthest point of any facet in a tube, in grid units. The result lies between
 /// `at_least` and `enough`.
-double farthest_surface(const LoadedScene& loaded_scene, const TubeSet& tubes, std::size_t tube,
+double farthest_surface(const TransmissionSurface& surface, const TubeSet& tubes, std::size_t tube,
                         double at_least, double enough) {
   TubePyramid pyramid(tubes, tube);
-  const FacetMesh& mesh = loaded_scene.scene.mesh;
+  const FacetMesh& mesh = surface.mesh();
   double farthest = at_least;
   std::vector<FacetId> met;
   const auto look = [&] {
@@ -32,7 +33,7 @@ double farthest_surface(const LoadedScene& loaded_scene, const TubeSet& tubes, s
         farthest = std::max(farthest, glm::length(corner));
     met.clear();
   };
-  loaded_scene.tree->query(
+  surface.tree().query(
       [&](const GridPoint& lowest, const GridPoint& highest) {
         // evaluates the facets of the previous box; boxes nearer than the result so far are not opened
         look();
@@ -70,13 +71,14 @@ std::vector<int> samples_with_surfaces(const Survey& survey, std::size_t sensor,
     const TubeSet tubes =
         sonar.tubes(pings.transmission_pose(ping, transmission), survey.scene.grid, transmission);
     const std::vector<std::uint32_t>& beam_of_tube = sonar.beam_of_tube(transmission);
+    const TransmissionSurface surface =
+        surface_at(*survey.loaded_scene, pings.times_s[ping] + sonar.transmission_delay_s(transmission));
     for (std::size_t t = 0; t < tubes.tubes.size(); ++t) {
       int& with_surface = all[beams[beam_of_tube[t]]];
       if (with_surface == samples.count) continue;
       const double known_m = samples.first_m + with_surface * samples.step_m,
                    end_m = samples.first_m + samples.count * samples.step_m;
-      const double far_m =
-          farthest_surface(*survey.loaded_scene, tubes, t, known_m / unit_m, end_m / unit_m) * unit_m;
+      const double far_m = farthest_surface(surface, tubes, t, known_m / unit_m, end_m / unit_m) * unit_m;
       with_surface =
           std::clamp(static_cast<int>(std::ceil((far_m - samples.first_m) / samples.step_m - 1e-9)),
                      with_surface, samples.count);

@@ -172,6 +172,7 @@ void check_places(LoadedScene& loaded_scene, SensorSet& sensor_set) {
     const auto at = [&](std::size_t ping, glm::dvec3 at_m, const std::string& called) {
       return PingPlace{sensor.description().place, ping, pings.times_s[ping], at_m, called};
     };
+    const bool objects_move = loaded_scene.moving != nullptr;
     pings.altitudes_m.reserve(pings.poses.size());
     Steps seen("comparing sensor positions with the seabed", pings.poses.size());
     for (std::size_t ping = 0; ping < pings.poses.size(); ++ping) {
@@ -192,7 +193,10 @@ void check_places(LoadedScene& loaded_scene, SensorSet& sensor_set) {
       // For later transmissions of a ping, only positions on a facet are errors.
       for (std::size_t transmission = 1; transmission < sensor.transmissions(); ++transmission) {
         const auto check = [&](const Pose& now, const Pose& before, const std::string& who) {
-          if (now.position_m != before.position_m) places.refuse_on_facet(at(ping, now.position_m, who));
+          if (now.position_m == before.position_m && !objects_move) return;
+          PingPlace where = at(ping, now.position_m, who);
+          where.time_s += sensor.transmission_delay_s(transmission);
+          places.refuse_on_facet(where);
         };
         check(pings.transmission_pose(ping, transmission), pings.transmission_pose(ping, transmission - 1),
               what);
@@ -204,15 +208,19 @@ void check_places(LoadedScene& loaded_scene, SensorSet& sensor_set) {
   }
 }
 
-/// Returns whether the sea surface cuts the terrain or an object. For a part of a loaded scene, returns
-/// whether it cuts the whole scene.
+/// Returns whether the sea surface cuts the terrain or an object at rest. For a part of a loaded scene,
+/// returns whether it cuts the whole scene.
 bool reaches_surface(const LoadedScene& loaded_scene) {
   if (loaded_scene.whole) return loaded_scene.whole->is_cut;
   const Scene& scene = loaded_scene.scene;
   if (!scene.description.sea_surface || loaded_scene.surface_mesh)
     return false;  // each transmission cuts its own surface
   const std::int32_t height = scene.surface_height();
-  return std::ranges::any_of(scene.mesh.vertices, [=](GridPoint v) { return v.z > height; }) ||
+  std::size_t at_rest = scene.mesh.vertices.size();
+  for (const MovingObject& object : scene.moving) at_rest -= object.points_m.size();
+  return std::any_of(scene.mesh.vertices.begin(),
+                     scene.mesh.vertices.begin() + static_cast<std::ptrdiff_t>(at_rest),
+                     [=](GridPoint v) { return v.z > height; }) ||
          std::ranges::any_of(scene.tiled, [&](const TiledTerrain& terrain) {
            const double lift_m =
                loaded_scene.relief.omitted ? loaded_scene.relief.omitted->largest_height_m() : 0;
@@ -224,16 +232,29 @@ bool reaches_surface(const LoadedScene& loaded_scene) {
 /// Removes everything above the water. Must follow check_places(), which counts crossings of whole objects.
 void cut_at_surface(LoadedScene& loaded_scene) {
   loaded_scene.is_cut = reaches_surface(loaded_scene);
-  if (loaded_scene.is_cut &&
-      cut_at_surface(loaded_scene.scene, loaded_scene.scene.mesh, loaded_scene.relief.parent))
-    loaded_scene.tree = std::make_unique<SceneTree>(loaded_scene.scene.mesh);
+  if (!loaded_scene.is_cut) return;
+  // Each transmission cuts moving objects at its own time.
+  Scene& scene = loaded_scene.scene;
+  std::vector<FacetId>& parent = loaded_scene.relief.parent;
+  const FacetId first = first_moving_facet(scene, scene.mesh);
+  std::vector<FacetId> parent_of_moving;
+  if (!parent.empty()) {
+    parent_of_moving.assign(parent.begin() + first, parent.end());
+    parent.resize(first);
+  }
+  drop_moving(scene, scene.mesh);
+  const bool was_cut = cut_at_surface(scene, scene.mesh, parent);
+  add_moving(scene, scene.first_ping_s, scene.mesh);
+  parent.insert(parent.end(), parent_of_moving.begin(), parent_of_moving.end());
+  if (was_cut) build_tree(loaded_scene);
 }
 
 /// Returns whether facets must stay as they are loaded. Relief has parents of facets, tiles have facet
-/// numbers, and refracted facets bend. Sound that scatters repeatedly treats each facet as a point.
+/// numbers, refracted facets bend, and moving facets have vertices of their own. Sound that scatters
+/// repeatedly treats each facet as a point.
 bool keeps_its_facets(const LoadedScene& loaded_scene) {
   return loaded_scene.is_tiled() || loaded_scene.relief.cell_m > 0 || loaded_scene.scene.water->refracts() ||
-         loaded_scene.scene.description.paths.scatterings > 1;
+         loaded_scene.moving != nullptr || loaded_scene.scene.description.paths.scatterings > 1;
 }
 
 void merge_planes(LoadedScene& loaded_scene) {
@@ -314,7 +335,7 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
   loaded_scene->load_seconds = seconds_since(load_start);
   lay_relief(*loaded_scene);
   const auto tree_start = std::chrono::steady_clock::now();
-  loaded_scene->tree = std::make_unique<SceneTree>(loaded_scene->scene.mesh);
+  build_tree(*loaded_scene);
   loaded_scene->tree_seconds = seconds_since(tree_start);
   const auto sensor_set = std::make_shared<SensorSet>();
   for (std::size_t s = 0; s < description.sensors.size(); ++s)
@@ -339,7 +360,7 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
 Survey survey_with_tiles(const Survey& survey, const TileChoice& choice) {
   const std::shared_ptr<LoadedScene> part = loaded_with(*survey.loaded_scene, choice);
   if (survey.loaded_scene->refines_tiles()) refine_part(*survey.loaded_scene, choice, *part);
-  part->tree = std::make_unique<SceneTree>(part->scene.mesh);
+  build_tree(*part);
   part->lowest_m = survey.loaded_scene->lowest_m;
   part->whole = survey.loaded_scene;
   part->tiles = choice;

@@ -20,7 +20,7 @@ RayGuide guide_of(const Transmission& transmission);
 class RaySurface {
  public:
   explicit RaySurface(const Transmission& transmission) : loaded_scene_(transmission.loaded_scene()) {
-    if (transmission.surface_mesh().is_own())
+    if (!transmission.surface_mesh().is_of_loaded_scene())
       own_.emplace(transmission.surface_mesh().mesh(), transmission.scene().grid);
   }
   const RayScene& operator*() const { return own_ ? *own_ : loaded_scene_.rays(); }

@@ -84,9 +84,36 @@ void check_cell(const Scene& scene, double cell_m) {
                                  std::sqrt(longest2), cell_m, finest));
 }
 
+/// Throws InputError for moving objects with relief or with a file of refined facets, which belong to facets
+/// at rest.
+void check_moving(const Scene& scene) {
+  for (const MovingObject& object : scene.moving) {
+    const ObjectDescription& described =
+        scene.description.objects[object.component - scene.description.terrains.size()];
+    for (const std::uint16_t material : object.shape.material)
+      if (scene.relief[material])
+        throw InputError(described.place,
+                         fmt::format("object '{}' moves, but its material '{}' has relief: use a material "
+                                     "without relief",
+                                     described.name, scene.description.materials[material].name));
+    if (scene.description.refinement.file)
+      throw InputError(described.trajectory_place,
+                       fmt::format("object '{}' moves, but 'file' of [relief] contains facets at rest: leave "
+                                   "out 'file'",
+                                   described.name));
+  }
+}
+
+/// Appends the moving objects at a time to the refined facets at rest of a scene.
+void append_moving(const Scene& scene, double time_s, RefinedMesh& refined) {
+  FacetId parent = first_moving_facet(scene, scene.mesh);
+  add_moving(scene, time_s, refined.mesh);
+  while (refined.parent.size() < refined.mesh.facets.size()) refined.parent.push_back(parent++);
+}
+
 }  // namespace
 
-std::unique_ptr<SurfaceMesh> relief_surface(const Scene& scene) {
+std::unique_ptr<SurfaceMesh> relief_surface(const Scene& scene, const FacetMesh& base) {
   const RefinementDescription& keys = scene.description.refinement;
   if (!has_relief(scene))
     throw InputError(keys.place, keys.mode == "off"
@@ -96,7 +123,7 @@ std::unique_ptr<SurfaceMesh> relief_surface(const Scene& scene) {
   const double cell_m = cell_of(scene);
   check_cell(scene, cell_m);
   return std::make_unique<SurfaceMesh>(
-      scene.mesh, scene.grid, scene.relief,
+      base, scene.grid, scene.relief,
       SurfaceSettings{cell_m, keys.displace == "normal" ? Displacement::normal : Displacement::vertical,
                       keys.tolerance.value_or(SurfaceSettings().tolerance), mirror_materials(scene)});
 }
@@ -133,7 +160,7 @@ RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<
   const auto at_hand = static_cast<std::size_t>(std::min(memory_at_hand() / bytes_a_facet, 1e12));
   const RefinementLimits most{.facets = std::min(most_offline.facets, at_hand)};
   try {
-    return relief_surface(part)->everywhere(facets, most);
+    return relief_surface(part, part.mesh)->everywhere(facets, most);
   } catch (const RefinementTooLarge&) {
     throw InputError(
         place,
@@ -145,9 +172,11 @@ RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<
 
 void refine_part(const LoadedScene& whole, const TileChoice& tiles, LoadedScene& part) {
   part.surface_mesh.reset();
-  const std::vector<FacetId> facets = all_facets(part.scene.mesh);
+  std::vector<FacetId> facets = all_facets(part.scene.mesh);
+  facets.resize(first_moving_facet(part.scene, part.scene.mesh));
   RefinedMesh seabed =
       refined_part(whole, part.scene, facets, whole.relief.file ? whole.base_numbering().of(tiles) : facets);
+  append_moving(part.scene, part.scene.first_ping_s, seabed);
   part.scene.mesh = std::move(seabed.mesh);
   part.relief.parent = std::move(seabed.parent);
 }
@@ -155,11 +184,14 @@ void refine_part(const LoadedScene& whole, const TileChoice& tiles, LoadedScene&
 void lay_relief(LoadedScene& loaded_scene) {
   Scene& scene = loaded_scene.scene;
   if (!has_relief(scene)) return;
+  check_moving(scene);
   const RefinementDescription& keys = scene.description.refinement;
-  std::unique_ptr<SurfaceMesh> surface_mesh = relief_surface(scene);
+  std::unique_ptr<SurfaceMesh> surface_mesh = relief_surface(scene, resting_facets(loaded_scene));
   loaded_scene.relief.cell_m = surface_mesh->settings().cell_m;
   loaded_scene.relief.base_facets = facets_of(scene);
-  if (!loaded_scene.is_tiled()) loaded_scene.relief.uniform_facets = surface_mesh->uniform_count();
+  if (!loaded_scene.is_tiled())
+    loaded_scene.relief.uniform_facets =
+        surface_mesh->uniform_count() + scene.mesh.facets.size() - first_moving_facet(scene, scene.mesh);
   loaded_scene.relief.omitted = std::make_shared<const OmittedRelief>(surface_mesh->omitted());
   if (keys.mode == "online") {
     loaded_scene.surface_mesh = std::move(surface_mesh);
@@ -181,6 +213,8 @@ void lay_relief(LoadedScene& loaded_scene) {
   }
   RefinedMesh seabed = file ? file->read(all_facets(scene.mesh)) : refined_seabed(scene, *surface_mesh);
   surface_mesh.reset();
+  loaded_scene.at_rest.reset();
+  append_moving(scene, scene.first_ping_s, seabed);
   scene.mesh = std::move(seabed.mesh);
   loaded_scene.relief.parent = std::move(seabed.parent);
 }
@@ -204,6 +238,7 @@ RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Loo
   RefinedMesh seabed = refined_for(transmission, [&] {
     return transmission.loaded_scene().surface_mesh->seen_by(looks, {most_per_transmission.facets, weights});
   });
+  append_moving(transmission.scene(), transmission.time_s(), seabed);
   cut_at_surface(transmission.scene(), seabed.mesh, seabed.parent, weights ? &seabed.weights : nullptr);
   return seabed;
 }
@@ -213,15 +248,25 @@ RefinedMesh mirrors_about(const Transmission& transmission, double distance_m) {
     return transmission.loaded_scene().surface_mesh->mirrors_within(transmission.pose().position_m,
                                                                     distance_m, most_per_transmission);
   });
+  append_moving(transmission.scene(), transmission.time_s(), mirrors);
   cut_at_surface(transmission.scene(), mirrors.mesh, mirrors.parent);
   return mirrors;
 }
 
-bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent,
-                    std::vector<PartWeights>* weights) {
+namespace {
+
+bool reaches_above_water(const Scene& scene, const FacetMesh& mesh) {
   if (!scene.description.sea_surface) return false;
   const std::int32_t height = scene.surface_height();
-  if (std::ranges::all_of(mesh.vertices, [=](GridPoint v) { return v.z <= height; })) return false;
+  return std::ranges::any_of(mesh.vertices, [=](GridPoint v) { return v.z > height; });
+}
+
+}  // namespace
+
+bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent,
+                    std::vector<PartWeights>* weights) {
+  if (!reaches_above_water(scene, mesh)) return false;
+  const std::int32_t height = scene.surface_height();
   std::vector<std::array<PartCorner, 3>> corners;
   MeshPart wet = in_front_of(MirrorPlane::horizontal(height), mesh, all_facets(mesh),
                              weights == nullptr ? nullptr : &corners);
@@ -239,6 +284,15 @@ bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& p
   return true;
 }
 
+TransmissionSurface moved_surface_of(const Transmission& transmission) {
+  const LoadedScene& loaded_scene = transmission.loaded_scene();
+  TransmissionSurface surface = surface_at(loaded_scene, transmission.time_s());
+  if (!reaches_above_water(loaded_scene.scene, surface.mesh())) return surface;
+  RefinedMesh cut{surface.mesh(), all_facets(surface.mesh()), {}};
+  cut_at_surface(loaded_scene.scene, cut.mesh, cut.parent);
+  return TransmissionSurface(loaded_scene, std::move(cut));
+}
+
 TransmissionSurface surface_mesh_of(const Transmission& transmission, bool weights) {
   return transmission.scene().water->refracts() ? refracted_surface_of(transmission, weights)
                                                 : lying_surface_of(transmission, weights);
@@ -246,7 +300,8 @@ TransmissionSurface surface_mesh_of(const Transmission& transmission, bool weigh
 
 TransmissionSurface lying_surface_of(const Transmission& transmission, bool weights) {
   const LoadedScene& loaded_scene = transmission.loaded_scene();
-  if (!loaded_scene.surface_mesh) return TransmissionSurface(loaded_scene);
+  if (!loaded_scene.surface_mesh)
+    return loaded_scene.moving ? moved_surface_of(transmission) : TransmissionSurface(loaded_scene);
   std::vector<TubeSet> tubes{transmission.tubes()};
   if (transmission.has_separate_receiver()) tubes.push_back(transmission.receive_tubes(transmission.first()));
   std::vector<Look> looks = transmission.looks(tubes);
@@ -256,9 +311,16 @@ TransmissionSurface lying_surface_of(const Transmission& transmission, bool weig
   return TransmissionSurface(loaded_scene, relief_seen_by(transmission, looks, weights));
 }
 
-TransmissionSurface surface_in_line_with(const LoadedScene& loaded_scene, glm::dvec3 place_m) {
-  if (!loaded_scene.surface_mesh) return TransmissionSurface(loaded_scene);
-  return TransmissionSurface(loaded_scene, loaded_scene.surface_mesh->in_line_with(place_m));
+TransmissionSurface surface_at(const LoadedScene& loaded_scene, double time_s) {
+  if (!loaded_scene.moving) return TransmissionSurface(loaded_scene);
+  return TransmissionSurface(loaded_scene, loaded_scene.moving->at(time_s));
+}
+
+TransmissionSurface surface_in_line_with(const LoadedScene& loaded_scene, glm::dvec3 place_m, double time_s) {
+  if (!loaded_scene.surface_mesh) return surface_at(loaded_scene, time_s);
+  RefinedMesh column = loaded_scene.surface_mesh->in_line_with(place_m);
+  append_moving(loaded_scene.scene, time_s, column);
+  return TransmissionSurface(loaded_scene, std::move(column));
 }
 
 }  // namespace tubefoot

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "engine/surface/refracted_surface.hpp"
 #include "engine/surface/surface_mesh.hpp"
@@ -11,12 +12,16 @@ namespace tubefoot {
 
 class Transmission;
 
-/// The facets that a transmission meets: those of the loaded scene, or a refinement for this transmission,
-/// which this object owns.
+/// The facets that a transmission meets. They are those of the loaded scene, the same with moving objects at
+/// their places, or a refinement for this transmission. This object owns facets that the loaded scene does
+/// not have.
 class TransmissionSurface {
  public:
   /// Uses the facets of the loaded scene.
   explicit TransmissionSurface(const LoadedScene& loaded_scene) : loaded_scene_(&loaded_scene) {}
+  /// Uses the facets of the loaded scene at another time.
+  TransmissionSurface(const LoadedScene& loaded_scene, MovedFacets moved)
+      : loaded_scene_(&loaded_scene), moved_(std::move(moved)) {}
   TransmissionSurface(const LoadedScene& loaded_scene, RefinedMesh refined)
       : loaded_scene_(&loaded_scene),
         refined_(std::make_unique<RefinedMesh>(std::move(refined))),
@@ -28,9 +33,14 @@ class TransmissionSurface {
         apparent_(std::make_unique<ApparentSurface>(std::move(apparent))),
         tree_(std::make_unique<SceneTree>(apparent_->refined.mesh, SceneTree::HeightFieldSearch::ignored)) {}
 
-  const FacetMesh& mesh() const { return is_own() ? own().mesh : loaded_scene_->scene.mesh; }
-  const SceneTree& tree() const { return is_own() ? *tree_ : *loaded_scene_->tree; }
+  const FacetMesh& mesh() const {
+    return is_own() ? own().mesh : moved_ ? moved_->mesh() : loaded_scene_->scene.mesh;
+  }
+  const SceneTree& tree() const { return is_own() ? *tree_ : moved_ ? moved_->tree() : *loaded_scene_->tree; }
+  /// Returns whether the surface has facets with numbers of its own.
   bool is_own() const { return tree_ != nullptr; }
+  /// Returns whether the surface has the facets and the vertices of the loaded scene.
+  bool is_of_loaded_scene() const { return !is_own() && !moved_; }
   /// Returns the number of a facet: its index in this surface, or its number in the whole scene if it
   /// belongs to the loaded scene.
   FacetId number_of(FacetId facet) const { return is_own() ? facet : loaded_scene_->number_of(facet); }
@@ -49,6 +59,7 @@ class TransmissionSurface {
   const RefinedMesh& own() const { return apparent_ ? apparent_->refined : *refined_; }
 
   const LoadedScene* loaded_scene_;
+  std::optional<MovedFacets> moved_;
   std::unique_ptr<RefinedMesh> refined_;
   std::unique_ptr<ApparentSurface> apparent_;
   std::unique_ptr<SceneTree> tree_;
@@ -63,15 +74,22 @@ TransmissionSurface lying_surface_of(const Transmission& transmission, bool weig
 /// Returns the relief in the view of a transmission. Throws InputError if there are too many facets.
 RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Look> looks,
                            bool weights = false);
-/// Returns the mirrors within a distance of a transmission, with their relief, and no other facets. Throws
+/// Returns the mirrors within a distance of a transmission, with their relief, and the moving objects. Throws
 /// the errors of relief_seen_by().
 RefinedMesh mirrors_about(const Transmission& transmission, double distance_m);
 /// Removes the parts of a mesh above the water of a scene with [sea_surface]. Adapts `parent`, by facet, and
 /// the optional `weights`. Returns false if the whole mesh was in the water.
 bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent,
                     std::vector<PartWeights>* weights = nullptr);
-/// Returns the surface above and below a position.
-TransmissionSurface surface_in_line_with(const LoadedScene& loaded_scene, glm::dvec3 place_m);
+/// Returns the surface above and below a position, with moving objects at a time. Throws the errors of
+/// place_moving().
+TransmissionSurface surface_in_line_with(const LoadedScene& loaded_scene, glm::dvec3 place_m, double time_s);
+/// Returns the facets of a loaded scene without relief, with moving objects at the time of a transmission.
+/// Throws the errors of place_moving().
+TransmissionSurface moved_surface_of(const Transmission& transmission);
+/// Returns the facets of a loaded scene with moving objects at a time, before the sea surface cuts them.
+/// Throws the errors of place_moving().
+TransmissionSurface surface_at(const LoadedScene& loaded_scene, double time_s);
 
 /// Prepares the relief of a scene. Without relief it does nothing. For online relief it makes the data that
 /// surface_mesh_of() needs. For offline relief it refines the scene's facets, or loads the refined ones;
@@ -84,8 +102,9 @@ void refine_part(const LoadedScene& whole, const TileChoice& tiles, LoadedScene&
 RefinedMesh refined_part(const LoadedScene& whole, const Scene& part, std::span<const FacetId> facets,
                          std::span<const FacetId> names);
 
-/// Returns the surface that lay_relief() refines, for a scene with relief. Throws InputError.
-std::unique_ptr<SurfaceMesh> relief_surface(const Scene& scene);
+/// Returns the surface that lay_relief() refines, for a scene with relief. `base` has the facets of the
+/// scene, or those at rest, and must outlive the result. Throws InputError.
+std::unique_ptr<SurfaceMesh> relief_surface(const Scene& scene, const FacetMesh& base);
 /// Returns the whole seabed, refined to cells. Throws InputError if there are too many cells.
 RefinedMesh refined_seabed(const Scene& scene, const SurfaceMesh& surface_mesh);
 

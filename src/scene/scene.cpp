@@ -22,6 +22,7 @@
 #include "scene/meshes/mesh_file.hpp"
 #include "scene/meshes/mesh_materials.hpp"
 #include "scene/meshes/primitives.hpp"
+#include "scene/moving_objects.hpp"
 #include "scene/odd_angles.hpp"
 #include "scene/ping_times.hpp"
 #include "scene/rasters/earth_place.hpp"
@@ -282,6 +283,8 @@ class Loader {
                 .assumed_water = {},
                 .trajectories = std::move(trajectories_),
                 .sensor_trajectory = std::move(sensor_trajectory),
+                .moving = {},
+                .first_ping_s = first_ping_s_,
                 .tiled = tiled_,
                 .report = {}};
     for (const MaterialDescription& m : description_.materials) {
@@ -329,6 +332,10 @@ class Loader {
       NamedMesh mesh = object_mesh(description_, object);
       names.push_back(apply_mesh_materials(mesh, object, description_.materials));
       objects.push_back(std::move(mesh));
+      if (!object.trajectory.empty()) {
+        poses.push_back(scaled_for_carrier(objects.back(), object));
+        continue;
+      }
       poses.push_back(place_object(
           objects.back(), object, frame_.value_or(LocalFrame()),
           [&](double east_m, double north_m) {
@@ -364,6 +371,7 @@ class Loader {
                     std::holds_alternative<MeshFile>(o.kind));
       report_.components.back().names = std::move(names[i]);
       report_.components.back().pose = poses[i];
+      if (!o.trajectory.empty()) add_motion(o, poses[i]);
       if (is_curved(o)) report_.components.back().fineness = facet_fineness(description_, o);
     }
   }
@@ -382,6 +390,53 @@ class Loader {
     report_.warnings.insert(report_.warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
     const std::size_t index = index_of(description_.materials, material, "material", material_place);
     components_.push_back({std::move(mesh), static_cast<std::uint16_t>(index), is_file});
+  }
+
+  /// Adds the motion of the object that was added last: its extent at all pings, and its pose at the first
+  /// ping. Its points are in its own axes.
+  void add_motion(const ObjectDescription& object, const Pose& on_carrier) {
+    const std::size_t t =
+        index_of(description_.trajectories, object.trajectory, "trajectory", object.trajectory_place);
+    const Trajectory& trajectory = trajectories_[t];
+    MovingObject& moving = moving_.emplace_back();
+    moving.component = static_cast<std::uint16_t>(components_.size() - 1);
+    moving.trajectory = t;
+    moving.on_carrier = on_carrier;
+    const std::vector<glm::dvec3>& points_m = components_.back().mesh.points_m;
+    double radius_m = 0;
+    for (const glm::dvec3& p : points_m) radius_m = std::max(radius_m, glm::length(p));
+    Extent swept;
+    first_ping_s_ = std::numeric_limits<double>::infinity();
+    for (const SensorDescription& sensor : description_.sensors) {
+      const std::size_t s = trajectory_of(sensor);
+      const PingTimes times(sensor, trajectories_[s], description_.trajectories[s].name);
+      first_ping_s_ = std::min(first_ping_s_, times.first_s());
+      std::size_t ping = 0;
+      times.each([&](double time_s) {
+        if (!trajectory.holds(time_s))
+          throw InputError(
+              object.trajectory_place,
+              fmt::format("ping {} of sensor '{}' is at {:.9g} s, outside of trajectory '{}' of object '{}', "
+                          "which lasts from {:.9g} s to {:.9g} s: change the trajectory, or first_ping_s, "
+                          "pings or ping_interval_s",
+                          ping, sensor.name, time_s, object.trajectory, object.name, trajectory.begin_s(),
+                          trajectory.end_s()));
+        ++ping;
+        // Later transmissions of a ping are sent before the next ping.
+        for (const double at_s : {time_s, std::min(time_s + sensor.ping_interval_s, trajectory.end_s())})
+          for (const double side : {-1.0, 1.0})
+            swept.add(pose_of(moving, trajectory, trajectory.holds(at_s) ? at_s : time_s).position_m +
+                      side * radius_m);
+      });
+    }
+    parts_.back().box = swept;
+    moving.lowest_m = swept.lo_m.z;
+    ComponentReport& report = report_.components.back();
+    report.pose = pose_of(moving, trajectory, first_ping_s_);
+    Extent extent;
+    for (const glm::dvec3& p : points_m) extent.add(report.pose.position_m + report.pose.attitude * p);
+    report.lo_m = extent.lo_m;
+    report.hi_m = extent.hi_m;
   }
 
   Extent extent_of_terrains(std::span<const ComponentMesh> terrains) const {
@@ -474,14 +529,28 @@ class Loader {
                    "give fewer or coarser terrains and objects");
     MeshBuilder builder(scene.grid);
     std::vector<double> given_m2;
+    MeshReport of_moving;
     for (std::size_t i = 0; i < components_.size(); ++i) {
       LoadedComponent& c = components_[i];
-      builder.add(c.mesh.points_m, c.mesh.triangles, c.material, static_cast<std::uint16_t>(i));
       given_m2.push_back(area_m2(c.mesh.points_m, c.mesh.triangles));
+      if (i >= components_.size() - moving_.size()) {
+        const MovingObject& known = moving_[i - (components_.size() - moving_.size())];
+        MovingObject object = moving_object(c.mesh, scene.grid, known.component, c.material, of_moving);
+        object.trajectory = known.trajectory;
+        object.on_carrier = known.on_carrier;
+        object.lowest_m = known.lowest_m;
+        scene.moving.push_back(std::move(object));
+      } else {
+        builder.add(c.mesh.points_m, c.mesh.triangles, c.material, static_cast<std::uint16_t>(i));
+      }
       c.facet_materials = std::move(c.mesh.materials);
       c.mesh = {};  // frees the memory, because millions of facets need not exist twice
     }
     scene.mesh = builder.finish(report_.mesh);
+    report_.mesh.degenerate_facets += of_moving.degenerate_facets;
+    report_.mesh.duplicate_facets += of_moving.duplicate_facets;
+    report_.mesh.largest_snap_m = std::max(report_.mesh.largest_snap_m, of_moving.largest_snap_m);
+    add_moving(scene, scene.first_ping_s, scene.mesh);
     FacetId first = 0;
     for (std::size_t i = 0; i < components_.size(); ++i) {
       FacetId last = first;
@@ -505,11 +574,19 @@ class Loader {
   std::vector<LoadedComponent> components_;
   std::vector<TiledTerrain> tiled_;
   std::vector<Trajectory> trajectories_;
+  std::vector<MovingObject> moving_;  // without their shapes
+  double first_ping_s_ = 0;
   SceneReport report_;
 };
 
 }  // namespace
 
-Scene load_scene(const SceneDescription& description) { return Loader(description).load(); }
+Scene load_scene(const SceneDescription& description) {
+  const auto rests = [](const ObjectDescription& object) { return object.trajectory.empty(); };
+  if (std::ranges::is_partitioned(description.objects, rests)) return Loader(description).load();
+  SceneDescription in_order = description;
+  std::ranges::stable_partition(in_order.objects, rests);
+  return Loader(in_order).load();
+}
 
 }  // namespace tubefoot

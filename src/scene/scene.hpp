@@ -15,6 +15,7 @@
 #include "geometry/numbers/world_grid.hpp"
 #include "scene/description/scene_description.hpp"
 #include "scene/meshes/mesh_materials.hpp"
+#include "scene/moving_objects.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "scene/rasters/terrain_tiles.hpp"
 #include "scene/scene_water.hpp"
@@ -35,7 +36,7 @@ struct ComponentReport {
   std::vector<NamedFacets> names;  ///< in the order of the file
   glm::dvec3 lo_m{0}, hi_m{0};     ///< extent in the local frame
   FacetFineness fineness;          ///< of a curved object; otherwise 0
-  Pose pose;                       ///< of an object: its own axes at its origin
+  Pose pose;  ///< of an object: its own axes at its origin; of a moving object, at the first ping
 };
 
 struct SceneReport {
@@ -57,6 +58,7 @@ struct TiledTerrain {
 struct Scene {
   SceneDescription description;
   WorldGrid grid;
+  /// The moving objects are the last components, facets and vertices, at the time of the first ping.
   FacetMesh mesh;
   LocalFrame frame;                         ///< position of the local frame on Earth, if the scene states it
   std::vector<double> material_mu;          ///< Lambert's mu (linear), by material index
@@ -75,6 +77,8 @@ struct Scene {
   double sound_speed_m_s = 1500;               ///< of isovelocity water; otherwise at the depth in [water]
   std::vector<Trajectory> trajectories;        ///< in the order of the description
   std::vector<std::size_t> sensor_trajectory;  ///< index of the trajectory, by sensor
+  std::vector<MovingObject> moving;            ///< in the order of their components
+  double first_ping_s = 0;                     ///< time of the first ping of any sensor, with moving objects
   std::vector<TiledTerrain> tiled;             ///< by component; empty if the mesh holds the whole scene
   SceneReport report;
 
@@ -88,7 +92,8 @@ struct Scene {
   }
 };
 
-/// Loads every file that the description names. Throws InputError with the place that names the file.
+/// Loads every file that the description names. In the description of the scene, the moving objects follow
+/// the others. Throws InputError with the place that names the file.
 Scene load_scene(const SceneDescription& description);
 
 }  // namespace tubefoot

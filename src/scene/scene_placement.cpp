@@ -24,6 +24,15 @@ glm::dvec3 position_of(const ObjectDescription& object, const LocalFrame& frame)
   return point;
 }
 
+glm::dquat attitude_of(const ObjectDescription& object) {
+  return attitude_from_angles(glm::radians(object.heading_deg), glm::radians(object.pitch_deg),
+                              glm::radians(object.roll_deg));
+}
+
+glm::dvec3 scale_of(const ObjectDescription& object) {
+  return {object.scale[0], object.scale[1], object.scale[2]};
+}
+
 }  // namespace
 
 void place_by_lon_lat(std::span<glm::dvec3> points, const LocalFrame& frame, const SourcePlace& place,
@@ -47,9 +56,8 @@ Pose place_object(ComponentMesh& mesh, const ObjectDescription& object, const Lo
                   const std::function<std::optional<double>(double, double)>& height_m,
                   const std::function<std::string()>& extent) {
   glm::dvec3 position = position_of(object, frame);
-  const glm::dquat attitude = attitude_from_angles(
-      glm::radians(object.heading_deg), glm::radians(object.pitch_deg), glm::radians(object.roll_deg));
-  const glm::dvec3 scale(object.scale[0], object.scale[1], object.scale[2]);
+  const glm::dquat attitude = attitude_of(object);
+  const glm::dvec3 scale = scale_of(object);
   double lowest = std::numeric_limits<double>::infinity();
   for (glm::dvec3& p : mesh.points_m) {
     p = position + attitude * (scale * p);
@@ -69,6 +77,12 @@ Pose place_object(ComponentMesh& mesh, const ObjectDescription& object, const Lo
     position.z += shift;
   }
   return {position, attitude};
+}
+
+Pose scaled_for_carrier(ComponentMesh& mesh, const ObjectDescription& object) {
+  for (glm::dvec3& p : mesh.points_m) p = scale_of(object) * p;
+  const auto [starboard, forward, up] = object.position_m;
+  return {{starboard, forward, up}, attitude_of(object)};
 }
 
 }  // namespace tubefoot

@@ -27,4 +27,8 @@ Pose place_object(ComponentMesh& mesh, const ObjectDescription& object, const Lo
                   const std::function<std::optional<double>(double, double)>& height_m,
                   const std::function<std::string()>& extent);
 
+/// Scales an object that moves on a trajectory, so that the mesh is in the object's own axes. Returns the
+/// pose of these axes in the frame of the carrier.
+Pose scaled_for_carrier(ComponentMesh& mesh, const ObjectDescription& object);
+
 }  // namespace tubefoot

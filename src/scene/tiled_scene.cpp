@@ -65,12 +65,14 @@ Scene with_tiles(const Scene& scene, const TileChoice& choice) {
              .sound_speed_m_s = scene.sound_speed_m_s,
              .trajectories = scene.trajectories,
              .sensor_trajectory = scene.sensor_trajectory,
+             .moving = scene.moving,
+             .first_ping_s = scene.first_ping_s,
              .tiled = {},
              .report = scene.report};
   MeshBuilder builder(scene.grid);
   std::vector<std::uint16_t> materials;
   FacetId first = 0;
-  for (std::size_t i = 0; i < scene.report.components.size(); ++i) {
+  for (std::size_t i = 0; i < scene.report.components.size() - scene.moving.size(); ++i) {
     const auto component = static_cast<std::uint16_t>(i);
     if (scene.tiled[i].tiles) {
       ComponentMesh mesh = scene.tiled[i].tiles->read(choice[i]);
@@ -92,6 +94,7 @@ Scene with_tiles(const Scene& scene, const TileChoice& choice) {
   MeshReport ignored;
   part.mesh = builder.finish(ignored);
   part.mesh.material = std::move(materials);
+  add_moving(part, part.first_ping_s, part.mesh);
   return part;
 }
 

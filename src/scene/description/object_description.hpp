@@ -49,6 +49,10 @@ struct ObjectDescription {
   /// Largest distance between a curved primitive and its facets. The default is as fine as the sensors
   /// resolve (facet_fineness.hpp).
   std::optional<double> chord_error_m;
+  /// Name of the trajectory on which the object moves; empty for an object at rest. Position and angles are
+  /// then relative to the trajectory's carrier.
+  std::string trajectory;
+  SourcePlace trajectory_place;
   /// Height of the object's lowest point above the terrain below its position. The z of the position is
   /// then ignored.
   std::optional<double> on_terrain_m;

@@ -296,6 +296,21 @@ void check_scene(SceneEntries& all, const TomlSection<SensorDescription>& sensor
     resolve_material(entry);
     if (entry.description.material_map) check_materials(*entry.description.material_map, materials);
   }
+  const Names trajectories = unique_names(all.trajectories, trajectory_section());
+  for (auto& [object, table] : all.objects) {
+    if (object.trajectory.empty()) continue;
+    for (const auto& [key, is_set] :
+         {std::pair("position_lat_lon_deg", object.position_lat_lon_deg.has_value()),
+          std::pair("on_terrain_m", object.on_terrain_m.has_value())})
+      if (is_set)
+        throw InputError(
+            table.place_of(key),
+            fmt::format("'{}' excludes 'trajectory': the position of a moving object is relative "
+                        "to the carrier of its trajectory: use 'position_m'",
+                        key));
+    resolve(object.trajectory, object.trajectory_place, table, "trajectory", trajectories,
+            trajectory_section().name());
+  }
   for (auto& entry : all.objects) {
     resolve_material(entry);
     if (const auto* mesh = std::get_if<MeshFile>(&entry.description.kind))
@@ -309,7 +324,6 @@ void check_scene(SceneEntries& all, const TomlSection<SensorDescription>& sensor
                        "'on_terrain_m' needs a terrain: add [[terrain]]");
     }
   }
-  const Names trajectories = unique_names(all.trajectories, trajectory_section());
   for (auto& [sensor, table] : all.sensors) {
     resolve(sensor.trajectory, sensor.trajectory_place, table, "trajectory", trajectories,
             trajectory_section().name());

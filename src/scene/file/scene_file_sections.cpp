@@ -269,6 +269,12 @@ const TomlSection<ObjectDescription>& object_section() {
                                  "position, instead of the third number of `position_m`. Negative values "
                                  "embed the object in the terrain.",
                       .ranges = {coordinate}}),
+               field("trajectory", &O::trajectory,
+                     {.meaning = "Name of an entry of `[[trajectories]]` on which the object moves. "
+                                 "`position_m` is then relative to the carrier: starboard, forward, up. The "
+                                 "angles are relative to its axes. Excludes `position_lat_lon_deg` and "
+                                 "`on_terrain_m`.",
+                      .default_value = "none: the object is at rest"}),
                field("heading_deg", &O::heading_deg,
                      {.meaning = "Rotation about the vertical, clockwise from north.", .ranges = {heading}}),
                field("pitch_deg", &O::pitch_deg,
