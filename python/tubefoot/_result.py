@@ -53,6 +53,16 @@ _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
                        "local frame"),
     "sensor_pitch": (("ping",), "degree", "pitch of the sensor, forward axis up positive"),
     "sensor_roll": (("ping",), "degree", "roll of the sensor, starboard down positive"),
+    # Only if the assumed configuration differs from the true one.
+    "recorded_sensor_position": (("ping", "xyz"), "m",
+                                 "position of the sensor that its software assumes, in the local frame: east, north, up"),
+    "recorded_sensor_attitude": (("ping", "wxyz"), "1", "quaternion w, x, y, z of the attitude that the software of the "
+                                 "sensor assumes, as in sensor_attitude"),
+    "recorded_sensor_heading": (("ping",), "degree", "heading of the sensor that its software assumes, clockwise from "
+                                "north in the local frame"),
+    "recorded_sensor_pitch": (("ping",), "degree", "pitch of the sensor that its software assumes, forward axis up "
+                              "positive"),
+    "recorded_sensor_roll": (("ping",), "degree", "roll of the sensor that its software assumes, starboard down positive"),
     # Only in files of a part of a run.
     "ping_number": (("ping",), "1", "ping of the scene, counted from 0"),
     "beam_number": (("beam",), "1", "beam of the sonar, counted from 0"),
