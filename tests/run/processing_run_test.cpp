@@ -452,6 +452,35 @@ TEST(ProcessingRun, ReceiverPair_TakesTheAssumedSpeeds) {
   }
 }
 
+// The signals of an array are the truth. Its beams are formed with the assumed geometry.
+TEST(ProcessingRun, Array_TurnsSoundingsButNotSignals) {
+  const std::string scene =
+      still_water() + lambert_material("bed", -24) + flat_terrain(30, 3, "centre_m = [0, 0, -15]\n") +
+      "[scatterers]\nspacing_m = 0.1\n" + fixed_at(0, 0, 0) +
+      "[[sensors]]\nname = \"sonar\"\nkind = \"array\"\ntilt_deg = 90\nfrequency_khz = 100\nbandwidth_khz = "
+      "10\npulse_length_us = 500\npulse_taper = 0.1\nrange_min_m = 8\nrange_max_m = 22\nhorizontal_deg = "
+      "80\nvertical_deg = 4\nreceivers = 16\nproducts = [\"multibeam\"]\nbeams = 11\nbeams_deg = 60\n";
+  const TestFolder truth, assumed;
+  run(truth, scene);
+  run(assumed, scene + "[processing]\nattitude_bias_deg = [0, 0, 2]\nposition_bias_m = [3, 0, 0]\n");
+  const NetcdfReader a(truth / "out/sonar-signals.nc"), b(assumed / "out/sonar-signals.nc");
+  for (const char* name : {"pressure", "ping_position", "ping_attitude", "receiver_position"})
+    EXPECT_EQ(a.values("/", name), b.values("/", name)) << name;
+  const auto right = soundings_in(truth / "out/sonar-soundings.csv"),
+             turned = soundings_in(assumed / "out/sonar-soundings.csv");
+  ASSERT_GE(right.size(), 9u);
+  ASSERT_EQ(turned.size(), right.size());
+  // The attitude is an input of the phase detector, so ranges may change. Directions turn by 2 degrees.
+  for (std::size_t k = 0; k < right.size(); ++k) {
+    const double true_rad = right[k].angle_deg * degree, angle_rad = (turned[k].angle_deg - 2) * degree;
+    EXPECT_NEAR(right[k].east, right[k].range * std::sin(true_rad), rounding_m);
+    EXPECT_NEAR(right[k].up, -right[k].range * std::cos(true_rad), rounding_m);
+    EXPECT_EQ(turned[k].angle_deg, right[k].angle_deg);
+    EXPECT_NEAR(turned[k].east, 3 + turned[k].range * std::sin(angle_rad), rounding_m);
+    EXPECT_NEAR(turned[k].up, -turned[k].range * std::cos(angle_rad), rounding_m);
+  }
+}
+
 TEST(ProcessingRun, Noise_HasItsRmsAndDoesNotDependOnTheSelection) {
   constexpr std::size_t pings = 4000;
   constexpr unsigned seed = 20261129;
