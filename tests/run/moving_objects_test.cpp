@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests objects that move on trajectories. An object at a ping equals the same object at rest at the pose of
 // this ping. Only the position relative to the sonar counts.
+#include "scene/moving_objects.hpp"
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -69,6 +71,13 @@ std::string sonar(const std::string& on_trajectory, std::size_t pings, const std
                    : more);
 }
 
+/// Runs a scene without pictures, which take longer than the echoes.
+Echoes energies_in(const TestFolder& folder, const std::string& scene,
+                   std::vector<std::string> arguments = {}) {
+  arguments.insert(arguments.end(), {"--pictures", "none"});
+  return echoes_in(folder, scene, arguments);
+}
+
 const std::vector<Position> path{{-1, 6, 0.5}, {-0.25, 6.5, 0.25}, {0.75, 5, -0.5}, {1.5, 7.25, 0}};
 
 // Law J1.
@@ -79,13 +88,31 @@ TEST(MovingObject, MovesLikeTheSonarInTheOppositeDirection) {
     opposite.push_back({path[0][0] - p[0], path[0][1] - p[1], path[0][2] - p[2]});
   const std::string material = lambert_material("rock", -10) + fixed_grid;
   const Echoes moving =
-                   echoes_in(folder, material + waypoints(folder, "swim", path) + fixed("mast", {0, 0, 0}) +
-                                         object("fish", sphere, "swim") + sonar("mast", 4)),
-               moved = echoes_in(folder, material + waypoints(folder, "boat", opposite) +
-                                             object("fish", sphere, "", path[0]) + sonar("boat", 4));
+                   energies_in(folder, material + waypoints(folder, "swim", path) + fixed("mast", {0, 0, 0}) +
+                                           object("fish", sphere, "swim") + sonar("mast", 4)),
+               moved = energies_in(folder, material + waypoints(folder, "boat", opposite) +
+                                               object("fish", sphere, "", path[0]) + sonar("boat", 4));
   ASSERT_GT(moving.total(), 0);
   EXPECT_EQ(moving.energy, moved.energy);
   EXPECT_NE(moving.beam_total(0, 2), moving.beam_total(1, 2));
+}
+
+// Between the points of the grid, the object as a whole is rounded, and not each vertex.
+TEST(MovingObject, KeepsItsShapeAtAnyPosition) {
+  const TestFolder folder;
+  const Scene scene = load_scene(read_scene_file(
+      folder.write("scene.toml", lambert_material("rock", -10) + fixed_grid + fixed("mast", {0, 0, 0}) +
+                                     waypoints(folder, "swim", {{-1.01, 6.003, 0.5}, {0.777, 5.1, -0.3}}) +
+                                     object("fish", sphere, "swim") + sonar("mast", 1))));
+  const auto shape_at = [&](double time_s) {
+    FacetMesh mesh = scene.mesh;
+    place_moving(scene, time_s, mesh);
+    const GridPoint first = mesh.vertices[0];
+    std::vector<GridPoint> shape;
+    for (const GridPoint& p : mesh.vertices) shape.push_back({p.x - first.x, p.y - first.y, p.z - first.z});
+    return shape;
+  };
+  for (int k = 1; k <= 50; ++k) EXPECT_EQ(shape_at(0.01 * k), shape_at(0));
 }
 
 TEST(MovingObject, OnAFixedTrajectoryIsAnObjectAtRest) {
@@ -93,8 +120,8 @@ TEST(MovingObject, OnAFixedTrajectoryIsAnObjectAtRest) {
   const std::string scene = lambert_material("rock", -10) + fixed_grid + flat_terrain(20, 30) +
                             fixed("mast", {0, 0, 3}) + fixed("stand", {0.5, 4, 0.75}, 20) +
                             sonar("mast", 1, "kind = \"didson\"\ntilt_deg = 20\nvertical_deg = 30\n");
-  const Echoes moving = echoes_in(folder, scene + object("thing", slab, "stand", {0, 0, 0}, 10)),
-               at_rest = echoes_in(folder, scene + object("thing", slab, "", {0.5, 4, 0.75}, 30));
+  const Echoes moving = energies_in(folder, scene + object("thing", slab, "stand", {0, 0, 0}, 10)),
+               at_rest = energies_in(folder, scene + object("thing", slab, "", {0.5, 4, 0.75}, 30));
   ASSERT_GT(at_rest.total(), 0);
   EXPECT_EQ(moving.energy, at_rest.energy);
 }
@@ -103,7 +130,7 @@ TEST(MovingObject, OnAFixedTrajectoryIsAnObjectAtRest) {
 struct SlabOverSeabed : testing::Test {
   TestFolder folder;
   std::vector<Position> places{{-1, 4, 0.5}, {-0.25, 4.5, 0.25}, {0.75, 3.5, 0.5}};
-  const std::vector<double> headings_deg{0, 40, 110};
+  std::vector<double> headings_deg{0, 40, 110};
 
   std::string terrain = rough_terrain(16, 16, 0.5), materials = lambert_material("rock", -10),
               of_objects = "";
@@ -123,15 +150,16 @@ struct SlabOverSeabed : testing::Test {
                 "wavelength_m = 1.25\ndirection_deg = 20\nrms_height_m = 0.02\n";
     of_objects = "material = \"rock\"\n";
     terrain = rough_terrain(16, 16, 0.5, "material = \"sand\"\n");
-    of_relief = "[relief]\nmode = \"" + mode + "\"\ncell_m = 0.25\ntolerance = 0.5\n";
+    of_relief =
+        "[relief]\nmode = \"" + mode + "\"\ncell_m = 0.25\n" + (mode == "online" ? "tolerance = 0.5\n" : "");
   }
   void expect_poses(const std::string& more, const std::string& of_sonar,
                     const std::vector<std::string>& arguments = {}) {
     SCOPED_TRACE(more + of_sonar);
-    const Echoes moving = echoes_in(folder, scene({}, more, of_sonar), arguments);
+    const Echoes moving = energies_in(folder, scene({}, more, of_sonar), arguments);
     const std::size_t cells = moving.energy.size() / 3;
     for (std::size_t ping = 0; ping < 3; ++ping) {
-      const Echoes at_rest = echoes_in(folder, scene(ping, more, of_sonar), arguments);
+      const Echoes at_rest = energies_in(folder, scene(ping, more, of_sonar), arguments);
       ASSERT_EQ(at_rest.energy.size(), moving.energy.size());
       double largest = 0, other = 0;
       for (std::size_t k = ping * cells; k < (ping + 1) * cells; ++k)
@@ -159,6 +187,22 @@ TEST_F(SlabOverSeabed, HasThePoseOfEachPing) {
                "yaw_deg = -90\nsamples = 40\nrange_min_m = 1\nrange_max_m = 8\n");
 }
 
+// Beam b belongs to cycle b mod 2. The second cycle is sent half way to the next waypoint.
+TEST_F(SlabOverSeabed, HasThePoseOfEachCycleOfAFrame) {
+  headings_deg = {40, 40, 40, 40};
+  places.push_back({1.5, 4.5, 0.5});
+  const std::string of_sonar =
+      "kind = \"didson\"\nbeams = 8\nhorizontal_deg = 32\nvertical_deg = 40\ntilt_deg = 20\nsamples = 40\n"
+      "window_start_m = 1\nwindow_length_m = 7\ncycles = 2\ncycle_interval_s = 0.25\n";
+  const Echoes moving = energies_in(folder, scene({}, "", of_sonar)),
+               first = energies_in(folder, scene(0, "", of_sonar));
+  for (std::size_t k = 0; k < 3; ++k) places[0][k] = (places[0][k] + places[1][k]) / 2;
+  const Echoes second = energies_in(folder, scene(0, "", of_sonar));
+  for (std::size_t beam = 0; beam < 8; ++beam)
+    EXPECT_EQ(moving.beam_total(0, beam), (beam % 2 == 0 ? first : second).beam_total(0, beam)) << beam;
+  EXPECT_NE(first.beam_total(0, 4), second.beam_total(0, 4));
+}
+
 TEST_F(SlabOverSeabed, IsCutAtTheSeaSurfaceAndMirroredThere) {
   expect_poses("[sea_surface]\nheight_m = 2.5\n", camera);
   expect_poses("[sea_surface]\nheight_m = 2.5\n[paths]\norder = 2\n", camera);
@@ -176,7 +220,7 @@ TEST_F(SlabOverSeabed, IsTheSameOverTiles) {
   const auto over = [&](const std::string& load) {
     terrain = "[[terrain]]\nname = \"bed\"\nkind = \"raster\"\nfile = \"bed.asc\"\nload = \"" + load +
               "\"\n" + (of_objects.empty() ? "" : "material = \"sand\"\n");
-    return echoes_in(folder, scene({}, of_relief, camera));
+    return energies_in(folder, scene({}, of_relief, camera));
   };
   for (const std::string mode : {"off", "offline", "online"}) {
     SCOPED_TRACE(mode);
@@ -208,11 +252,11 @@ TEST_F(SlabOverSeabed, IsSeenThroughStratifiedWater) {
 
 TEST_F(SlabOverSeabed, KeepsItsBytesInAnySelectionAndNumberOfThreads) {
   const std::string text = scene({}, "", camera);
-  const Echoes whole = echoes_in(folder, text, {"--threads", "2"});
+  const Echoes whole = energies_in(folder, text, {"--threads", "2"});
   const std::size_t cells = whole.energy.size() / 3;
   for (std::size_t ping = 0; ping < 3; ++ping) {
     const Echoes part =
-        echoes_in(folder, text, {"--sensor", "sonar", "--pings", std::to_string(ping), "--threads", "1"});
+        energies_in(folder, text, {"--sensor", "sonar", "--pings", std::to_string(ping), "--threads", "1"});
     const auto first = whole.energy.begin() + static_cast<std::ptrdiff_t>(ping * cells);
     EXPECT_EQ(part.energy, std::vector<double>(first, first + static_cast<std::ptrdiff_t>(cells)));
   }
@@ -234,7 +278,7 @@ TEST_F(SlabOverSeabed, HasTheLabelsOfAnObjectAtRest) {
   for (std::size_t ping = 0; ping < 3; ++ping) {
     const std::vector<std::string> words{"--labels"};
     const auto shares = [&](std::optional<std::size_t> at) {
-      echoes_in(folder, scene(at, "", camera), words);
+      energies_in(folder, scene(at, "", camera), words);
       const std::vector<double> all =
           NetcdfReader(folder / "results" / "echoes.nc").values("/", "object_share");
       const auto size = static_cast<std::ptrdiff_t>(all.size() / 3), first = size * std::ptrdiff_t(ping);
@@ -252,7 +296,7 @@ TEST(MovingObject, HidesAnotherMovingObject) {
                             waypoints(folder, "sail", {{3, 4, 0}, {0, 4, 0}, {-3, 4, 0}}) +
                             object("plate", "shape = \"box\"\nsize_m = [2, 0.25, 2]\n", "sail") +
                             object("fish", sphere, "swim") + sonar("mast", 3);
-  const Echoes echoes = echoes_in(folder, scene);
+  const Echoes echoes = energies_in(folder, scene);
   for (std::size_t ping = 0; ping < 3; ++ping) {
     double of_fish = 0;
     for (std::size_t beam = 0; beam < 8; ++beam)
@@ -268,19 +312,20 @@ TEST(MovingObject, IsTheHullOfItsSonar) {
   const std::string scene = lambert_material("steel", -10) + fixed_grid + waypoints(folder, "boat", path) +
                             object("keel", slab, "boat", {0, 3, 0.5}) +
                             object("rudder", sphere, "boat", {0.25, -2, 0}) + sonar("boat", 4);
-  const Echoes echoes = echoes_in(folder, scene);
+  const Echoes echoes = energies_in(folder, scene);
   const std::size_t cells = echoes.energy.size() / 4;
   ASSERT_GT(echoes.total(), 0);
   for (std::size_t k = cells; k < echoes.energy.size(); ++k)
     EXPECT_EQ(echoes.energy[k], echoes.energy[k % cells]);
 }
 
-// The centroid of the signal of a sphere follows its distance.
+// The centroid of the signal of a smooth sphere follows its distance.
 TEST(MovingObject, DelaysItsSignalByTheTwoWayTravelTime) {
   const TestFolder folder;
   constexpr double step_m = 0.75, sound_speed = 1500;
   const std::string scene =
-      still_water() + lambert_material("rock", -10) + fixed_grid + fixed("mast", {0, 0, 0}) +
+      still_water() + "[[materials]]\nname = \"steel\"\nsmooth = true\nreflection = 0.75\n" + fixed_grid +
+      fixed("mast", {0, 0, 0}) +
       waypoints(folder, "swim", {{0, 5, 0}, {0, 5 + step_m, 0}, {0, 5 + 2 * step_m, 0}}) +
       object("fish", "shape = \"sphere\"\nradius_m = 0.25\nchord_error_m = 0.002\n", "swim") +
       sonar("mast", 3,
