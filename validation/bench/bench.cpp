@@ -23,6 +23,7 @@
 #include "geometry/footprints/footprint_builder.hpp"
 #include "gradient_figures.hpp"
 #include "motion_figures.hpp"
+#include "moving_figures.hpp"
 #include "multibeam_figures.hpp"
 #include "pure_embree.hpp"
 #include "refraction_figures.hpp"
@@ -202,6 +203,7 @@ int main(int, char** argv) {
   didson_figures(figure);
   gradient_figures(figure);
   motion_figures(figure);
+  moving_figures(figure);
   chart_figures(figure);
   const std::filesystem::path file = std::filesystem::path(argv[0]).parent_path() / "figures.json";
   std::ofstream out(file);
