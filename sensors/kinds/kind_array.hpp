@@ -26,7 +26,7 @@ struct ArrayDescription {
   std::optional<std::array<double, 3>> receiver_spacing_m;
   std::vector<std::array<double, 3>> receivers_m;  ///< position of each receiver on the sensor's axes,
                                                    ///< instead of receivers and receiver_spacing_m
-  bool own_views = false;  ///< each receiver has its own visible polygons
+  bool own_views = false;                          ///< each receiver has its own visible polygons
   double signal_tolerance = 1e-3;
 
   std::vector<std::string> products;  ///< fan | sidescan | multibeam | aperture | interferogram

@@ -181,9 +181,8 @@ BeamPatterns Sensor::patterns(const SteeredPose& transmitter, const SteeredPose&
         axes.push_back(beam_direction(beams_[fired.beams[beam]]));
       made.transmit.back().beams.clear();
       for (const glm::dvec3 axis : axes)
-        made.transmit.back().beams.push_back(directivity(description_.transmit, *transmit_, fan,
-                                                         steered(axis, transmitter), transmit_turn,
-                                                         wavelength_m));
+        made.transmit.back().beams.push_back(directivity(
+            description_.transmit, *transmit_, fan, steered(axis, transmitter), transmit_turn, wavelength_m));
     }
     if (receive_) {
       for (std::uint32_t beam = fan.first_beam; beam < fan.end_beam; ++beam)

@@ -15,8 +15,8 @@ glm::dvec3 across_direction(double across_angle_rad);
 
 /// The axis of a beam of a fan across the track, at the time of reception of a range bin.
 struct BeamRay {
-  Pose pose;         ///< midway between transmitter and receiver, with the attitude of the transmitter
-  glm::dvec3 axis;   ///< direction in the frame of `pose`
+  Pose pose;              ///< midway between transmitter and receiver, with the attitude of the transmitter
+  glm::dvec3 axis;        ///< direction in the frame of `pose`
   double across_rad = 0;  ///< steered angle across the track, in the frame of the receiver
   double tilt_rad = 0;    ///< steered tilt of the transmit sector, in the frame of the transmitter
 };

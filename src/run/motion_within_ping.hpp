@@ -24,17 +24,18 @@ int intervals_of_record(const Sensor& sensor, const Trajectory& trajectory,
 /// Returns the pose of a sensor on its carrier, with the steering that stabilises a transmission. `at_s` is
 /// the time of transmission or of reception.
 ///
-/// Roll: the angles across the track change by the roll of the carrier, which is positive for starboard down. Pitch and yaw: the sector
-/// is tilted along the track until its middle has its angle from the vertical plane across the heading. Yaw
-/// stabilisation uses the mean heading, and pitch stabilisation alone the present heading.
+/// Roll: the angles across the track change by the roll of the carrier, which is positive for starboard down.
+/// Pitch and yaw: the sector is tilted along the track until its middle has its angle from the vertical plane
+/// across the heading. Yaw stabilisation uses the mean heading, and pitch stabilisation alone the present
+/// heading.
 SteeredPose steered_pose(const Sensor& sensor, const Trajectory& trajectory, double at_s,
                          std::size_t transmission);
 /// The same for the receiver. A receiver that moves during a ping is steered across the track only.
 SteeredPose steered_receiver_pose(const Sensor& sensor, const Trajectory& trajectory, double at_s,
                                   std::size_t transmission);
 
-/// Returns a warning if a sensor stops and hops, although a beam of its receiver turns during a ping by more
-/// than a tenth of its width. Requires the altitudes of the pings.
+/// Returns a warning if a beam of the receiver turns by more than a tenth of its width during a ping with
+/// stop and hop. Requires the altitudes of the pings.
 std::optional<std::string> motion_warning(const SensorPings& pings, const Trajectory& trajectory);
 
 }  // namespace tubefoot

@@ -92,9 +92,8 @@ class Transmission {
   /// Returns the time at which the sound meets the surface: midway between transmission and reception. It is
   /// the time of transmission, unless the receiver moves during a ping.
   double time_s() const {
-    return pings().times_s[ping_] + (pings().sensor->transmission_delay_s(number_) +
-                                     pings().sensor->reception_delay_s(number_)) /
-                                        2;
+    return pings().times_s[ping_] +
+           (pings().sensor->transmission_delay_s(number_) + pings().sensor->reception_delay_s(number_)) / 2;
   }
   /// Returns whether the receiver is separate. A sensor with a separate receiver shares its transmissions
   /// with no other sensor.
