@@ -93,11 +93,12 @@ TEST_F(MotionWithinPing, OfACarrierAtRestChangesNoBit) {
 
 // The separate receiver and its intervals have the energies of one apex if hardly anything moves.
 TEST_F(MotionWithinPing, OfASlowCarrierIsNearlyThatOfStopAndHop) {
-  const Rates slow{.roll_deg_s = 1e-4, .ahead_m_s = 1e-4};
-  const std::string scene = seabed + on_track + multibeam("motion_step_beams = 1e-4\n");
-  const Echoes hopping = echoes(slow, scene), moving = echoes(slow, scene + "stop_and_hop = false\n");
-  EXPECT_GT(survey(slow, scene + "stop_and_hop = false\n")->sensors[0].sensor->transmissions(), 1u);
-  EXPECT_LT(distance_between(moving, hopping), 1e-4);
+  const Rates slow{.roll_deg_s = 0.05, .ahead_m_s = 1e-3};
+  const std::string scene = seabed + on_track + multibeam(""),
+                    in_motion = scene + "stop_and_hop = false\nmotion_step_beams = 1e-4\n";
+  const Echoes hopping = echoes(slow, scene), moving = echoes(slow, in_motion);
+  EXPECT_GT(survey(slow, in_motion)->sensors[0].sensor->transmissions(), 1u);
+  EXPECT_LT(distance_between(moving, hopping), 3e-3);
 }
 
 TEST_F(MotionWithinPing, ConvergesAsIntervalsShrink) {
@@ -109,7 +110,7 @@ TEST_F(MotionWithinPing, ConvergesAsIntervalsShrink) {
   };
   const Echoes finest = with_step(0.01);
   double before = 0;
-  for (const double step : {0.32, 0.16, 0.08}) {
+  for (const double step : {0.16, 0.08, 0.04}) {
     const double error = distance_between(with_step(step), finest);
     SCOPED_TRACE(fmt::format("step {} beams: {}", step, error));
     if (before > 0) {
@@ -125,9 +126,9 @@ TEST_F(MotionWithinPing, ConvergesAsIntervalsShrink) {
 // reception lose no energy.
 TEST_F(MotionWithinPing, AlongTheTrackLosesNoEnergyOfAMultibeam) {
   for (const Rates& rates : {Rates{.pitch_deg_s = 60}, Rates{.yaw_deg_s = 60}}) {
-    const std::string scene = seabed + on_track + multibeam("motion_step_beams = 0.2\n");
+    const std::string scene = seabed + on_track + multibeam("");
     const double hopping = echoes(rates, scene).total(),
-                 moving = echoes(rates, scene + "stop_and_hop = false\n").total();
+                 moving = echoes(rates, scene + "stop_and_hop = false\nmotion_step_beams = 0.2\n").total();
     EXPECT_NEAR(moving, hopping, 0.02 * hopping);
   }
 }
@@ -185,12 +186,15 @@ TEST_F(MotionWithinPing, GivesAPointTargetTheDelayOfItsSignal) {
   }
   const double delay_s = time_s / sum - 200e-6;  // the middle of the pulse
 
-  const double moving_m = centroid(echoes(fast, target_scene(imaging("stop_and_hop = false\n")))).range_m,
+  const double moving_m = centroid(echoes(fast, target_scene(imaging(
+                                                    "stop_and_hop = false\nmotion_step_beams = 0.005\n"))))
+                              .range_m,
                hopping_m = centroid(echoes(fast, target_scene(imaging("")))).range_m;
   // Transmission at 1.5 m, and reception 15 m/s * 78 ms later.
   EXPECT_NEAR(hopping_m, target_ahead_m - 1.5 - 0.05, 0.02);
-  EXPECT_NEAR(hopping_m - moving_m, 15 * delay_s / 2, 0.02);
-  EXPECT_NEAR(moving_m, delay_s * sound_speed / 2, 0.02);
+  EXPECT_NEAR(hopping_m - moving_m, 15 * delay_s / 2, 0.005);
+  // The signal of the rough sphere is one realisation, whose centroid varies by its radius.
+  EXPECT_NEAR(moving_m, delay_s * sound_speed / 2, 0.05);
 }
 
 TEST_F(MotionWithinPing, TurnsBeamsByTheHeadingAtReception) {
@@ -207,17 +211,16 @@ TEST_F(MotionWithinPing, TurnsBeamsByTheHeadingAtReception) {
 TEST_F(MotionWithinPing, WarnsAboutStopAndHop) {
   const auto warnings = [&](const Rates& rates, const std::string& more) {
     std::string all;
-    for (const std::string& warning :
-         survey(rates, seabed + on_track + multibeam(more))->scene.report.warnings)
-      all += warning + "\n";
+    const auto opened = survey(rates, seabed + on_track + multibeam(more));
+    for (const std::string& warning : opened->scene.report.warnings) all += warning + "\n";
     return all;
   };
-  // The outermost beam points to the seabed at 29 m, 38 ms there and back.
+  // At 0.5 s the roll is 10 degrees, and the outermost beam meets the seabed at 36 m, 48 ms there and back.
   const Rates rolling{.roll_deg_s = 20};
   EXPECT_THAT(
       warnings(rolling, ""),
       HasSubstr("sensor 'swath' stands still during a ping (stop_and_hop = true), but at the reception of "
-                "ping 0, beam 0 is displaced by 0.19 beam widths"));
+                "ping 0, beam 0 is displaced by 0.24 beam widths"));
   EXPECT_EQ(warnings(rolling, "stop_and_hop = false\n").find("stands still"), std::string::npos);
   EXPECT_EQ(warnings({.roll_deg_s = 5}, "").find("stands still"), std::string::npos);
   EXPECT_EQ(warnings({.ahead_m_s = 5}, "").find("stands still"), std::string::npos);

@@ -50,7 +50,6 @@ TEST(ArrayKeys, AllAreRead) {
   EXPECT_EQ(a.vertical_deg, 33);
   EXPECT_EQ(a.receivers, 7);
   EXPECT_EQ(a.receiver_spacing_m, (std::array{0.01, 0.02, 0.03}));
-  EXPECT_FALSE(a.stop_and_hop);
   EXPECT_TRUE(a.own_views);
   EXPECT_EQ(a.signal_tolerance, 1e-4);
   EXPECT_THAT(a.products, ElementsAre("fan", "sidescan", "aperture", "interferogram"));

@@ -322,6 +322,8 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\nattitude_latency_s = \ntide_m = \ntide_file = \nattitude_bias_deg = "
                            "\nattitude_drift_deg_per_hour = \nattitude_noise_deg = \nposition_bias_m = "
                            "\nposition_drift_m_per_hour = \nposition_noise_m = "  // processing_keys_test.cpp
+                           "\nmotion_step_beams = \nreceive_along_track_deg = \nstabilisation = "
+                           "\nstabilisation_heading_s = "                            // motion_keys_test.cpp
                            "\naltitude_step_m = \nlook_at_m = \ndisplay_gain_db = "  // track_keys_test.cpp
                            "\nscan_deg = \nstep_deg = \nbeam_horizontal_deg = \nbeam_vertical_deg = "
                            "\nstep_interval_s = \nbeam_angles_deg = ";  // robot_sonar_keys_test.cpp
