@@ -323,7 +323,10 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\nattitude_drift_deg_per_hour = \nattitude_noise_deg = \nposition_bias_m = "
                            "\nposition_drift_m_per_hour = \nposition_noise_m = "  // processing_keys_test.cpp
                            "\nmotion_step_beams = \nreceive_along_track_deg = \nstabilisation = "
-                           "\nstabilisation_heading_s = "                            // motion_keys_test.cpp
+                           "\nstabilisation_heading_s = "  // motion_keys_test.cpp
+                           "\nsector_edges_deg = \nsector_frequencies_khz = \nsector_tilts_deg = "
+                           "\nsector_delays_us = \nsector_pulse_lengths_us = "
+                           "\nsector_absorptions_db_per_km = "  // multibeam_sectors_test.cpp
                            "\naltitude_step_m = \nlook_at_m = \ndisplay_gain_db = "  // track_keys_test.cpp
                            "\nscan_deg = \nstep_deg = \nbeam_horizontal_deg = \nbeam_vertical_deg = "
                            "\nstep_interval_s = \nbeam_angles_deg = ";  // robot_sonar_keys_test.cpp
