@@ -103,7 +103,7 @@ Scanning::Scanning(const SensorDescription& description) : Sensor(description) {
 /// Excess of a scan's duration over the time to the next scan of its line, if it is positive.
 std::optional<double> overlap_s(const Recording& recording) {
   const Sensor& sensor = *recording.sensor;
-  const double scan_s = static_cast<double>(sensor.transmissions()) *
+  const double scan_s = static_cast<double>(sensor.beams().size()) *
                         step_interval_s(sensor.description().kind.as<ScanningDescription>());
   for (const PingSpan& line : recording.lines())
     for (std::size_t ping = line.first + 1; ping < line.end; ++ping)
@@ -124,13 +124,14 @@ std::string steps_table(const Recording& recording, const std::optional<Receiver
     const std::vector<double> energy =
         receiver_output ? receiver_output->energy_of(ping) : std::vector<double>(ideal.begin(), ideal.end());
     std::string lines;
-    for (std::size_t step = 0; step < sensor.transmissions(); ++step) {
+    for (std::size_t step = 0; step < sensor.beams().size(); ++step) {
       const std::span<const double> own = std::span(energy).subspan(
           step * static_cast<std::size_t>(samples.count), static_cast<std::size_t>(samples.count));
       const auto loudest = std::ranges::max_element(own);
-      fmt::format_to(std::back_inserter(lines), "{},{},{:.9g},{:.9g},", ping, step,
-                     recording.ping_time_s[ping] + sensor.transmission_delay_s(step),
-                     degrees(sensor.beams()[step].azimuth_rad));
+      fmt::format_to(
+          std::back_inserter(lines), "{},{},{:.9g},{:.9g},", ping, step,
+          recording.ping_time_s[ping] + sensor.transmission_delay_s(sensor.first_transmission(step)),
+          degrees(sensor.beams()[step].azimuth_rad));
       if (*loudest > 0)
         fmt::format_to(std::back_inserter(lines), "{:.9g},{:.9g}",
                        samples.first_m + (static_cast<double>(loudest - own.begin()) + 0.5) * samples.step_m,

@@ -66,12 +66,14 @@ std::size_t Recording::sector_of(std::size_t beam) const {
 
 SteeredPose Recording::beam_pose(std::size_t ping, std::size_t beam) const {
   if (transmission_pose.empty()) return ping_pose.at(ping);
-  return transmission_pose.at(ping * sensor->transmissions() + sensor->first_transmission(sector_of(beam)));
+  return transmission_pose.at(ping * sensor->transmissions() +
+                              sensor->first_transmission(sensor->beams().at(beam).sector));
 }
 
 SteeredPose Recording::receive_pose(std::size_t ping, std::size_t beam, std::size_t sample) const {
   if (receiver_pose.empty()) return beam_pose(ping, beam);
-  return receiver_pose.at(ping * sensor->transmissions() + sensor->transmission_of(sector_of(beam), sample));
+  return receiver_pose.at(ping * sensor->transmissions() +
+                          sensor->transmission_of(sensor->beams().at(beam).sector, sample));
 }
 
 Recording Recording::as_recorded() const {
