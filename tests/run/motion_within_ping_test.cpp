@@ -30,7 +30,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double sound_speed = 1500;
+constexpr double water_speed_m_s = 1500;
 
 /// Motion at constant rates from time 0, as waypoints every 20 ms.
 struct Rates {
@@ -46,10 +46,10 @@ std::string track_file(const Rates& rates) {
   return rows;
 }
 
-const std::string on_track = "[trajectory]\nkind = \"waypoints\"\nfile = \"track.csv\"\n";
-const std::string seabed = still_water() + lambert_material("bed", -20) + flat_terrain(400, 400);
+const std::string on_waypoints = "[trajectory]\nkind = \"waypoints\"\nfile = \"track.csv\"\n";
+const std::string swath_seabed = still_water() + lambert_material("bed", -20) + flat_terrain(400, 400);
 
-std::string multibeam(const std::string& more) {
+std::string swath_sonar(const std::string& more) {
   return "[[sensors]]\nname = \"swath\"\nkind = \"multibeam\"\nbeams = 24\nswath_deg = 92\n"
          "beam_across_deg = 4\nalong_track_deg = 2\nrange_min_m = 4\nrange_max_m = 44\nsamples = 160\n"
          "first_ping_s = 0.5\n" +
@@ -69,7 +69,7 @@ struct MotionWithinPing : testing::Test {
   }
 };
 
-double distance_between(const Echoes& a, const Echoes& b) {
+double echo_distance(const Echoes& a, const Echoes& b) {
   EXPECT_EQ(a.energy.size(), b.energy.size());
   double sum = 0;
   for (std::size_t k = 0; k < a.energy.size(); ++k) sum += std::abs(a.energy[k] - b.energy[k]);
@@ -78,14 +78,14 @@ double distance_between(const Echoes& a, const Echoes& b) {
 
 TEST_F(MotionWithinPing, OfACarrierAtRestChangesNoBit) {
   for (const std::string& sensor :
-       {multibeam(""),
+       {swath_sonar(""),
         std::string("[[sensors]]\nname = \"side\"\nkind = \"sidescan\"\nsamples = 100\nfirst_ping_s = 0.5\n"
                     "range_max_m = 60\n"),
         std::string("[[sensors]]\nname = \"camera\"\nkind = \"didson\"\ntilt_deg = 60\nsamples = 64\n"
                     "window_start_m = 15\nwindow_length_m = 20\nfirst_ping_s = 0.5\n")}) {
     SCOPED_TRACE(sensor);
-    const Echoes hopping = echoes({}, seabed + on_track + sensor),
-                 moving = echoes({}, seabed + on_track + sensor + "stop_and_hop = false\n");
+    const Echoes hopping = echoes({}, swath_seabed + on_waypoints + sensor),
+                 moving = echoes({}, swath_seabed + on_waypoints + sensor + "stop_and_hop = false\n");
     EXPECT_GT(hopping.total(), 0);
     EXPECT_EQ(hopping.energy, moving.energy);
   }
@@ -94,24 +94,24 @@ TEST_F(MotionWithinPing, OfACarrierAtRestChangesNoBit) {
 // The separate receiver and its intervals have the energies of one apex if hardly anything moves.
 TEST_F(MotionWithinPing, OfASlowCarrierIsNearlyThatOfStopAndHop) {
   const Rates slow{.roll_deg_s = 0.05, .ahead_m_s = 1e-3};
-  const std::string scene = seabed + on_track + multibeam(""),
+  const std::string scene = swath_seabed + on_waypoints + swath_sonar(""),
                     in_motion = scene + "stop_and_hop = false\nmotion_step_beams = 1e-4\n";
   const Echoes hopping = echoes(slow, scene), moving = echoes(slow, in_motion);
   EXPECT_GT(survey(slow, in_motion)->sensors[0].sensor->transmissions(), 1u);
-  EXPECT_LT(distance_between(moving, hopping), 3e-3);
+  EXPECT_LT(echo_distance(moving, hopping), 3e-3);
 }
 
 TEST_F(MotionWithinPing, ConvergesAsIntervalsShrink) {
   const Rates rolling{.roll_deg_s = 20, .pitch_deg_s = 5, .ahead_m_s = 3};
   const auto with_step = [&](double beams) {
-    return echoes(
-        rolling,
-        seabed + on_track + multibeam(fmt::format("stop_and_hop = false\nmotion_step_beams = {}\n", beams)));
+    return echoes(rolling,
+                  swath_seabed + on_waypoints +
+                      swath_sonar(fmt::format("stop_and_hop = false\nmotion_step_beams = {}\n", beams)));
   };
   const Echoes finest = with_step(0.01);
   double before = 0;
   for (const double step : {0.16, 0.08, 0.04}) {
-    const double error = distance_between(with_step(step), finest);
+    const double error = echo_distance(with_step(step), finest);
     SCOPED_TRACE(fmt::format("step {} beams: {}", step, error));
     if (before > 0) {
       EXPECT_LT(error, 0.65 * before);
@@ -119,14 +119,14 @@ TEST_F(MotionWithinPing, ConvergesAsIntervalsShrink) {
     before = error;
   }
   EXPECT_LT(before, 0.02);
-  EXPECT_GT(distance_between(echoes(rolling, seabed + on_track + multibeam("")), finest), 0.2);
+  EXPECT_GT(echo_distance(echoes(rolling, swath_seabed + on_waypoints + swath_sonar("")), finest), 0.2);
 }
 
-// The receiver of a multibeam is wide along the track, so that pitch and yaw between transmission and
+// The receiver of a swath_sonar is wide along the track, so that pitch and yaw between transmission and
 // reception lose no energy.
 TEST_F(MotionWithinPing, AlongTheTrackLosesNoEnergyOfAMultibeam) {
   for (const Rates& rates : {Rates{.pitch_deg_s = 60}, Rates{.yaw_deg_s = 60}}) {
-    const std::string scene = seabed + on_track + multibeam("");
+    const std::string scene = swath_seabed + on_waypoints + swath_sonar("");
     const double hopping = echoes(rates, scene).total(),
                  moving = echoes(rates, scene + "stop_and_hop = false\nmotion_step_beams = 0.2\n").total();
     EXPECT_NEAR(moving, hopping, 0.02 * hopping);
@@ -142,20 +142,20 @@ std::string target_scene(const std::string& sensor) {
              "[[objects]]\nname = \"target\"\nshape = \"sphere\"\nradius_m = 0.05\n"
              "position_m = [0, {}, 20]\n",
              target_ahead_m) +
-         on_track + sensor;
+         on_waypoints + sensor;
 }
 
-std::string imaging(const std::string& more) {
+std::string imaging_sonar(const std::string& more) {
   return "[[sensors]]\nname = \"sonar\"\nkind = \"imaging\"\nbeams = 31\nhorizontal_deg = 31\n"
          "vertical_deg = 10\nrange_min_m = 50\nrange_max_m = 70\nsamples = 2000\nfirst_ping_s = 0.1\n" +
          more;
 }
 
-struct Centroid {
+struct EchoCentroid {
   double range_m = 0, beam = 0;
 };
-Centroid centroid(const Echoes& echoes) {
-  Centroid sum;
+EchoCentroid echo_centroid(const Echoes& echoes) {
+  EchoCentroid sum;
   for (std::size_t beam = 0; beam < echoes.beams; ++beam)
     for (std::size_t k = 0; k < echoes.samples; ++k) {
       const double energy = echoes.at(0, beam, k);
@@ -186,36 +186,54 @@ TEST_F(MotionWithinPing, GivesAPointTargetTheDelayOfItsSignal) {
   }
   const double delay_s = time_s / sum - 200e-6;  // the middle of the pulse
 
-  const double moving_m = centroid(echoes(fast, target_scene(imaging(
-                                                    "stop_and_hop = false\nmotion_step_beams = 0.005\n"))))
-                              .range_m,
-               hopping_m = centroid(echoes(fast, target_scene(imaging("")))).range_m;
+  const double moving_m =
+                   echo_centroid(echoes(fast, target_scene(imaging_sonar(
+                                                  "stop_and_hop = false\nmotion_step_beams = 0.005\n"))))
+                       .range_m,
+               hopping_m = echo_centroid(echoes(fast, target_scene(imaging_sonar("")))).range_m;
   // Transmission at 1.5 m, and reception 15 m/s * 78 ms later.
   EXPECT_NEAR(hopping_m, target_ahead_m - 1.5 - 0.05, 0.02);
   EXPECT_NEAR(hopping_m - moving_m, 15 * delay_s / 2, 0.005);
-  // The signal of the rough sphere is one realisation, whose centroid varies by its radius.
-  EXPECT_NEAR(moving_m, delay_s * sound_speed / 2, 0.05);
+  // The signal of the rough sphere is one realisation, whose echo_centroid varies by its radius.
+  EXPECT_NEAR(moving_m, delay_s * water_speed_m_s / 2, 0.05);
 }
 
 TEST_F(MotionWithinPing, TurnsBeamsByTheHeadingAtReception) {
   const Rates turning{.yaw_deg_s = 40};
   const double at_transmission_deg = 4;
   const double beam_at_transmission = 15 - at_transmission_deg,
-               turned_deg = 40 * 2 * (target_ahead_m - 0.05) / sound_speed;
-  const Centroid hopping = centroid(echoes(turning, target_scene(imaging("")))),
-                 moving = centroid(echoes(turning, target_scene(imaging("stop_and_hop = false\n"))));
+               turned_deg = 40 * 2 * (target_ahead_m - 0.05) / water_speed_m_s;
+  const EchoCentroid hopping = echo_centroid(echoes(turning, target_scene(imaging_sonar("")))),
+                     moving = echo_centroid(
+                         echoes(turning, target_scene(imaging_sonar("stop_and_hop = false\n"))));
   EXPECT_NEAR(hopping.beam, beam_at_transmission, 0.5);
   EXPECT_NEAR(moving.beam, beam_at_transmission - turned_deg, 0.5);
+}
+
+// Each step of the head is one beam, and several transmissions.
+TEST_F(MotionWithinPing, OfAScanningHeadHasOneRowPerStep) {
+  const std::string head =
+      "[[sensors]]\nname = \"head\"\nkind = \"scanning\"\nscan_deg = 30\nstep_deg = 10\nbeam_horizontal_deg "
+      "= 10\n"
+      "beam_vertical_deg = 30\nrange_min_m = 50\nrange_max_m = 70\nsamples = 100\nstep_interval_s = 0.1\n"
+      "first_ping_s = 0.1\nstop_and_hop = false\n";
+  folder.write("track.csv", track_file({.yaw_deg_s = 40}));
+  multibeam_for_tests::run(folder, target_scene(head));
+  const auto steps = csv_rows(folder / "out/head-steps.csv");
+  ASSERT_EQ(steps.size(), read_echoes(folder / "out/echoes.nc").beams);
+  for (std::size_t k = 0; k < steps.size(); ++k)
+    EXPECT_NEAR(std::stod(steps[k].at("time_s")), 0.1 + 0.1 * double(k), 1e-9);
 }
 
 TEST_F(MotionWithinPing, WarnsAboutStopAndHop) {
   const auto warnings = [&](const Rates& rates, const std::string& more) {
     std::string all;
-    const auto opened = survey(rates, seabed + on_track + multibeam(more));
+    const auto opened = survey(rates, swath_seabed + on_waypoints + swath_sonar(more));
     for (const std::string& warning : opened->scene.report.warnings) all += warning + "\n";
     return all;
   };
-  // At 0.5 s the roll is 10 degrees, and the outermost beam meets the seabed at 36 m, 48 ms there and back.
+  // At 0.5 s the roll is 10 degrees, and the outermost beam meets the swath_seabed at 36 m, 48 ms there and
+  // back.
   const Rates rolling{.roll_deg_s = 20};
   EXPECT_THAT(
       warnings(rolling, ""),
@@ -228,7 +246,8 @@ TEST_F(MotionWithinPing, WarnsAboutStopAndHop) {
 
 TEST_F(MotionWithinPing, OfARecordBeyondTheTrackIsAnError) {
   try {
-    survey({.roll_deg_s = 1, .until_s = 0.54}, seabed + on_track + multibeam("stop_and_hop = false\n"));
+    survey({.roll_deg_s = 1, .until_s = 0.54},
+           swath_seabed + on_waypoints + swath_sonar("stop_and_hop = false\n"));
     ADD_FAILURE() << "no error";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("scene.toml:"));
@@ -238,16 +257,17 @@ TEST_F(MotionWithinPing, OfARecordBeyondTheTrackIsAnError) {
 }
 
 // The rays of the beams follow the attitude at transmission and at reception, so that soundings lie on the
-// seabed at height 0.
+// swath_seabed at height 0.
 TEST_F(MotionWithinPing, PlacesSoundingsOnTheSeabed) {
   for (const char* stabilisation :
-       {"", "stabilisation = [\"roll\"]\n", "stabilisation = [\"roll\", \"pitch\", \"yaw\"]\n"}) {
+       {"", "stabilisation = [\"roll\"]\n", "stabilisation = [\"roll\", \"pitch\", \"yaw\"]\n",
+        "sector_edges_deg = [-60, -20, 20, 60]\nstabilisation = [\"roll\", \"pitch\", \"yaw\"]\n"}) {
     SCOPED_TRACE(stabilisation);
     folder.write("track.csv",
                  track_file({.roll_deg_s = 12, .pitch_deg_s = 4, .yaw_deg_s = 3, .ahead_m_s = 4}));
     const std::string scene =
-        seabed + on_track +
-        replaced(multibeam(stabilisation), "samples = 160", "samples = 1600\nspacing = \"distance\"") +
+        swath_seabed + on_waypoints +
+        replaced(swath_sonar(stabilisation), "samples = 160", "samples = 1600\nspacing = \"distance\"") +
         "stop_and_hop = false\nmotion_step_beams = 0.02\n";
     multibeam_for_tests::run(folder, scene);
     const auto soundings = multibeam_for_tests::soundings_in(folder / "out/swath-soundings.csv");
@@ -265,7 +285,7 @@ constexpr const char* three_sectors =
     "sector_frequencies_khz = [260, 320, 290]\n";
 
 /// Middle of the sector of a transmission as steered, in the scene's frame.
-glm::dvec3 middle_of(const Sensor& sensor, const SteeredPose& pose, std::size_t transmission) {
+glm::dvec3 sector_middle(const Sensor& sensor, const SteeredPose& pose, std::size_t transmission) {
   const SectorAxis axis = sensor.sector_axis(transmission);
   const double across = axis.across_rad + pose.across_rad, along = axis.along_rad + pose.along_rad;
   return pose.attitude *
@@ -274,8 +294,8 @@ glm::dvec3 middle_of(const Sensor& sensor, const SteeredPose& pose, std::size_t 
 
 TEST_F(MotionWithinPing, IsCompensatedBySteeringPerSector) {
   const Rates attitude{.roll_deg_s = 12, .pitch_deg_s = 10, .yaw_deg_s = 8};
-  const auto pings = survey(
-      attitude, seabed + on_track + multibeam(three_sectors) + "stabilisation = [\"roll\", \"pitch\"]\n");
+  const auto pings = survey(attitude, swath_seabed + on_waypoints + swath_sonar(three_sectors) +
+                                          "stabilisation = [\"roll\", \"pitch\"]\n");
   const SensorPings& of = pings->sensors[0];
   const Sensor& sensor = *of.sensor;
   ASSERT_EQ(sensor.transmissions(), 3u);
@@ -285,7 +305,7 @@ TEST_F(MotionWithinPing, IsCompensatedBySteeringPerSector) {
   for (std::size_t sector = 0; sector < 3; ++sector) {
     const SteeredPose& pose = of.transmission_pose(0, sector);
     EXPECT_NEAR(degrees(pose.across_rad), 6, 1e-9);
-    const glm::dvec3 middle = middle_of(sensor, pose, sector);
+    const glm::dvec3 middle = sector_middle(sensor, pose, sector);
     EXPECT_NEAR(degrees(std::asin(glm::dot(middle, ahead))), double(sector) - 1, 1e-9) << sector;
   }
   // Nadir needs the negative pitch, and outer sectors less.
@@ -294,7 +314,7 @@ TEST_F(MotionWithinPing, IsCompensatedBySteeringPerSector) {
 }
 
 TEST_F(MotionWithinPing, OfYawIsSteeredToTheMeanHeading) {
-  const auto pings = survey({.yaw_deg_s = 8}, seabed + on_track + multibeam(three_sectors) +
+  const auto pings = survey({.yaw_deg_s = 8}, swath_seabed + on_waypoints + swath_sonar(three_sectors) +
                                                   "stabilisation = [\"yaw\"]\nstabilisation_heading_s = 3\n");
   // The track begins at 0 s, with a heading of 0 degrees.
   const SensorPings& of = pings->sensors[0];
@@ -307,7 +327,7 @@ TEST_F(MotionWithinPing, OfYawIsSteeredToTheMeanHeading) {
   const double heading_rad = std::atan2(sum_sin, sum_cos);
   EXPECT_GT(degrees(heading_rad), 4.5);
   for (std::size_t sector = 0; sector < 3; ++sector) {
-    const glm::dvec3 middle = middle_of(*of.sensor, of.transmission_pose(0, sector), sector);
+    const glm::dvec3 middle = sector_middle(*of.sensor, of.transmission_pose(0, sector), sector);
     EXPECT_NEAR(
         degrees(std::asin(glm::dot(middle, glm::dvec3(std::sin(heading_rad), std::cos(heading_rad), 0)))),
         double(sector) - 1, 1e-9)
@@ -320,14 +340,15 @@ TEST_F(MotionWithinPing, OfYawIsSteeredToTheMeanHeading) {
 TEST_F(MotionWithinPing, TransmitsOnceIntoBeamsThatOverlap) {
   for (const char* beams : {"spacing = \"distance\"\n", "beam_angles_deg = [-30, -28, -20, 0, 1, 30]\n"}) {
     SCOPED_TRACE(beams);
-    std::string sensor = multibeam("");
+    std::string sensor = swath_sonar("");
     if (std::string(beams).starts_with("beam_angles"))
       sensor = replaced(sensor, "beams = 24\nswath_deg = 92\n", beams);
     else
       sensor += beams;
-    const Echoes alone = echoes({}, seabed + on_track + sensor),
-                 separate = echoes({}, seabed + on_track + sensor + "receiver_arm_m = [0, 1e-6, 0]\n");
-    EXPECT_LT(distance_between(separate, alone), 1e-4);
+    const Echoes alone = echoes({}, swath_seabed + on_waypoints + sensor),
+                 separate =
+                     echoes({}, swath_seabed + on_waypoints + sensor + "receiver_arm_m = [0, 1e-6, 0]\n");
+    EXPECT_LT(echo_distance(separate, alone), 1e-4);
   }
 }
 

@@ -174,14 +174,14 @@ struct SlabOverSeabed : testing::Test {
     }
   }
 };
-const std::string camera =
+const std::string watching_camera =
     "kind = \"imaging\"\nbeams = 6\nhorizontal_deg = 40\nvertical_deg = 40\n"
     "tilt_deg = 20\nsamples = 40\nrange_min_m = 1\nrange_max_m = 8\n";
 
 TEST_F(SlabOverSeabed, HasThePoseOfEachPing) {
-  expect_poses("", camera);
-  expect_poses("", camera, {"--engine", "ray", "--rays-per-beam", "4000"});
-  expect_poses("", camera + "receiver_arm_m = [0.5, 0, 0]\n");
+  expect_poses("", watching_camera);
+  expect_poses("", watching_camera, {"--engine", "ray", "--rays-per-beam", "4000"});
+  expect_poses("", watching_camera + "receiver_arm_m = [0.5, 0, 0]\n");
   expect_poses("",
                "kind = \"interferometric\"\nalong_track_deg = 8\nfrequency_khz = 100\nbaseline_m = 0.05\n"
                "yaw_deg = -90\nsamples = 40\nrange_min_m = 1\nrange_max_m = 8\n");
@@ -204,15 +204,16 @@ TEST_F(SlabOverSeabed, HasThePoseOfEachCycleOfAFrame) {
 }
 
 TEST_F(SlabOverSeabed, IsCutAtTheSeaSurfaceAndMirroredThere) {
-  expect_poses("[sea_surface]\nheight_m = 2.5\n", camera);
-  expect_poses("[sea_surface]\nheight_m = 2.5\n[paths]\norder = 2\n", camera);
+  expect_poses("[sea_surface]\nheight_m = 2.5\n", watching_camera);
+  expect_poses("[sea_surface]\nheight_m = 2.5\n[paths]\norder = 2\n", watching_camera);
   for (Position& p : places) p[2] += 1.75;  // through the surface
-  expect_poses("[sea_surface]\nheight_m = 2.5\n", camera);
-  expect_poses("[sea_surface]\nheight_m = 2.5\n", camera, {"--engine", "ray", "--rays-per-beam", "4000"});
+  expect_poses("[sea_surface]\nheight_m = 2.5\n", watching_camera);
+  expect_poses("[sea_surface]\nheight_m = 2.5\n", watching_camera,
+               {"--engine", "ray", "--rays-per-beam", "4000"});
 }
 
 TEST_F(SlabOverSeabed, ScattersTwice) {
-  expect_poses("[paths]\norder = 2\nscatterings = 2\npatch_m = 1\n", camera);
+  expect_poses("[paths]\norder = 2\nscatterings = 2\npatch_m = 1\n", watching_camera);
 }
 
 TEST_F(SlabOverSeabed, IsTheSameOverTiles) {
@@ -220,7 +221,7 @@ TEST_F(SlabOverSeabed, IsTheSameOverTiles) {
   const auto over = [&](const std::string& load) {
     terrain = "[[terrain]]\nname = \"bed\"\nkind = \"raster\"\nfile = \"bed.asc\"\nload = \"" + load +
               "\"\n" + (of_objects.empty() ? "" : "material = \"sand\"\n");
-    return energies_in(folder, scene({}, of_relief, camera));
+    return energies_in(folder, scene({}, of_relief, watching_camera));
   };
   for (const std::string mode : {"off", "offline", "online"}) {
     SCOPED_TRACE(mode);
@@ -234,24 +235,24 @@ TEST_F(SlabOverSeabed, IsTheSameOverTiles) {
 TEST_F(SlabOverSeabed, LiesOverRelief) {
   for (const char* mode : {"offline", "online"}) {
     add_relief(mode);
-    expect_poses(of_relief, camera);
+    expect_poses(of_relief, watching_camera);
   }
-  expect_poses(of_relief + "[sea_surface]\nheight_m = 2.5\n[paths]\norder = 2\n", camera);
+  expect_poses(of_relief + "[sea_surface]\nheight_m = 2.5\n[paths]\norder = 2\n", watching_camera);
 }
 
 TEST_F(SlabOverSeabed, IsSeenThroughStratifiedWater) {
   const std::string water =
       "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\n"
       "profile_bottom_m = 40\nsurface_height_m = 2.5\n";
-  expect_poses(water, camera);
-  expect_poses(water, camera + "receiver_arm_m = [0.5, 0, 0]\n");
-  expect_poses(water + "[sea_surface]\nheight_m = 2.5\n[paths]\norder = 2\n", camera);
+  expect_poses(water, watching_camera);
+  expect_poses(water, watching_camera + "receiver_arm_m = [0.5, 0, 0]\n");
+  expect_poses(water + "[sea_surface]\nheight_m = 2.5\n[paths]\norder = 2\n", watching_camera);
   add_relief("online");
-  expect_poses(water + of_relief, camera);
+  expect_poses(water + of_relief, watching_camera);
 }
 
 TEST_F(SlabOverSeabed, KeepsItsBytesInAnySelectionAndNumberOfThreads) {
-  const std::string text = scene({}, "", camera);
+  const std::string text = scene({}, "", watching_camera);
   const Echoes whole = energies_in(folder, text, {"--threads", "2"});
   const std::size_t cells = whole.energy.size() / 3;
   for (std::size_t ping = 0; ping < 3; ++ping) {
@@ -264,7 +265,7 @@ TEST_F(SlabOverSeabed, KeepsItsBytesInAnySelectionAndNumberOfThreads) {
 
 TEST_F(SlabOverSeabed, HasTheFootprintsOfAnObjectAtRest) {
   const auto footprints = [&](std::optional<std::size_t> at, std::size_t ping) {
-    const std::string file = folder.write("scene.toml", scene(at, "", camera)).string(),
+    const std::string file = folder.write("scene.toml", scene(at, "", watching_camera)).string(),
                       out = (folder / "f.csv").string();
     const Outcome outcome =
         run_program({"footprints", file, "--sensor", "sonar", "--pings", std::to_string(ping), "-o", out});
@@ -278,7 +279,7 @@ TEST_F(SlabOverSeabed, HasTheLabelsOfAnObjectAtRest) {
   for (std::size_t ping = 0; ping < 3; ++ping) {
     const std::vector<std::string> words{"--labels"};
     const auto shares = [&](std::optional<std::size_t> at) {
-      energies_in(folder, scene(at, "", camera), words);
+      energies_in(folder, scene(at, "", watching_camera), words);
       const std::vector<double> all =
           NetcdfReader(folder / "results" / "echoes.nc").values("/", "object_share");
       const auto size = static_cast<std::ptrdiff_t>(all.size() / 3), first = size * std::ptrdiff_t(ping);

@@ -73,7 +73,7 @@ TEST(SensorPatterns, TurnWithThePose) {
   const auto sensor = make_sensor(camera);
   const glm::dquat attitude = attitude_from_angles(30 * degree, -20 * degree, 5 * degree);
   const BeamPatterns level = sensor->patterns(Pose{}, sound_speed);
-  const BeamPatterns turned = sensor->patterns({{0, 0, 0}, attitude}, sound_speed);
+  const BeamPatterns turned = sensor->patterns(Pose{{0, 0, 0}, attitude}, sound_speed);
   for (const glm::dvec3 d : {toward(0), toward(3, 1), toward(-8, 4)})
     EXPECT_NEAR(turned.transmit[0].gain(attitude * d), level.transmit[0].gain(d), 1e-12);
 }
