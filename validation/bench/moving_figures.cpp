@@ -12,7 +12,7 @@
 namespace tubefoot {
 namespace {
 
-constexpr const char* terrain_and_camera = R"(
+constexpr const char* terrain_and_moving_object = R"(
 [[materials]]
 name = "sand"
 
@@ -60,7 +60,7 @@ chord_error_m = 0.001
 }  // namespace
 
 void moving_figures(const std::function<void(const std::string& name, double value)>& figure) {
-  const std::string text = terrain_and_camera;
+  const std::string text = terrain_and_moving_object;
   const auto at_rest = open_survey(read_scene_text(text + "position_m = [0, -2, 1.5]\n", "benchmark.toml")),
              moving = open_survey(read_scene_text(text + "trajectory = \"fish\"\n", "benchmark.toml"));
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
