@@ -260,7 +260,6 @@ class PathRows {
         images.model(sent, received, model_.model, transmission_.beams_by_fans(s_, fans_));
     FootprintSet at_rx = seen.footprints;
     for (std::size_t k = 0; k < at_rx.footprints.size(); ++k) at_rx.footprints[k].tube = seen.receive_tube[k];
-    const Sensor& sensor = transmission_.sensor(s_);
     const FootprintEnergies energies =
         footprint_energies(at_rx, seen.history, model.beams.of_tube, model.beams, transmission_.samples(s_),
                            model.model, transmission_.request().binning);

@@ -168,8 +168,8 @@ std::optional<std::string> motion_warning(const SensorPings& pings, const Trajec
       const double received_s = pings.times_s[ping] + 2 * range_m / pings.sound_speed_m_s;
       if (!trajectory.holds(received_s)) continue;
       const SteeredPose received = steered_receiver_pose(sensor, trajectory, received_s, 0);
-      const glm::dvec3 seen = glm::inverse(received.attitude) *
-                              (sent.position_m + range_m * direction - received.position_m),
+      // The displacement of the carrier moves echoes by at most half of it, whatever the beam width.
+      const glm::dvec3 seen = glm::inverse(received.attitude) * direction,
                        expected = glm::inverse(sent.attitude) * direction;
       const double turn_rad = std::remainder(resolved_angle_rad(sensor, seen) - received.across_rad -
                                                  resolved_angle_rad(sensor, expected) + sent.across_rad,
