@@ -35,11 +35,17 @@ void expect_narrow(const std::string& text) {
 }
 
 TEST(KeysCommand, PrintsAKeyWithAllItsProperties) {
-  EXPECT_EQ(keys_of("temperature_c"),
-            "[water]                     Sound speed and absorption of the water, which is isovelocity or\n"
-            "                            stratified. Depths increase downwards from the sea surface.\n"
-            "  temperature_c             number in degrees Celsius; default: 10; range: -2 to 30\n"
-            "                            Temperature of the water.\n");
+  EXPECT_EQ(
+      keys_of("temperature_c"),
+      "[water]                     Sound speed and absorption of the water, which is isovelocity or\n"
+      "                            stratified. Depths increase downwards from the sea surface.\n"
+      "  temperature_c             number in degrees Celsius; default: 10; range: -2 to 30\n"
+      "                            Temperature of the water.\n"
+      "\n[processing.water]          Sound speed of the assumed water, with which the software of a sonar\n"
+      "                            converts travel times to ranges and positions. The keys are those of\n"
+      "                            '[water]', with the same defaults.\n"
+      "  temperature_c             number in degrees Celsius; default: 10; range: -2 to 30\n"
+      "                            Temperature of the water.\n");
 }
 
 TEST(KeysCommand, PrintsASectionWithItsKindsOrAKind) {
@@ -115,8 +121,9 @@ TEST(KeysCommand, WritesAllKeysAsJson) {
   EXPECT_EQ(keys, scene_file_keys().size());
 
   const nlohmann::json one = nlohmann::json::parse(run_program({"keys", "munk_axis_m", "--json"}).out);
-  EXPECT_EQ(one.at("sections").size(), 1u);
+  EXPECT_EQ(one.at("sections").size(), 2u);
   EXPECT_EQ(one.at("sections").at(0).at("section"), "[water]");
+  EXPECT_EQ(one.at("sections").at(1).at("section"), "[processing.water]");
   EXPECT_EQ(one.at("sections").at(0).at("keys").at(0).at("default"), "1300");
 }
 
