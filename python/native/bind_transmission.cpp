@@ -34,7 +34,7 @@ py::array beam_of_tube(const NativeTransmission& transmission) {
 }
 
 py::array range_edges(const NativeTransmission& transmission) {
-  const RangeSamples& samples = transmission.sensor().samples();
+  const RangeSamples samples = transmission.sensor().samples(transmission.which().transmission);
   std::vector<double> edges;
   for (int k = 0; k <= samples.count; ++k) edges.push_back(samples.first_m + k * samples.step_m);
   return array_of(edges);

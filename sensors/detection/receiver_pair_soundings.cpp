@@ -38,9 +38,10 @@ std::vector<InterferometricSounding> interferometric_soundings(const Recording& 
   const Sensor::ReceiverPair& receiver_pair = sensor.receiver_pair();
   const SoundingPlacer placer(recording, run);
   const Pose& pose = recording.ping_pose[ping];
-  const Interferometer interferometer(receiver_pair.baseline_m,
-                                      placer.sound_speed_m_s(pose) / (1000 * sensor.frequency_khz()),
-                                      radians(receiver_pair.tilt_deg));
+  const Interferometer interferometer(
+      receiver_pair.baseline_m,
+      placer.sound_speed_m_s(pose, recording.water_level_error_m(ping)) / (1000 * sensor.frequency_khz()),
+      radians(receiver_pair.tilt_deg));
   const ReceiverPairPing of_ping(recording, ping);
   std::vector<InterferometricSounding> found;
   for (std::uint32_t beam = 0; beam < 2; ++beam) {

@@ -54,9 +54,9 @@ double SoundingPlacer::highest_m(const Pose& sensor_pose, glm::dvec3 beam_axis, 
          ray_after(water_->profile(), depth, launch, range_m / sound_speed_m_s_).shallowest_m;
 }
 
-double SoundingPlacer::sound_speed_m_s(const Pose& sensor_pose) const {
+double SoundingPlacer::sound_speed_m_s(const Pose& sensor_pose, double water_level_m) const {
   if (steering_m_s_ > 0) return steering_m_s_;
-  return water_ ? water_->profile().at(depth_m(sensor_pose, 0)) : sound_speed_m_s_;
+  return water_ ? water_->profile().at(depth_m(sensor_pose, water_level_m)) : sound_speed_m_s_;
 }
 
 }  // namespace tubefoot

@@ -30,7 +30,7 @@ class SoundingPlacer {
   /// Upper bound of the length of such a ray.
   double longest_m(double range_m) const { return range_m * fastest_ratio_; }
   /// Sound speed at the sensor for the angles of arrivals.
-  double sound_speed_m_s(const Pose& sensor_pose) const;
+  double sound_speed_m_s(const Pose& sensor_pose, double water_level_m = 0) const;
 
  private:
   double depth_m(const Pose& sensor_pose, double water_level_m) const {

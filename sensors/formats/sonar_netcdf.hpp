@@ -4,6 +4,7 @@
 // Writes SONAR-netCDF4 2.0 files of multibeam sonars, with the group Bathymetry of XSF 0.7.
 // docs/exchange-formats.md describes the contents.
 
+#include <array>
 #include <complex>
 #include <cstdint>
 #include <filesystem>
@@ -93,6 +94,8 @@ struct SonarNetcdfPing {
   double sample_interval_s = 0;
   double blanking_interval_s = 0;        ///< two-way travel time of sample 0
   std::vector<double> across_angle_deg;  ///< by beam, from the platform's down axis, starboard positive
+  /// By transmit beam: angles of the stabilisation, across the track and along it. Empty: not stabilised.
+  std::vector<std::array<double, 2>> transmit_steering_deg{};
   /// By beam: levels in dB. header.summary states whether spreading and absorption are compensated. -inf: no
   /// echo.
   std::vector<std::vector<float>> backscatter_db{};

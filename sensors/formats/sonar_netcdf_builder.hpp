@@ -73,6 +73,18 @@ class SonarNetcdfBuilder {
     column(group, row, values.size(),
            [values](const Ping&, Values& all) { all.insert(all.end(), values.begin(), values.end()); });
   }
+  /// The same for an angle that the stabilisation changes by SonarNetcdfPing::transmit_steering_deg[][which].
+  void steered_tx_beam(const NetcdfGroup& group, const NetcdfVariable& row, std::size_t which, double sign,
+                       const std::function<double(const TxBeam&)>& angle_deg) {
+    Values nominal;
+    for (const TxBeam& tx : tx_beams_) nominal.push_back(angle_deg(tx));
+    column(group, row, nominal.size(), [nominal, which, sign](const Ping& ping, Values& all) {
+      for (std::size_t k = 0; k < nominal.size(); ++k) {
+        const double turn = ping.transmit_steering_deg.empty() ? 0 : ping.transmit_steering_deg[k][which];
+        all.push_back(sign * (nominal[k] + turn) + 0.0);
+      }
+    });
+  }
   /// The first transmit beam of each frequency.
   std::vector<TxBeam> beams_of_each_frequency() const {
     std::vector<TxBeam> found;

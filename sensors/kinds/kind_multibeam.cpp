@@ -250,42 +250,45 @@ Sensor::Transmission Multibeam::transmission_of(const std::vector<double>& angle
   return transmission;
 }
 
-/// Adds the sectors of a transmitter whose receiver is separate, and of a receiver that moves during a ping.
+/// Adds the sectors of a transmitter whose receiver is separate, and of both ends if the receiver moves
+/// during a ping. Beams that overlap are cut midway between their axes. If the receiver moves, gaps between
+/// beams are filled up to the same angles.
 void Multibeam::add_separate_ends(Transmission& transmission, const std::vector<double>& angles,
                                   const FanSector& sector, const glm::dmat3& frame, int slices) const {
   const auto& fan = description_.kind.as<MultibeamDescription>();
-  const bool is_divided = transmission.sectors.size() > 1;
-  const double half_across_rad = radians(fan.beam_across_deg) / 2;
-  transmission.axis = {(angles[sector.first_beam] + angles[sector.end_beam - 1]) / 2,
-                       sector.properties.tilt_rad};
-  constexpr double largest_turn_deg = 3;
-  transmission.transmit_margin_rad = radians(largest_turn_deg);
+  const double half_across_rad = radians(fan.beam_across_deg) / 2, tilt_rad = sector.properties.tilt_rad;
+  transmission.axis = {(angles[sector.first_beam] + angles[sector.end_beam - 1]) / 2, tilt_rad};
   const double corner_rad = height_of_corners(radians(fan.receive_along_track_deg) / 2,
                                               2 * half_across_rad / slices, description_.cone_tolerance);
   transmission.moving_sectors = transmission.sectors;
   for (AngularGrid& grid : transmission.moving_sectors)
-    grid.elevation_edges_rad = {sector.properties.tilt_rad - corner_rad,
-                                sector.properties.tilt_rad + corner_rad};
-  transmission.transmitter_sectors = transmission.sectors;
-  if (!is_divided) return;
-  // Each beam has its own sector. Beams that overlap are cut midway between their axes.
+    grid.elevation_edges_rad = {tilt_rad - corner_rad, tilt_rad + corner_rad};
+  transmission.moving_transmitter_sectors = transmission.transmitter_sectors = transmission.sectors;
+  if (transmission.sectors.size() == 1) return;
   for (std::uint32_t beam = sector.first_beam; beam < sector.end_beam; ++beam) {
-    double from = angles[beam] - half_across_rad, to = angles[beam] + half_across_rad;
-    if (beam > sector.first_beam) from = std::max(from, (angles[beam - 1] + angles[beam]) / 2);
-    if (beam + 1 < sector.end_beam) to = std::min(to, (angles[beam] + angles[beam + 1]) / 2);
-    transmission.transmitter_sectors[beam - sector.first_beam] = {
-        even_edges(from, to, slices), transmission.sectors.front().elevation_edges_rad, frame};
+    const double from = angles[beam] - half_across_rad, to = angles[beam] + half_across_rad,
+                 begin = beam > sector.first_beam ? (angles[beam - 1] + angles[beam]) / 2 : from,
+                 end = beam + 1 < sector.end_beam ? (angles[beam] + angles[beam + 1]) / 2 : to;
+    const std::uint32_t k = beam - sector.first_beam;
+    const auto cell = [&](double first, double last) {
+      return AngularGrid{even_edges(first, last, slices), transmission.sectors.front().elevation_edges_rad,
+                         frame};
+    };
+    transmission.transmitter_sectors[k] = cell(std::max(from, begin), std::min(to, end));
+    transmission.moving_transmitter_sectors[k] = cell(begin, end);
   }
 }
 
 bool is_like_8101(const MultibeamDescription& fan) {
-  return !differ_from_sensor(sectors_of(sector_keys(fan), across_angles_rad(fan)), sector_keys(fan)) &&
+  return fan.stabilisation.empty() &&
+         !differ_from_sensor(sectors_of(sector_keys(fan), across_angles_rad(fan)), sector_keys(fan)) &&
          fan.frequency_khz == 240 && fan.beam_angles_deg.empty() && fan.beams == 101 &&
          fan.swath_deg == 150 && fan.spacing == "angle" && fan.along_track_deg == 1.5 &&
          fan.range_max_m < 65535;
 }
 
-SwathSettings settings_of(const SensorDescription& sensor) {
+SwathSettings settings_of(const Recording& recording) {
+  const SensorDescription& sensor = recording.sensor->description();
   const auto& fan = sensor.kind.as<MultibeamDescription>();
   SwathSettings settings;
   settings.rule.method = detection_method_from_name(fan.detection);
@@ -296,7 +299,11 @@ SwathSettings settings_of(const SensorDescription& sensor) {
   settings.fan_deg = swath_of(fan).to_deg - swath_of(fan).from_deg + fan.beam_across_deg;
   settings.transmit_across_deg = settings.fan_deg + 2 * degrees(lit_beyond_rad(sensor));
   settings.range_max_m = fan.range_max_m;
-  settings.is_like_8101 = is_like_8101(fan);
+  settings.receive_along_deg =
+      recording.sensor->receiver_moves() ? fan.receive_along_track_deg : fan.along_track_deg;
+  // Readers of RESON 8101 packets know the angles of the beams.
+  settings.is_like_8101 =
+      is_like_8101(fan) && !recording.sensor->receiver_moves() && recording.steering_ratio == 1;
   return settings;
 }
 
@@ -407,6 +414,13 @@ class MultibeamKind : public SensorKind {
         {"stabilisation_heading_s", std::ranges::find(fan.stabilisation, "yaw") != fan.stabilisation.end(),
          "stabilisation = [\"yaw\"]"},
     };
+    constexpr double largest_yaw_deg = 30;
+    if (!fan.stabilisation.empty() &&
+        std::abs(std::sin(radians(sensor.yaw_deg))) > std::sin(radians(largest_yaw_deg)))
+      throw InputError(place_of_pair(table, "stabilisation", "yaw_deg"),
+                       fmt::format("beams can be stabilised only if the sonar is mounted along the track: "
+                                   "'yaw_deg' is {:g}, expected a value within {:g} degrees of 0 or 180",
+                                   sensor.yaw_deg, largest_yaw_deg));
     for (const auto& [key, takes, wanted] : rules)
       if (table.has(key) && !takes)
         throw InputError(table.place_of(key),
@@ -431,7 +445,7 @@ class MultibeamKind : public SensorKind {
   std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
-    return write_swath_files(folder, recording, run, settings_of(recording.sensor->description()), warnings);
+    return write_swath_files(folder, recording, run, settings_of(recording), warnings);
   }
   std::optional<SonarOutline> outline(const SensorDescription& sensor) const override {
     const auto& own = sensor.kind.as<MultibeamDescription>();

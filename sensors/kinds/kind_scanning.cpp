@@ -103,7 +103,7 @@ Scanning::Scanning(const SensorDescription& description) : Sensor(description) {
 /// Excess of a scan's duration over the time to the next scan of its line, if it is positive.
 std::optional<double> overlap_s(const Recording& recording) {
   const Sensor& sensor = *recording.sensor;
-  const double scan_s = static_cast<double>(sensor.beams().size()) *
+  const double scan_s = static_cast<double>(sensor.firings()) *
                         step_interval_s(sensor.description().kind.as<ScanningDescription>());
   for (const PingSpan& line : recording.lines())
     for (std::size_t ping = line.first + 1; ping < line.end; ++ping)
@@ -124,7 +124,7 @@ std::string steps_table(const Recording& recording, const std::optional<Receiver
     const std::vector<double> energy =
         receiver_output ? receiver_output->energy_of(ping) : std::vector<double>(ideal.begin(), ideal.end());
     std::string lines;
-    for (std::size_t step = 0; step < sensor.beams().size(); ++step) {
+    for (std::size_t step = 0; step < sensor.firings(); ++step) {
       const std::span<const double> own = std::span(energy).subspan(
           step * static_cast<std::size_t>(samples.count), static_cast<std::size_t>(samples.count));
       const auto loudest = std::ranges::max_element(own);

@@ -89,52 +89,49 @@ TubeSet Sensor::tubes_of(const std::vector<AngularGrid>& sectors, const SteeredP
 }
 
 TubeSet Sensor::tubes(const SteeredPose& sensor_pose, const WorldGrid& grid, std::size_t transmission) const {
-  return tubes_of(transmissions_.at(transmission).sectors, sensor_pose, grid, transmission);
+  const Transmission& own = fired(transmission);
+  return tubes_of(receiver_moves() && !own.moving_sectors.empty() ? own.moving_sectors : own.sectors,
+                  sensor_pose, grid, transmission);
 }
 
 TubeSet Sensor::transmit_tubes(const SteeredPose& sensor_pose, const WorldGrid& grid,
                                std::size_t transmission) const {
-  const Transmission& fired = transmissions_.at(transmission);
-  return tubes_of(fired.transmitter_sectors.empty() ? fired.sectors : fired.transmitter_sectors, sensor_pose,
-                  grid, transmission);
+  const Transmission& own = fired(transmission);
+  if (receiver_moves() && !own.moving_transmitter_sectors.empty()) {
+    std::vector<AngularGrid> sectors = own.moving_transmitter_sectors;
+    sectors.front().azimuth_edges_rad.front() -= division_->largest_turn_rad;
+    sectors.back().azimuth_edges_rad.back() += division_->largest_turn_rad;
+    return tubes_of(sectors, sensor_pose, grid, transmission);
+  }
+  return tubes_of(own.transmitter_sectors.empty() ? own.sectors : own.transmitter_sectors, sensor_pose, grid,
+                  transmission);
 }
 
 RangeSamples Sensor::samples(std::size_t transmission) const {
-  const Transmission& fired = transmissions_.at(transmission);
-  if (!fired.samples) return samples_;
-  RangeSamples own = samples_;
-  own.first_m += static_cast<double>(fired.first_sample) * samples_.step_m;
-  own.count = *fired.samples;
-  return own;
+  if (intervals_ == 1) return samples_;
+  const std::size_t first = first_sample(transmission), k = transmission % intervals_,
+                    end = k + 1 == intervals_ ? static_cast<std::size_t>(samples_.count)
+                                              : first_sample(transmission + 1);
+  return {samples_.border_m(static_cast<double>(first)), samples_.step_m, static_cast<int>(end - first)};
 }
 
-void Sensor::divide_record(int intervals, double sound_speed_m_s) {
-  if (intervals < 1 || intervals > samples_.count)
+void Sensor::divide_record(const Division& division) {
+  if (division.intervals < 1 || division.intervals > samples_.count)
     throw std::invalid_argument(
         fmt::format("sensor '{}': invalid division of {} range bins into {} intervals", description_.name,
-                    samples_.count, intervals));
-  receiver_moves_ = true;
-  std::vector<Transmission> divided;
-  for (const Transmission& whole : transmissions_)
-    for (int k = 0; k < intervals; ++k) {
-      const int first = static_cast<int>(std::int64_t{samples_.count} * k / intervals),
-                end = static_cast<int>(std::int64_t{samples_.count} * (k + 1) / intervals);
-      Transmission& part = divided.emplace_back(whole);
-      if (!whole.moving_sectors.empty()) part.sectors = whole.moving_sectors;
-      if (!part.transmitter_sectors.empty()) {
-        part.transmitter_sectors.front().azimuth_edges_rad.front() -= whole.transmit_margin_rad;
-        part.transmitter_sectors.back().azimuth_edges_rad.back() += whole.transmit_margin_rad;
-      }
-      part.first_sample = static_cast<std::size_t>(first);
-      part.samples = end - first;
-      const double middle_m = samples_.first_m + (first + end) / 2.0 * samples_.step_m;
-      part.reception_delay_s = whole.delay_s + 2 * middle_m / sound_speed_m_s;
-    }
-  transmissions_ = std::move(divided);
-  intervals_ *= static_cast<std::size_t>(intervals);
+                    samples_.count, division.intervals));
+  division_ = division;
+  intervals_ = static_cast<std::size_t>(division.intervals);
 }
 
-std::size_t Sensor::transmission_of(std::size_t sector, std::size_t sample) const {
+double Sensor::reception_delay_s(std::size_t transmission) const {
+  const double sent_s = transmission_delay_s(transmission);
+  if (!division_) return sent_s;
+  const RangeSamples own = samples(transmission);
+  return sent_s + 2 * own.border_m(own.count / 2.0) / division_->sound_speed_m_s;
+}
+
+std::size_t Sensor::transmission_receiving(std::size_t sector, std::size_t sample) const {
   std::size_t transmission = first_transmission(sector);
   for (std::size_t k = 1; k < intervals_ && first_sample(transmission + 1) <= sample; ++k) ++transmission;
   return transmission;
@@ -164,21 +161,21 @@ Directivity Sensor::directivity(const PatternDescription& pattern,
 
 BeamPatterns Sensor::patterns(const SteeredPose& transmitter, const SteeredPose& receiver,
                               double sound_speed_m_s, std::size_t transmission) const {
-  const Transmission& fired = transmissions_.at(transmission);
+  const Transmission& own = fired(transmission);
   const glm::dmat3 transmit_turn = glm::mat3_cast(glm::normalize(transmitter.attitude)),
                    receive_turn = glm::mat3_cast(glm::normalize(receiver.attitude));
   const double frequency_khz = this->frequency_khz(transmission),
                wavelength_m = sound_speed_m_s / (frequency_khz * 1000);
   BeamPatterns made;
-  made.receive.resize(fired.beams.size());
+  made.receive.resize(own.beams.size());
   std::vector<bool> apart;  // by fan: its receive patterns resolve the beams
-  for (const Fan& fan : fired.fans) {
+  for (const Fan& fan : own.fans) {
     made.transmit.emplace_back();
     if (transmit_) {
       std::vector<glm::dvec3> axes{fan.axis};
       if (fan.sent_by_beams) axes.clear();
       for (std::uint32_t beam = fan.first_beam; fan.sent_by_beams && beam < fan.end_beam; ++beam)
-        axes.push_back(beam_direction(beams_[fired.beams[beam]]));
+        axes.push_back(beam_direction(beams_[own.beams[beam]]));
       made.transmit.back().beams.clear();
       for (const glm::dvec3 axis : axes)
         made.transmit.back().beams.push_back(directivity(
@@ -187,7 +184,7 @@ BeamPatterns Sensor::patterns(const SteeredPose& transmitter, const SteeredPose&
     if (receive_) {
       for (std::uint32_t beam = fan.first_beam; beam < fan.end_beam; ++beam)
         made.receive[beam] = directivity(description_.receive, *receive_, fan,
-                                         steered(beam_direction(beams_[fired.beams[beam]]), receiver),
+                                         steered(beam_direction(beams_[own.beams[beam]]), receiver),
                                          receive_turn, wavelength_m);
       apart.push_back(
           are_resolved(std::span(made.receive).subspan(fan.first_beam, fan.end_beam - fan.first_beam)));
@@ -198,12 +195,12 @@ BeamPatterns Sensor::patterns(const SteeredPose& transmitter, const SteeredPose&
   }
   made.fan_of_tube = fan_of_tube(transmission);
   for (std::size_t tube = 0; tube < made.fan_of_tube.size(); ++tube) {
-    const Fan& fan = fired.fans[made.fan_of_tube[tube]];
-    const std::uint32_t own = fired.beam_of_tube[tube];
+    const Fan& fan = own.fans[made.fan_of_tube[tube]];
+    const std::uint32_t beam = own.beam_of_tube[tube];
     if (receive_ && apart[made.fan_of_tube[tube]])
       made.beams_of_tube.emplace_back(fan.first_beam, fan.end_beam);
     else
-      made.beams_of_tube.emplace_back(own, own + 1);
+      made.beams_of_tube.emplace_back(beam, beam + 1);
   }
   return made;
 }
@@ -254,8 +251,8 @@ Pose Sensor::receiver_pose_on(const Pose& carrier) const {
 
 std::vector<std::uint32_t> Sensor::fan_of_tube(std::size_t transmission) const {
   std::vector<std::uint32_t> fans;
-  for (std::uint32_t fan = 0; fan < transmissions_.at(transmission).fans.size(); ++fan)
-    fans.resize(transmissions_[transmission].fans[fan].end_tube, fan);
+  const std::vector<Fan>& own = fired(transmission).fans;
+  for (std::uint32_t fan = 0; fan < own.size(); ++fan) fans.resize(own[fan].end_tube, fan);
   return fans;
 }
 

@@ -98,10 +98,10 @@ class Sensor {
   RangeSamples samples(std::size_t transmission) const;
   /// The first transmission of a transmit sector, and the one that receives a range bin.
   std::size_t first_transmission(std::size_t sector) const { return sector * intervals_; }
-  std::size_t transmission_of(std::size_t sector, std::size_t sample) const;
+  std::size_t transmission_receiving(std::size_t sector, std::size_t sample) const;
   /// Number of the first bin that receives a transmission.
   std::size_t first_sample(std::size_t transmission) const {
-    return transmissions_.at(transmission).first_sample;
+    return static_cast<std::size_t>(samples_.count) * (transmission % intervals_) / intervals_;
   }
   /// Number of values per beam and sample. One value is the energy. Four values are the energies of the
   /// upper and of the lower receiver, and both parts of the mean complex product of their signals.
@@ -127,23 +127,24 @@ class Sensor {
   };
   const Stabilisation& stabilisation() const { return stabilisation_; }
   /// Angles of the middle of the sector of a transmission, across and along the track.
-  SectorAxis sector_axis(std::size_t transmission) const { return transmissions_.at(transmission).axis; }
+  SectorAxis sector_axis(std::size_t transmission) const { return fired(transmission).axis; }
 
   /// Number of transmissions per ping. An acoustic camera that fires groups of beams in turn has several.
-  /// The pose of each transmission is that at its own time.
-  std::size_t transmissions() const { return transmissions_.size(); }
+  /// The pose of each transmission is that at its own time. The intervals of a divided record count as
+  /// transmissions.
+  std::size_t transmissions() const { return firings() * intervals_; }
+  /// The same without the division of the record.
+  std::size_t firings() const { return transmissions_.size(); }
   /// Time of a transmission, in seconds after the ping's time.
-  double transmission_delay_s(std::size_t transmission) const {
-    return transmissions_.at(transmission).delay_s;
-  }
+  double transmission_delay_s(std::size_t transmission) const { return fired(transmission).delay_s; }
   /// The beams of the sensor that receive a transmission. Within the transmission their numbers follow this
   /// order.
   const std::vector<std::uint32_t>& beams_of_transmission(std::size_t transmission) const {
-    return transmissions_.at(transmission).beams;
+    return fired(transmission).beams;
   }
   /// By tube of `tubes()`: its beam, in the numbering of the transmission.
   const std::vector<std::uint32_t>& beam_of_tube(std::size_t transmission = 0) const {
-    return transmissions_.at(transmission).beam_of_tube;
+    return fired(transmission).beam_of_tube;
   }
 
   /// The tubes of a transmission from a pose of the sensor itself (mounting applied). Equal poses give equal
@@ -180,20 +181,23 @@ class Sensor {
   glm::dquat mounting() const;
   /// True if the receiver has its own pose.
   bool has_separate_receiver() const {
-    return receiver_moves_ ||
+    return receiver_moves() ||
            (description_.receiver_arm_m && *description_.receiver_arm_m != description_.lever_arm_m);
   }
+  /// Division of the record of each transmission for a receiver that moves during a ping.
+  struct Division {
+    int intervals = 1;              ///< of range bins, each a transmission with the same tubes
+    double sound_speed_m_s = 1500;  ///< converts ranges to times
+    double largest_turn_rad = 0;    ///< largest rotation of the receiver during a record
+  };
   /// True after divide_record().
-  bool receiver_moves() const { return receiver_moves_; }
-  /// Divides the record of each transmission into intervals of range bins, each of which becomes a
-  /// transmission with the same tubes. Its receiver has the pose of the middle of the interval.
-  /// `sound_speed_m_s` converts ranges to times. Throws std::invalid_argument for more intervals than bins.
-  void divide_record(int intervals, double sound_speed_m_s);
+  bool receiver_moves() const { return division_.has_value(); }
+  /// Divides the record. The receiver of an interval has the pose of its middle. Throws
+  /// std::invalid_argument for more intervals than bins.
+  void divide_record(const Division& division);
   /// Time at which the middle of the record of a transmission arrives, in seconds after the ping's time. It
   /// is the time of the transmission, unless the receiver moves.
-  double reception_delay_s(std::size_t transmission) const {
-    return transmissions_.at(transmission).reception_delay_s.value_or(transmission_delay_s(transmission));
-  }
+  double reception_delay_s(std::size_t transmission) const;
   /// Pose of the receiver for a pose of the carrier. It is the sensor's pose unless the receiver is
   /// separate.
   Pose receiver_pose_on(const Pose& carrier) const;
@@ -230,15 +234,11 @@ class Sensor {
     std::vector<AngularGrid> sectors;  ///< in the sensor's frame (x starboard, y forward, z up)
     /// The sectors of a transmitter whose receiver is separate; empty: those of the receiver.
     std::vector<AngularGrid> transmitter_sectors;
-    /// The sectors of a receiver that moves during a ping; empty: `sectors`. The transmitter then covers this
-    /// angle beyond its outermost cells.
-    std::vector<AngularGrid> moving_sectors;
-    double transmit_margin_rad = 0;
+    /// The sectors of both ends if the receiver moves during a ping; empty: as above. The transmitter also
+    /// covers Division::largest_turn_rad beyond its outermost cells.
+    std::vector<AngularGrid> moving_sectors, moving_transmitter_sectors;
     std::vector<Fan> fans;
     SectorAxis axis;
-    std::size_t first_sample = 0;
-    std::optional<int> samples;  ///< number of its range bins; empty: all of the sensor
-    std::optional<double> reception_delay_s;
   };
 
   SensorDescription description_;
@@ -249,10 +249,14 @@ class Sensor {
   std::optional<SignalModel> signals_;
   bool across_track_ = false;
   Stabilisation stabilisation_;
-  std::vector<Transmission> transmissions_;
+  std::vector<Transmission> transmissions_;       ///< one per firing
   std::vector<TransmitSector> transmit_sectors_;  ///< see transmit_sectors()
 
  private:
+  /// The firing to which a transmission belongs.
+  const Transmission& fired(std::size_t transmission) const {
+    return transmissions_.at(transmission / intervals_);
+  }
   double reach(const WorldGrid& grid, const RangeSamples& samples) const;
   TubeSet tubes_of(const std::vector<AngularGrid>& sectors, const SteeredPose& pose, const WorldGrid& grid,
                    std::size_t transmission) const;
@@ -262,8 +266,8 @@ class Sensor {
                           const Fan& fan, glm::dvec3 beam_axis, const glm::dmat3& turn,
                           double wavelength_m) const;
 
-  bool receiver_moves_ = false;
-  std::size_t intervals_ = 1;  ///< of the record of each transmission
+  std::optional<Division> division_;
+  std::size_t intervals_ = 1;  ///< Division::intervals
   /// Set if there is a pattern; a pointer to its table, if the pattern has one.
   std::optional<std::shared_ptr<const PatternTable>> transmit_, receive_;
 };

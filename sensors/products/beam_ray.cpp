@@ -26,11 +26,18 @@ BeamRay ray_of_beam(const Recording& recording, std::size_t ping, std::size_t be
   const BeamAxis& axis = recording.sensor->beams().at(beam);
   const SteeredPose sent = recording.beam_pose(ping, beam),
                     received = recording.receive_pose(ping, beam, sample);
-  const double across_rad = across_angle_rad(axis) + received.across_rad,
-               tilt_rad = axis.tilt_rad + sent.along_rad;
-  if (sent == received && sent.across_rad == 0 && sent.along_rad == 0)
+  double across_rad = across_angle_rad(axis) + received.across_rad;
+  const double tilt_rad = axis.tilt_rad + sent.along_rad;
+  bool has_angle = true;
+  if (recording.steering_ratio != 1) {
+    const double sine = recording.steering_ratio * std::sin(across_rad);
+    has_angle = std::abs(sine) <= 1;
+    across_rad = std::asin(std::clamp(sine, -1.0, 1.0));
+  }
+  if (sent == received && sent.across_rad == 0 && sent.along_rad == 0 &&
+      (axis.tilt_rad == 0 || recording.steering_ratio == 1))
     return {sent, axis.tilt_rad != 0 ? beam_direction(axis) : across_direction(across_rad), across_rad,
-            tilt_rad};
+            tilt_rad, has_angle};
 
   // The vectors are in the frame of the transmitter.
   const glm::dquat turn = glm::inverse(sent.attitude) * received.attitude;
@@ -42,7 +49,8 @@ BeamRay ray_of_beam(const Recording& recording, std::size_t ping, std::size_t be
   return {{(sent.position_m + received.position_m) / 2.0, sent.attitude},
           glm::normalize(cosine * ahead + std::sqrt(1 - cosine * cosine) * abeam),
           across_rad,
-          tilt_rad};
+          tilt_rad,
+          has_angle};
 }
 
 }  // namespace tubefoot

@@ -19,6 +19,9 @@ struct BeamRay {
   glm::dvec3 axis;        ///< direction in the frame of `pose`
   double across_rad = 0;  ///< steered angle across the track, in the frame of the receiver
   double tilt_rad = 0;    ///< steered tilt of the transmit sector, in the frame of the transmitter
+  /// False if the sine of the recorded angle across the track exceeds 1 (Recording::steering_ratio). The
+  /// angle is then 90 degrees.
+  bool has_angle = true;
 };
 
 /// Returns the ray along which a beam receives a range bin. A transmit sector is a cone about the forward

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -64,6 +65,7 @@ class SonarNetcdfFormat : public SwathFormat {
     ping.steering_sound_speed_m_s = recording_.steering_sound_speed_m_s;
     ping.sample_interval_s = 2 * samples.step_m / c;
     ping.blanking_interval_s = 2 * (samples.first_m + samples.step_m / 2) / c;
+    if (recording_.sensor->stabilisation().any()) ping.transmit_steering_deg = transmit_steering(placed.ping);
     for (std::size_t beam = 0; beam < placed.sounded.rays.size(); ++beam) {
       ping.across_angle_deg.push_back(degrees(placed.sounded.rays[beam].across_rad));
       ping.backscatter_db.push_back(levels_db(placed.sounded, beam));
@@ -101,6 +103,16 @@ class SonarNetcdfFormat : public SwathFormat {
     return detection;
   }
 
+  /// By transmit beam, as SonarNetcdfPing has it.
+  std::vector<std::array<double, 2>> transmit_steering(std::size_t ping) const {
+    std::vector<std::array<double, 2>> steering(recording_.sectors());
+    for (std::size_t beam = recording_.sensor->beams().size(); beam-- > 0;) {
+      const SteeredPose pose = recording_.beam_pose(ping, beam);
+      steering[recording_.sector_of(beam)] = {degrees(pose.across_rad), degrees(pose.along_rad)};
+    }
+    return steering;
+  }
+
   static SonarNetcdfHeader header(const Recording& recording, const RunContext& run,
                                   const SwathSettings& settings) {
     const Sensor& sensor = *recording.sensor;
@@ -128,7 +140,8 @@ class SonarNetcdfFormat : public SwathFormat {
     header.sound_speed_m_s = c;
     header.source_level_db = sensor.description().signal.source_level_db;
     header.receive_width_across_deg = settings.receive_across_deg;
-    header.receive_width_along_deg = settings.along_track_deg;
+    header.receive_width_along_deg = settings.receive_along_deg;
+    header.beams_stabilised = sensor.stabilisation().any();
     header.transmit_width_across_deg = settings.transmit_across_deg;
     header.transmit_width_along_deg = settings.along_track_deg;
     header.equivalent_beam_angle_sr =
@@ -144,7 +157,8 @@ class SonarNetcdfFormat : public SwathFormat {
       const TransmitSector& sector = sensor.transmit_sectors()[k];
       SonarTransmitBeam beam;
       beam.frequency_hz = 1000 * sector.frequency_khz;
-      beam.pulse_length_s = sector.pulse_length_us ? *sector.pulse_length_us * 1e-6 : header.pulse_length_s;
+      const std::optional<double> pulse_us = sensor.pulse_length_us(k);
+      beam.pulse_length_s = pulse_us ? *pulse_us * 1e-6 : header.pulse_length_s;
       beam.bandwidth_hz = 1 / beam.pulse_length_s;
       beam.absorption_db_per_m = recording.absorption_of(k) / 1000;
       beam.width_along_deg = header.transmit_width_along_deg;

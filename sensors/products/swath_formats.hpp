@@ -16,6 +16,7 @@ struct SwathSettings {
   DetectionRule rule;
   double grid_cell_m = 0;  ///< of the depth grid; 0: automatic
   double receive_across_deg = 0, along_track_deg = 0;
+  double receive_along_deg = 0;    ///< of the receive beams; `along_track_deg` is that of transmission
   double fan_deg = 0;              ///< between the borders of the outermost beams
   double transmit_across_deg = 0;  ///< insonified width
   double range_max_m = 0;

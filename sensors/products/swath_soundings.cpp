@@ -70,12 +70,10 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
       if (received[k] >= floor_j_[sector][k]) evened[k] = received[k] * gain_[sector][k];
     sounded.soundings.emplace_back();
     sounded.range_sigma_m.push_back(0);
-    const std::optional<Detection> found = std::ranges::binary_search(recording_.beams_without_angle, beam)
-                                               ? std::nullopt
-                                               : detect_bottom(evened, samples, rule_);
+    const std::optional<Detection> found = detect_bottom(evened, samples, rule_);
     const auto sample = static_cast<std::size_t>(found ? found->sample : samples.count / 2);
     const BeamRay& ray = sounded.rays.emplace_back(ray_of_beam(recording_, ping, beam, sample));
-    if (!found) continue;
+    if (!found || !ray.has_angle) continue;
     Sounding sounding;
     sounding.ping = recording_.number_of(ping);
     sounding.beam = static_cast<std::uint32_t>(beam);

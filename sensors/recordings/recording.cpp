@@ -73,7 +73,7 @@ SteeredPose Recording::beam_pose(std::size_t ping, std::size_t beam) const {
 SteeredPose Recording::receive_pose(std::size_t ping, std::size_t beam, std::size_t sample) const {
   if (receiver_pose.empty()) return beam_pose(ping, beam);
   return receiver_pose.at(ping * sensor->transmissions() +
-                          sensor->transmission_of(sensor->beams().at(beam).sector, sample));
+                          sensor->transmission_receiving(sensor->beams().at(beam).sector, sample));
 }
 
 Recording Recording::as_recorded() const {
@@ -85,6 +85,7 @@ Recording Recording::as_recorded() const {
   };
   replace(recorded.transmission_pose, recorded_poses);
   replace(recorded.receiver_pose, recorded_receiver_poses);
+  if (steering_sound_speed_m_s > 0) recorded.steering_ratio = steering_sound_speed_m_s / sound_speed_m_s;
   if (assumed_sensor) recorded.sensor = assumed_sensor.get();
   if (assumed_sound_speed_m_s > 0) {
     recorded.sound_speed_m_s = assumed_sound_speed_m_s;

@@ -56,11 +56,13 @@ struct Recording {
       recorded_receiver_poses{};  ///< the same at reception, if the receiver moves during a ping
   /// Assumed minus true height of the water level at each ping [m]. The recorded poses include it.
   std::vector<double> water_level_errors_m{};
-  std::shared_ptr<const Sensor> assumed_sensor{};    ///< with recorded ranges, beam angles and mounting
-  double assumed_sound_speed_m_s = 0;                ///< replaces `sound_speed_m_s`; 0: the true one
-  double steering_sound_speed_m_s = 0;               ///< for the angles of beams; 0: that of the water
-  std::vector<std::uint32_t> beams_without_angle{};  ///< sorted; they have no soundings
+  std::shared_ptr<const Sensor> assumed_sensor{};  ///< with recorded ranges, beam angles and mounting
+  double assumed_sound_speed_m_s = 0;              ///< replaces `sound_speed_m_s`; 0: the true one
+  double steering_sound_speed_m_s = 0;             ///< for the angles of beams; 0: that of the water
   double range_ratio = 1;  ///< recorded ranges divided by the true ones, in as_recorded()
+  /// Sound speed for the steering of beams relative to the true one, in as_recorded(). Flat arrays record the
+  /// angle asin(steering_ratio sin(true angle)).
+  double steering_ratio = 1;
   // For a part of a run (docs/command-reference.md):
   std::vector<std::uint32_t> ping_numbers{};   ///< numbers in the scene; empty: all, from 0
   std::vector<std::uint32_t> beam_numbers{};   ///< numbers in the sonar; empty: all

@@ -318,13 +318,14 @@ int check_command(const CheckOptions& options) {
         samples.first_m + samples.step_m * samples.count, sensor.frequency_khz(),
         1000 * absorption_db_per_m(scene, sensor));
     for (std::size_t t = 0; t < sensor.transmit_sectors().size(); ++t) {
-      const std::vector<std::uint32_t>& beams = sensor.beams_of_transmission(t);
+      const std::size_t first = sensor.first_transmission(t);
+      const std::vector<std::uint32_t>& beams = sensor.beams_of_transmission(first);
       tell(
           "               sector {}: beams {} to {}, {:g} kHz, absorption {:.1f} dB/km, tilt {:g} degrees, "
           "delay {:g} us\n",
-          t, beams.front(), beams.back(), sensor.frequency_khz(t),
-          1000 * absorption_db_per_m(scene, sensor, t), glm::degrees(sensor.transmit_sectors()[t].tilt_rad),
-          1e6 * sensor.transmission_delay_s(t));
+          t, beams.front(), beams.back(), sensor.frequency_khz(first),
+          1000 * absorption_db_per_m(scene, sensor, first),
+          glm::degrees(sensor.transmit_sectors()[t].tilt_rad), 1e6 * sensor.transmission_delay_s(first));
     }
     print_places(scene, pings, scene.trajectories[scene.sensor_trajectory[s]]);
     if (!pings.water.empty())

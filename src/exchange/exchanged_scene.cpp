@@ -111,16 +111,18 @@ void note_sensors(const Survey& survey, const std::vector<std::size_t>& chosen,
           "sensor '{}': its beam patterns; the exported beams are sectors without side lobes", name));
     if (sensor.has_receiver_pair())
       out.push_back(fmt::format("sensor '{}': its second receiver and the phase differences", name));
-    if (sensor.has_separate_receiver())
+    if (sensor.receiver_moves())
+      out.push_back(fmt::format("sensor '{}': its motion during a ping", name));
+    else if (sensor.has_separate_receiver())
       out.push_back(fmt::format(
           "sensor '{}': its separate receiver; the exported sonar receives where it transmits", name));
     if (!sensor.transmit_sectors().empty())
       out.push_back(
           fmt::format("sensor '{}': the frequencies, pulses and absorptions of its transmit sectors", name));
-    if (sensor.transmissions() > 1)
+    if (sensor.firings() > 1)
       out.push_back(fmt::format(
           "sensor '{}': the positions of its {} transmissions per ping; all are at the position of the first",
-          name, sensor.transmissions()));
+          name, sensor.firings()));
     if (!survey.sensors[k].poses.empty() && survey.sensors[k].times_s.size() > 1)
       out.push_back(fmt::format("sensor '{}': its other pings ({} in all); choose another one with --pings K",
                                 name, survey.sensors[k].times_s.size()));

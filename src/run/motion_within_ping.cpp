@@ -40,11 +40,17 @@ glm::dvec3 horizontal_forward(const glm::dquat& attitude) {
 /// Mean heading about a time, as a horizontal unit vector.
 glm::dvec3 mean_heading(const Trajectory& trajectory, double at_s, double window_s) {
   constexpr int steps = 20;
+  // Between two lines the boat turns.
+  double begin_s = trajectory.begin_s(), end_s = trajectory.end_s();
+  for (const Trajectory::Line& line : trajectory.lines())
+    if (at_s >= line.begin_s && at_s <= line.end_s) {
+      begin_s = line.begin_s;
+      end_s = line.end_s;
+    }
   glm::dvec3 sum(0);
   for (int k = 0; k <= steps; ++k) {
     const double time_s = at_s + window_s * (static_cast<double>(k) / steps - 0.5);
-    sum += horizontal_forward(
-        trajectory.at(std::clamp(time_s, trajectory.begin_s(), trajectory.end_s())).attitude);
+    sum += horizontal_forward(trajectory.at(std::clamp(time_s, begin_s, end_s)).attitude);
   }
   return sum;
 }
@@ -72,7 +78,8 @@ Steering steering(const Sensor& sensor, const Trajectory& trajectory, double at_
   glm::dquat carrier = trajectory.at(at_s).attitude;
   const PoseAngles angles = angles_of(carrier);
   Steering made;
-  if (by.roll) made.across_rad = radians(angles.roll_deg);
+  const double facing = std::cos(radians(sensor.description().yaw_deg)) < 0 ? -1 : 1;
+  if (by.roll) made.across_rad = facing * radians(angles.roll_deg);
   if (!by.pitch && !by.yaw) return made;
   const glm::dvec3 heading =
       by.yaw ? mean_heading(trajectory, at_s, by.heading_window_s) : horizontal_forward(carrier);
@@ -80,7 +87,7 @@ Steering steering(const Sensor& sensor, const Trajectory& trajectory, double at_
   if (!by.pitch) carrier = attitude_from_angles(radians(angles.heading_deg), 0, radians(angles.roll_deg));
   const SectorAxis axis = sensor.sector_axis(transmission);
   made.along_rad = stabilised_tilt_rad(carrier * sensor.mounting(), axis.across_rad + made.across_rad,
-                                       glm::normalize(heading), axis.along_rad) -
+                                       facing * glm::normalize(heading), axis.along_rad) -
                    axis.along_rad;
   return made;
 }
@@ -93,18 +100,20 @@ double resolved_angle_rad(const Sensor& sensor, const glm::dvec3& direction) {
 
 }  // namespace
 
-int intervals_of_record(const Sensor& sensor, const Trajectory& trajectory,
-                        const std::vector<double>& times_s, double sound_speed_m_s) {
-  if (trajectory.is_fixed()) return 0;
+std::optional<Sensor::Division> division_of_record(const Sensor& sensor, const Trajectory& trajectory,
+                                                   const std::vector<double>& times_s,
+                                                   double sound_speed_m_s) {
+  if (trajectory.is_fixed()) return std::nullopt;
   constexpr int parts = 16;
   const RangeSamples& samples = sensor.samples();
   const double first_s = 2 * samples.first_m / sound_speed_m_s,
                end_s = 2 * samples.border_m(samples.count) / sound_speed_m_s,
                part_s = (end_s - first_s) / parts;
-  double largest_rad = 0;  // change within a part of the record
+  double change_rad = 0;  // largest change within a part of the record
+  Sensor::Division division{1, sound_speed_m_s, 0};
   for (const double ping_s : times_s)
-    for (std::size_t transmission = 0; transmission < sensor.transmissions(); ++transmission) {
-      const double sent_s = ping_s + sensor.transmission_delay_s(transmission);
+    for (std::size_t firing = 0; firing < sensor.firings(); ++firing) {
+      const double sent_s = ping_s + sensor.transmission_delay_s(firing);
       if (!trajectory.holds(sent_s + end_s))
         throw InputError(
             sensor.description().place,
@@ -113,20 +122,27 @@ int intervals_of_record(const Sensor& sensor, const Trajectory& trajectory,
                 "{:.9g} s ends at {:.9g} s, but the trajectory ends at {:.9g} s: use fewer pings, a "
                 "shorter range or a longer trajectory",
                 sensor.description().name, ping_s, sent_s + end_s, trajectory.end_s()));
+      const glm::dquat sent = sensor.receiver_pose_on(trajectory.at(sent_s)).attitude;
       Pose before = sensor.receiver_pose_on(trajectory.at(sent_s + first_s));
       for (int k = 1; k <= parts; ++k) {
         const Pose now = sensor.receiver_pose_on(trajectory.at(sent_s + first_s + k * part_s));
         // A point in the middle of the part changes its direction by the displacement over its range.
         const double range_m = samples.first_m + (k - 0.5) / parts * samples.count * samples.step_m;
-        largest_rad = std::max(largest_rad, angle_between_rad(before.attitude, now.attitude) +
-                                                glm::distance(before.position_m, now.position_m) / range_m);
+        change_rad = std::max(change_rad, angle_between_rad(before.attitude, now.attitude) +
+                                              glm::distance(before.position_m, now.position_m) / range_m);
+        division.largest_turn_rad =
+            std::max(division.largest_turn_rad, angle_between_rad(sent, now.attitude));
         before = now;
       }
     }
-  if (largest_rad == 0) return 0;
+  if (change_rad == 0) return std::nullopt;
   const double wanted =
-      std::ceil(parts * largest_rad / (sensor.description().motion_step_beams * narrowest_beam_rad(sensor)));
-  return static_cast<int>(std::clamp(wanted, 1.0, static_cast<double>(samples.count)));
+      std::ceil(parts * change_rad / (sensor.description().motion_step_beams * narrowest_beam_rad(sensor)));
+  division.intervals = static_cast<int>(std::clamp(wanted, 1.0, static_cast<double>(samples.count)));
+  // The transmitter of a carrier that turns over insonifies no more than this.
+  constexpr double largest_deg = 45;
+  division.largest_turn_rad = std::min(division.largest_turn_rad, radians(largest_deg));
+  return division;
 }
 
 SteeredPose steered_pose(const Sensor& sensor, const Trajectory& trajectory, double at_s,
@@ -158,10 +174,7 @@ std::optional<std::string> motion_warning(const SensorPings& pings, const Trajec
     for (const std::size_t beam : looked_at) {
       const BeamAxis& axis = beams[beam];
       const SteeredPose& sent = pings.transmission_pose(ping, 0);
-      const double level = std::cos(axis.elevation_rad), angle_rad = axis.azimuth_rad;
-      const glm::dvec3 direction =
-          sent.attitude *
-          glm::dvec3(level * std::sin(angle_rad), level * std::cos(angle_rad), std::sin(axis.elevation_rad));
+      const glm::dvec3 own = beam_direction(axis), direction = sent.attitude * own;
       double range_m = end_m;
       if (direction.z < 0 && pings.altitudes_m[ping] > 0)
         range_m = std::min(range_m, pings.altitudes_m[ping] / -direction.z);
@@ -169,10 +182,9 @@ std::optional<std::string> motion_warning(const SensorPings& pings, const Trajec
       if (!trajectory.holds(received_s)) continue;
       const SteeredPose received = steered_receiver_pose(sensor, trajectory, received_s, 0);
       // The displacement of the carrier moves echoes by at most half of it, whatever the beam width.
-      const glm::dvec3 seen = glm::inverse(received.attitude) * direction,
-                       expected = glm::inverse(sent.attitude) * direction;
+      const glm::dvec3 seen = glm::inverse(received.attitude) * direction;
       const double turn_rad = std::remainder(resolved_angle_rad(sensor, seen) - received.across_rad -
-                                                 resolved_angle_rad(sensor, expected) + sent.across_rad,
+                                                 resolved_angle_rad(sensor, own) + sent.across_rad,
                                              2 * std::numbers::pi);
       if (std::abs(turn_rad) / width_rad <= worst_beams) continue;
       worst_beams = std::abs(turn_rad) / width_rad;

@@ -14,19 +14,21 @@
 // beams against it (docs/sensors.md).
 namespace tubefoot {
 
-/// Returns the number of intervals into which the record of a ping is divided. The direction of the receiver
-/// changes by at most SensorDescription::motion_step_beams within each of them. Returns 0 for a carrier that
-/// is at rest during all pings. `times_s` are the times of the pings. Throws InputError if a record continues
-/// after the end of the trajectory.
-int intervals_of_record(const Sensor& sensor, const Trajectory& trajectory,
-                        const std::vector<double>& times_s, double sound_speed_m_s);
+/// Returns the division of the record of a ping. The direction of the receiver changes by at most
+/// SensorDescription::motion_step_beams within each interval. Empty for a carrier that is at rest during all
+/// pings. `times_s` are the times of the pings. Throws InputError if a record continues after the end of the
+/// trajectory.
+std::optional<Sensor::Division> division_of_record(const Sensor& sensor, const Trajectory& trajectory,
+                                                   const std::vector<double>& times_s,
+                                                   double sound_speed_m_s);
 
 /// Returns the pose of a sensor on its carrier, with the steering that stabilises a transmission. `at_s` is
 /// the time of transmission or of reception.
 ///
 /// Roll: the angles across the track change by the roll of the carrier, which is positive for starboard down.
 /// Pitch and yaw: the sector is tilted along the track until its middle has its angle from the vertical plane
-/// across the heading. Yaw stabilisation uses the mean heading, and pitch stabilisation alone the present
+/// across the heading. Yaw stabilisation uses the mean heading on the line of the survey, and pitch
+/// stabilisation alone the present heading. A sonar that is mounted backwards has the opposite roll and
 /// heading.
 SteeredPose steered_pose(const Sensor& sensor, const Trajectory& trajectory, double at_s,
                          std::size_t transmission);

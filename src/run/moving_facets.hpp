@@ -15,14 +15,17 @@ class MovedFacets {
   MovedFacets(std::shared_ptr<const FacetMesh> mesh, std::shared_ptr<const SceneTree> at_rest,
               FacetId first_moving)
       : mesh_(std::move(mesh)),
-        tree_(std::make_unique<SceneTree>(*mesh_, std::move(at_rest), first_moving)) {}
+        tree_(std::make_shared<SceneTree>(*mesh_, std::move(at_rest), first_moving)),
+        first_(first_moving) {}
 
-  const FacetMesh& mesh() const { return *mesh_; }
-  const SceneTree& tree() const { return *tree_; }
+  const std::shared_ptr<const FacetMesh>& mesh() const { return mesh_; }
+  const std::shared_ptr<const SceneTree>& tree() const { return tree_; }
+  FacetId first_moving() const { return first_; }
 
  private:
   std::shared_ptr<const FacetMesh> mesh_;
-  std::unique_ptr<const SceneTree> tree_;
+  std::shared_ptr<const SceneTree> tree_;
+  FacetId first_;
 };
 
 /// Places the moving objects of a scene at the times of transmissions. The tree of the facets at rest is

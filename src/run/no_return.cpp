@@ -91,20 +91,22 @@ class Reason {
         sensor_(*pings_.sensor),
         ping_(ping),
         at_m_(pings_.transmission_pose(ping, 0).position_m),
-        tubes_(sensor_.tubes(pings_.transmission_pose(ping, 0), scene_.grid, 0)),
+        tubes_(sensor_.transmit_tubes(pings_.transmission_pose(ping, 0), scene_.grid, 0)),
         all_(extent_of(scene_, Components::all)),
         terrain_(extent_of(scene_, Components::terrains)) {
     if (terrain_.empty()) terrain_ = all_;
     const glm::dvec3 far_m = glm::max(glm::abs(all_.lo_m - at_m_), glm::abs(all_.hi_m - at_m_));
     tubes_.reach = 1.01 * glm::length(far_m) / scene_.grid.unit_m() + 1;
-    if (!survey.loaded_scene->is_tiled())
+    if (!survey.loaded_scene->is_tiled()) {
+      const TransmissionSurface surface = surface_at(*survey.loaded_scene, pings_.times_s[ping]);
       for (const Footprint& footprint :
-           TubeEngine(scene_.mesh, *survey.loaded_scene->tree, scene_.grid.unit_m(), request.visibility)
+           TubeEngine(surface.mesh(), surface.tree(), scene_.grid.unit_m(), request.visibility)
                .trace(tubes_)
                .footprints.footprints) {
         met_.add(footprint.slant_range_min_m);
         met_.add(footprint.slant_range_max_m);
       }
+    }
     for (const GridPoint& ray : tubes_.rays) {
       const glm::dvec3 direction(ray.x, ray.y, ray.z);
       elevation_.add(glm::degrees(std::asin(direction.z / glm::length(direction))));

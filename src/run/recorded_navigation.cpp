@@ -131,8 +131,9 @@ bool changes_mounting(const SensorDescription& sensor) {
 
 /// Returns the recorded pose of a sensor. For a sensor that is turned towards a target, the software knows
 /// the attitude relative to the carrier.
-Pose recorded_pose(const Sensor& sensor, const Sensor& assumed, const Pose& carrier, const Pose& recorded) {
-  Pose pose = assumed.pose_on(recorded);
+Pose recorded_pose(const Sensor& sensor, const Sensor& assumed, const Pose& carrier, const Pose& recorded,
+                   bool at_receiver = false) {
+  Pose pose = at_receiver ? assumed.receiver_pose_on(recorded) : assumed.pose_on(recorded);
   if (!sensor.description().look_at_m) return pose;
   pose.attitude = sensor.pose_on(carrier).attitude;
   if (recorded.attitude != carrier.attitude)
@@ -153,7 +154,7 @@ void record_poses(SensorPings& pings, const Sensor& assumed, const Trajectory& t
       if (!sensor.receiver_moves()) continue;
       const double received_s = time_s + sensor.reception_delay_s(transmission);
       pings.recorded_receiver_poses.push_back(
-          recorded_pose(sensor, assumed, trajectory.at(received_s), track.at(received_s)));
+          recorded_pose(sensor, assumed, trajectory.at(received_s), track.at(received_s), true));
     }
     pings.water_level_errors_m.push_back(water_level.at_m(time_s));
   }
@@ -178,15 +179,21 @@ double assumed_speed_at(const Scene& scene, const SensorPings& pings) {
   return water.profile().at(water.surface_height_m() + level_m - first.position_m.z);
 }
 
+/// Warns about beams across the track whose recorded angle asin(ratio sin(angle)) does not exist.
 void warn_of_angles(const SensorPings& pings, const ProcessingDescription& processing,
                     std::vector<std::string>& warnings) {
-  const std::vector<std::uint32_t>& beams = pings.assumed.beams_without_angle;
-  if (beams.empty()) return;
+  const Sensor& sensor = *pings.sensor;
+  if (!sensor.is_across_track() || !processing.sound_speed_at_transducer_m_s) return;
+  const double steering_m_s = *processing.sound_speed_at_transducer_m_s;
+  const auto without = std::ranges::count_if(sensor.beams(), [&](const BeamAxis& axis) {
+    const double sine = beam_direction(axis).x / std::cos(axis.tilt_rad);
+    return std::abs(sine) * steering_m_s / pings.sound_speed_m_s > 1;
+  });
+  if (without == 0) return;
   warnings.push_back(fmt::format(
       "{}: with an assumed sound speed of {:g} m/s at the transducer instead of {:.2f} m/s, {} beams of "
       "sensor '{}' have no recorded angle, because its sine exceeds 1: they have no soundings",
-      to_string(processing.place), *processing.sound_speed_at_transducer_m_s, pings.sound_speed_m_s,
-      beams.size(), pings.sensor->description().name));
+      to_string(processing.place), steering_m_s, pings.sound_speed_m_s, without, sensor.description().name));
 }
 
 }  // namespace
@@ -241,17 +248,17 @@ void assume_configuration(Scene& scene, SensorSet& sensor_set) {
     if (other_mounting || changes_navigation(processing)) {
       const std::size_t number = scene.sensor_trajectory[s];
       const Trajectory& trajectory = scene.trajectories[number];
-      const AssumedSensor mounted = assumed_sensor(sensor, {true_m_s, true_m_s, true_m_s});
-      record_poses(pings, *mounted.sensor, trajectory, {processing, water_level, trajectory, number},
-                   water_level);
+      record_poses(pings, *assumed_sensor(sensor, 1), trajectory,
+                   {processing, water_level, trajectory, number}, water_level);
     }
     const bool other_water = scene.assumed_water != scene.water;
-    AssumedSpeeds speeds{true_m_s, true_m_s, processing.sound_speed_at_transducer_m_s.value_or(true_m_s)};
-    if (other_water) pings.assumed_sound_speed_m_s = speeds.range_m_s = assumed_speed_at(scene, pings);
+    const double steering_m_s = processing.sound_speed_at_transducer_m_s.value_or(true_m_s);
+    double range_m_s = true_m_s;
+    if (other_water) pings.assumed_sound_speed_m_s = range_m_s = assumed_speed_at(scene, pings);
     // The water of the placer is the assumed one, so the true speed for steering needs a value of its own.
-    if (other_water || speeds.steering_m_s != true_m_s) pings.steering_sound_speed_m_s = speeds.steering_m_s;
-    if (other_mounting || speeds.range_m_s != true_m_s || speeds.steering_m_s != true_m_s)
-      pings.assumed = assumed_sensor(sensor, speeds);
+    if (other_water || steering_m_s != true_m_s) pings.steering_sound_speed_m_s = steering_m_s;
+    if (other_mounting || range_m_s != true_m_s)
+      pings.assumed_sensor = assumed_sensor(sensor, range_m_s / true_m_s);
     warn_of_angles(pings, processing, scene.report.warnings);
   }
 }

@@ -85,8 +85,7 @@ Recording recording_of(const Survey& survey, std::size_t s, const Selection& sel
   recording.recorded_receiver_poses =
       part_of(pings.recorded_receiver_poses, chosen, pings.sensor->transmissions());
   recording.water_level_errors_m = part_of(pings.water_level_errors_m, chosen);
-  recording.assumed_sensor = pings.assumed.sensor;
-  recording.beams_without_angle = pings.assumed.beams_without_angle;
+  recording.assumed_sensor = pings.assumed_sensor;
   recording.assumed_sound_speed_m_s = pings.assumed_sound_speed_m_s;
   recording.steering_sound_speed_m_s = pings.steering_sound_speed_m_s;
   for (const std::size_t start : pings.line_starts) {

@@ -31,9 +31,9 @@ struct SensorPings {
   std::vector<Pose> recorded_poses;           ///< [ping][transmission]
   std::vector<Pose> recorded_receiver_poses;  ///< the same at reception, if the receiver moves during a ping
   std::vector<double> water_level_errors_m;   ///< by ping
-  AssumedSensor assumed;                      ///< null sensor: the true one
-  double assumed_sound_speed_m_s = 0;         ///< for ranges; 0: sound_speed_m_s
-  double steering_sound_speed_m_s = 0;        ///< for angles of beams; 0: that of the water
+  std::shared_ptr<const Sensor> assumed_sensor;  ///< null: the true one
+  double assumed_sound_speed_m_s = 0;            ///< for ranges; 0: sound_speed_m_s
+  double steering_sound_speed_m_s = 0;           ///< for angles of beams; 0: that of the water
   /// altitudes above the terrain vertically below; NaN where there is none
   std::vector<double> altitudes_m;
 

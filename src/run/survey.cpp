@@ -11,6 +11,7 @@
 #include <set>
 
 #include "engine/surface/surface_mesh.hpp"
+#include "files/limits.hpp"
 #include "files/memory_at_hand.hpp"
 #include "geometry/mesh/merged_planes.hpp"
 #include "geometry/steps/steps.hpp"
@@ -193,7 +194,9 @@ void check_places(LoadedScene& loaded_scene, SensorSet& sensor_set) {
       // For later transmissions of a ping, only positions on a facet are errors.
       for (std::size_t transmission = 1; transmission < sensor.transmissions(); ++transmission) {
         const auto check = [&](const Pose& now, const Pose& before, const std::string& who) {
-          if (now.position_m == before.position_m && !objects_move) return;
+          const bool same_time =
+              sensor.transmission_delay_s(transmission) == sensor.transmission_delay_s(transmission - 1);
+          if (now.position_m == before.position_m && (same_time || !objects_move)) return;
           PingPlace where = at(ping, now.position_m, who);
           where.time_s += sensor.transmission_delay_s(transmission);
           places.refuse_on_facet(where);
@@ -298,6 +301,28 @@ void check_signals(const Scene& scene, const SensorPings& pings, const SignalMod
                     description.name, end_s, trajectory.end_s()));
 }
 
+/// Checks a sensor that moves during a ping.
+void check_division(const Scene& scene, const Sensor& sensor, const Trajectory& trajectory,
+                    std::size_t pings) {
+  const SensorDescription& description = sensor.description();
+  if (pings * sensor.transmissions() > static_cast<std::size_t>(limits::sensor_transmissions))
+    throw InputError(
+        description.place,
+        fmt::format("the motion of sensor '{}' needs {} transmissions per ping for its intervals, "
+                    "and at most {} are allowed for all pings: increase 'motion_step_beams', or "
+                    "use fewer pings",
+                    description.name, sensor.transmissions(), limits::sensor_transmissions));
+  for (const MovingObject& object : scene.moving)
+    if (&scene.trajectories[object.trajectory] == &trajectory)
+      throw InputError(
+          description.place,
+          fmt::format(
+              "sensor '{}' moves during a ping (stop_and_hop = false), but object '{}' on its "
+              "trajectory has the pose of the transmission until the echo arrives: set stop_and_hop = "
+              "true, or remove 'trajectory' from the object",
+              description.name, scene.report.components[object.component].name));
+}
+
 SensorPings pings_of(LoadedScene& loaded_scene, const SensorDescription& description,
                      const Trajectory& trajectory) {
   SensorPings pings;
@@ -307,12 +332,14 @@ SensorPings pings_of(LoadedScene& loaded_scene, const SensorDescription& descrip
   const PingTimes times(description, trajectory, description.trajectory);
   pings.times_s = times.times_s();
   if (!description.stop_and_hop && sensor->signals() == nullptr)
-    if (const int intervals = intervals_of_record(*sensor, trajectory, pings.times_s, pings.sound_speed_m_s))
-      sensor->divide_record(intervals, pings.sound_speed_m_s);
+    if (const auto division = division_of_record(*sensor, trajectory, pings.times_s, pings.sound_speed_m_s)) {
+      sensor->divide_record(*division);
+      check_division(loaded_scene.scene, *sensor, trajectory, pings.times_s.size());
+    }
   pings.sensor = std::move(sensor);
   const auto count = static_cast<double>(times.count());
   const double transmissions = static_cast<double>(pings.sensor->transmissions()) * count;
-  require_memory(transmissions * sizeof(Pose) * (pings.sensor->has_separate_receiver() ? 2 : 1) +
+  require_memory(transmissions * sizeof(SteeredPose) * (pings.sensor->has_separate_receiver() ? 2 : 1) +
                      count * (sizeof(Pose) + 2.0 * sizeof(double)),
                  description.place, fmt::format("the poses of {:.3g} transmissions", transmissions),
                  "reduce the number of pings per scene");

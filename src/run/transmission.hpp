@@ -89,12 +89,8 @@ class Transmission {
   const Sensor& sensor(std::size_t s) const { return *survey().sensors[s].sensor; }
   const SteeredPose& pose() const { return pings().transmission_pose(ping_, number_); }
   const SteeredPose& receiver_pose() const { return pings().receiver_pose(ping_, number_); }
-  /// Returns the time at which the sound meets the surface: midway between transmission and reception. It is
-  /// the time of transmission, unless the receiver moves during a ping.
-  double time_s() const {
-    return pings().times_s[ping_] +
-           (pings().sensor->transmission_delay_s(number_) + pings().sensor->reception_delay_s(number_)) / 2;
-  }
+  /// Returns the time at which it is sent.
+  double time_s() const { return pings().times_s[ping_] + pings().sensor->transmission_delay_s(number_); }
   /// Returns whether the receiver is separate. A sensor with a separate receiver shares its transmissions
   /// with no other sensor.
   bool has_separate_receiver() const { return pings().sensor->has_separate_receiver(); }

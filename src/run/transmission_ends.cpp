@@ -19,7 +19,7 @@ TransmissionEnds::TransmissionEnds(const Transmission& transmission, std::size_t
         pair_parent_[origin[k]] = surface_mesh.refined.parent[k];
       trees_.push_back(
           std::make_unique<SceneTree>(surface_mesh.refined.mesh, SceneTree::HeightFieldSearch::ignored));
-      ends_.push_back({tubes, &surface_mesh.refined.mesh, trees_.back().get(), &surface_mesh.refined,
+      ends_.push_back({tubes, &surface_mesh.refined.mesh, trees_.back().get(), &surface_mesh.refined, nullptr,
                        &surface_mesh, origin});
     };
     add(pair_->transmit_tubes, pair.transmit, pair.transmit_origin);
@@ -34,6 +34,7 @@ TransmissionEnds::TransmissionEnds(const Transmission& transmission, std::size_t
                      &surface_mesh.mesh(),
                      &surface_mesh.tree(),
                      surface_mesh.refined(),
+                     surface_mesh.moved(),
                      surface_mesh.apparent(),
                      {},
                      surface_mesh.is_own() ? nullptr : &transmission.loaded_scene()});
@@ -71,6 +72,39 @@ FootprintSharer TransmissionEnds::sharer(const Looks& looks) const {
   return {{tx().tubes, looks[0], tx().mesh, tx().name}, {rx().tubes, looks[1], rx().mesh, rx().name}, unit_m};
 }
 
+namespace {
+
+/// Removes the footprints that lie outside of the interval of a divided record. The first and the last
+/// interval keep those before and beyond the range gate, as an undivided record does.
+void keep_interval(const Transmission& transmission, PathFootprints& seen) {
+  const Sensor& sensor = transmission.sensor(transmission.first());
+  const RangeSamples samples = sensor.samples(transmission.number()), &all = sensor.samples();
+  const double first_m = samples.first_m, end_m = samples.border_m(samples.count),
+               last_m = all.border_m(all.count);
+  std::size_t kept = 0;
+  std::vector<BistaticFacet>& bistatic = seen.history.bistatic;
+  std::vector<Footprint>& footprints = seen.footprints.footprints;
+  constexpr double rounding_m = 1e-9;
+  for (std::size_t k = 0; k < footprints.size(); ++k) {
+    const bool before = first_m > all.first_m && footprints[k].slant_range_max_m <= first_m + rounding_m,
+               beyond = end_m < last_m - rounding_m && footprints[k].slant_range_min_m >= end_m - rounding_m;
+    if (before || beyond) continue;
+    footprints[kept] = footprints[k];
+    seen.history.shared.facets[kept] = seen.history.shared.facets[k];
+    if (!bistatic.empty()) bistatic[kept] = bistatic[k];
+    seen.receive_tube[kept] = seen.receive_tube[k];
+    seen.receive_distance_m[kept] = seen.receive_distance_m[k];
+    ++kept;
+  }
+  footprints.resize(kept);
+  seen.history.shared.facets.resize(kept);
+  if (!bistatic.empty()) bistatic.resize(kept);
+  seen.receive_tube.resize(kept);
+  seen.receive_distance_m.resize(kept);
+}
+
+}  // namespace
+
 TransmissionEnds::Seen TransmissionEnds::seen() const {
   const WorldGrid& grid = transmission_.scene().grid;
   const Looks looks = look_from_all(false);
@@ -82,6 +116,7 @@ TransmissionEnds::Seen TransmissionEnds::seen() const {
     both.bistatic = bistatic_facets(both.shared, pair_->apparent, grid, pair_->transmit_water,
                                     pair_->receive_water, pair_->absorption_db_per_m);
   seen.together = path_footprints(both);
+  if (transmission_.pings().sensor->receiver_moves()) keep_interval(transmission_, seen.together);
   return seen;
 }
 

@@ -28,6 +28,7 @@ struct TransmissionEnd {
   const SceneTree* tree = nullptr;
   /// The mesh as parts of the scene's facets; null: the scene's facets themselves.
   const RefinedMesh* refined = nullptr;
+  const MovedFacets* moved = nullptr;  ///< the scene's facets at another time; null if they are at rest
   const ApparentSurface* apparent = nullptr;  ///< null if apparent and true positions are equal
   /// By facet: the shared name of this facet at both ends, if each end has its own mesh. Otherwise empty.
   std::span<const FacetId> name{};
@@ -65,7 +66,8 @@ class TransmissionEnds {
   FacetId base_facet(FacetId shared) const;
   const ApparentPair* apparent_pair() const { return pair_ ? &pair_->apparent : nullptr; }
 
-  /// Visibility from two ends, separately and in common, with one computation per end.
+  /// Visibility from two ends, separately and in common, with one computation per end. The common visibility
+  /// is limited to the interval of a divided record.
   struct Seen {
     std::vector<History> alone;
     PathFootprints together;

@@ -34,9 +34,11 @@ class TransmissionSurface {
         tree_(std::make_unique<SceneTree>(apparent_->refined.mesh, SceneTree::HeightFieldSearch::ignored)) {}
 
   const FacetMesh& mesh() const {
-    return is_own() ? own().mesh : moved_ ? moved_->mesh() : loaded_scene_->scene.mesh;
+    return is_own() ? own().mesh : moved_ ? *moved_->mesh() : loaded_scene_->scene.mesh;
   }
-  const SceneTree& tree() const { return is_own() ? *tree_ : moved_ ? moved_->tree() : *loaded_scene_->tree; }
+  const SceneTree& tree() const {
+    return is_own() ? *tree_ : moved_ ? *moved_->tree() : *loaded_scene_->tree;
+  }
   /// Returns whether the surface has facets with numbers of its own.
   bool is_own() const { return tree_ != nullptr; }
   /// Returns whether the surface has the facets and the vertices of the loaded scene.
@@ -52,6 +54,8 @@ class TransmissionSurface {
   /// Returns the transmission's own facets as parts of the scene's facets; null if it uses the facets of the
   /// loaded scene.
   const RefinedMesh* refined() const { return is_own() ? &own() : nullptr; }
+  /// Returns the facets of the loaded scene at another time; null if the surface has others.
+  const MovedFacets* moved() const { return moved_ ? &*moved_ : nullptr; }
   /// Returns null if apparent and true positions are equal.
   const ApparentSurface* apparent() const { return apparent_.get(); }
 
@@ -85,8 +89,8 @@ bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& p
 /// place_moving().
 TransmissionSurface surface_in_line_with(const LoadedScene& loaded_scene, glm::dvec3 place_m, double time_s);
 /// Returns the facets of a loaded scene without relief, with moving objects at the time of a transmission.
-/// Throws the errors of place_moving().
-TransmissionSurface moved_surface_of(const Transmission& transmission);
+/// `weights` as in surface_mesh_of(). Throws the errors of place_moving().
+TransmissionSurface moved_surface_of(const Transmission& transmission, bool weights = false);
 /// Returns the facets of a loaded scene with moving objects at a time, before the sea surface cuts them.
 /// Throws the errors of place_moving().
 TransmissionSurface surface_at(const LoadedScene& loaded_scene, double time_s);

@@ -304,19 +304,20 @@ class ViewBuilder {
             const ReceiveBeams& receivers, const Echo& echo, const EchoModel& model, std::uint32_t view_ping,
             std::uint32_t first_footprint) {
     const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
-    const std::size_t offset = view_ping * bins_per_ping_,
-                      count = static_cast<std::size_t>(sensor_.samples().count);
+    const RangeSamples samples = transmission.samples(sensor_index_);
+    const std::size_t offset = view_ping * bins_per_ping_ + sensor_.first_sample(transmission.number()),
+                      all = static_cast<std::size_t>(sensor_.samples().count),
+                      count = static_cast<std::size_t>(samples.count);
     const bool patterns = model.patterns != nullptr;
     for (std::size_t b = 0; b < beams.size(); ++b)
       for (std::size_t k = 0; k < count; ++k)
-        view.energy_j[offset + beams[b] * count + k] += echo.energy[b * count + k];
+        view.energy_j[offset + beams[b] * all + k] += echo.energy[b * count + k];
     view.weak_links_left_out = view.weak_links_left_out || patterns;
     for (const Contribution& c :
-         contributions(visibility, receivers, sensor_.samples(), model, transmission.request().binning, echo,
+         contributions(visibility, receivers, samples, model, transmission.request().binning, echo,
                        patterns ? min_energy_share : 0)) {
       view.links.push_back({first_footprint + c.footprint,
-                            static_cast<std::uint32_t>(offset + beams[c.beam] * count + c.sample),
-                            c.energy_j});
+                            static_cast<std::uint32_t>(offset + beams[c.beam] * all + c.sample), c.energy_j});
       view.footprints[first_footprint + c.footprint].energy_j += c.energy_j;
     }
   }

@@ -13,6 +13,7 @@
 #include "fixtures/multibeam_runs.hpp"
 #include "fixtures/netcdf_reader.hpp"
 #include "fixtures/packet_reader.hpp"
+#include "geometry/numbers/scalars.hpp"
 
 namespace tubefoot {
 namespace {
@@ -22,16 +23,16 @@ using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
-constexpr double rounding_m = 1.5e-4, seabed_m = -20, sonar_m = -2, water_m = sonar_m - seabed_m, c = 1500;
-constexpr double degree = std::numbers::pi / 180;
+constexpr double file_rounding_m = 1.5e-4, bed_m = -20, boat_m = -2, below_boat_m = boat_m - bed_m,
+                 still_m_s = 1500;
 
 /// A line at 37 degrees, so that no axis of the carrier is one of the frame.
-const std::string course =
+const std::string oblique_course =
     "[trajectory]\nkind = \"line\"\nstart_m = [-6.018150231520483, -7.986355100472928, -2]\n"
     "end_m = [6.018150231520483, 7.986355100472928, -2]\nspeed_m_s = 4\n";
-constexpr double heading_deg = 37, speed_m_s = 4;
+constexpr double course_deg = 37, boat_m_s = 4;
 
-std::string fan(const std::string& more = {}) {
+std::string processed_fan(const std::string& more = {}) {
   return "[[sensors]]\nname = \"sonar\"\nkind = \"multibeam\"\nbeams = 21\nswath_deg = 120\nbeam_across_deg "
          "= "
          "1\nalong_track_deg = 1\nrange_min_m = 1\nrange_max_m = 51\nsamples = 5000\nfirst_ping_s = 1\npings "
@@ -43,7 +44,7 @@ std::string fan(const std::string& more = {}) {
 std::string level_scene(const std::string& sensors, const std::string& processing,
                         const std::string& water = still_water()) {
   return "[georeference]\norigin_lat_lon_deg = [59.0, 10.0]\n" + water + lambert_material("bed", -27) +
-         flat_terrain(300, 300, "centre_m = [0, 0, -20]\n") + course + sensors + processing;
+         flat_terrain(300, 300, "centre_m = [0, 0, -20]\n") + oblique_course + sensors + processing;
 }
 
 /// The soundings of a run in a folder of its own.
@@ -55,23 +56,24 @@ std::vector<CsvSounding> soundings_of(const std::string& scene,
   return soundings_in(folder / "out/sonar-soundings.csv");
 }
 
-struct Vector {
+struct FromSonar {
   double starboard, forward, up;
 };
-/// The vector to a sounding from the true position of the sonar, on axes along and across the course.
-Vector from_sonar(const CsvSounding& s) {
-  const double time_s = 1 + 0.5 * double(s.ping), along_m = speed_m_s * time_s - 10;
-  const double east = s.east - along_m * std::sin(heading_deg * degree),
-               north = s.north - along_m * std::cos(heading_deg * degree);
-  return {east * std::cos(heading_deg * degree) - north * std::sin(heading_deg * degree),
-          east * std::sin(heading_deg * degree) + north * std::cos(heading_deg * degree), s.up - sonar_m};
+/// The vector to a sounding from the true position of the sonar, on axes along and across the oblique_course.
+FromSonar from_sonar(const CsvSounding& s) {
+  const double time_s = 1 + 0.5 * double(s.ping), along_m = boat_m_s * time_s - 10;
+  const double east = s.east - along_m * std::sin(course_deg * degree),
+               north = s.north - along_m * std::cos(course_deg * degree);
+  return {east * std::cos(course_deg * degree) - north * std::sin(course_deg * degree),
+          east * std::sin(course_deg * degree) + north * std::cos(course_deg * degree), s.up - boat_m};
 }
 
 /// Calls `check` with each pair of soundings of a true and of an assumed configuration.
-void expect_pairs(const std::string& processing, const std::function<void(Vector, Vector, double)>& check,
-                  const std::string& water = still_water(), const std::string& sensor = fan(),
+void expect_pairs(const std::string& processing,
+                  const std::function<void(FromSonar, FromSonar, double)>& check,
+                  const std::string& water = still_water(), const std::string& sensor = processed_fan(),
                   const std::function<void(const TestFolder&)>& before = {}) {
-  const auto truth = soundings_of(level_scene(fan(), "", water)),
+  const auto truth = soundings_of(level_scene(processed_fan(), "", water)),
              assumed = soundings_of(level_scene(sensor, processing, water), before);
   ASSERT_EQ(truth.size(), 63u);
   ASSERT_EQ(assumed.size(), truth.size());
@@ -82,14 +84,14 @@ void expect_pairs(const std::string& processing, const std::function<void(Vector
 }
 
 TEST(ProcessingRun, RollBias_TiltsTheSeabedAcrossTheTrack) {
-  const auto tilted = [](Vector t, Vector a, double) {
+  const auto tilted = [](FromSonar t, FromSonar a, double) {
     const double sine = std::sin(2 * degree), cosine = std::cos(2 * degree);
-    EXPECT_NEAR(a.starboard, t.starboard * cosine + t.up * sine, rounding_m);
-    EXPECT_NEAR(a.up, t.up * cosine - t.starboard * sine, rounding_m);
-    EXPECT_NEAR(a.forward, t.forward, rounding_m);
+    EXPECT_NEAR(a.starboard, t.starboard * cosine + t.up * sine, file_rounding_m);
+    EXPECT_NEAR(a.up, t.up * cosine - t.starboard * sine, file_rounding_m);
+    EXPECT_NEAR(a.forward, t.forward, file_rounding_m);
     // The seabed at depth H has become the line up = -H / cos 2 - starboard tan 2.
-    EXPECT_NEAR(a.up + std::tan(2 * degree) * a.starboard, t.up / cosine, 2 * rounding_m);
-    EXPECT_NEAR(t.up, -water_m, 0.02);
+    EXPECT_NEAR(a.up + std::tan(2 * degree) * a.starboard, t.up / cosine, 2 * file_rounding_m);
+    EXPECT_NEAR(t.up, -below_boat_m, 0.02);
   };
   expect_pairs("[processing]\nattitude_bias_deg = [0, 0, 2]\n", tilted);
   // A wrong mounting of the sonar on a level carrier has the same effect.
@@ -97,19 +99,19 @@ TEST(ProcessingRun, RollBias_TiltsTheSeabedAcrossTheTrack) {
 }
 
 TEST(ProcessingRun, PitchBias_DisplacesAlongTheTrack) {
-  const auto displaced = [](Vector t, Vector a, double) {
-    EXPECT_NEAR(a.forward - t.forward, -a.up * std::tan(3 * degree), 2 * rounding_m);
-    EXPECT_NEAR(a.starboard, t.starboard, rounding_m);
+  const auto displaced = [](FromSonar t, FromSonar a, double) {
+    EXPECT_NEAR(a.forward - t.forward, -a.up * std::tan(3 * degree), 2 * file_rounding_m);
+    EXPECT_NEAR(a.starboard, t.starboard, file_rounding_m);
   };
   expect_pairs("[processing]\nattitude_bias_deg = [0, 3, 0]\n", displaced);
   expect_pairs("[sensors.processing]\ntilt_deg = -3\n", displaced);
 }
 
 TEST(ProcessingRun, HeadingBias_TurnsTheSwath) {
-  const auto turned = [](Vector t, Vector a, double) {
-    EXPECT_NEAR(a.starboard, t.starboard * std::cos(5 * degree), rounding_m);
-    EXPECT_NEAR(a.forward, -t.starboard * std::sin(5 * degree), 2 * rounding_m);
-    EXPECT_NEAR(a.up, t.up, rounding_m);
+  const auto turned = [](FromSonar t, FromSonar a, double) {
+    EXPECT_NEAR(a.starboard, t.starboard * std::cos(5 * degree), file_rounding_m);
+    EXPECT_NEAR(a.forward, -t.starboard * std::sin(5 * degree), 2 * file_rounding_m);
+    EXPECT_NEAR(a.up, t.up, file_rounding_m);
   };
   expect_pairs("[processing]\nattitude_bias_deg = [5, 0, 0]\n", turned);
   expect_pairs("[sensors.processing]\nyaw_deg = 5\n", turned);
@@ -118,10 +120,10 @@ TEST(ProcessingRun, HeadingBias_TurnsTheSwath) {
 TEST(ProcessingRun, Latency_DisplacesBySpeedTimesLatency) {
   for (const double latency_s : {0.25, -0.5})
     expect_pairs(fmt::format("[processing]\nlatency_s = {}\nattitude_latency_s = 0.7\n", latency_s),
-                 [&](Vector t, Vector a, double) {
-                   EXPECT_NEAR(a.forward, t.forward - speed_m_s * latency_s, rounding_m);
-                   EXPECT_NEAR(a.starboard, t.starboard, rounding_m);
-                   EXPECT_NEAR(a.up, t.up, rounding_m);
+                 [&](FromSonar t, FromSonar a, double) {
+                   EXPECT_NEAR(a.forward, t.forward - boat_m_s * latency_s, file_rounding_m);
+                   EXPECT_NEAR(a.starboard, t.starboard, file_rounding_m);
+                   EXPECT_NEAR(a.up, t.up, file_rounding_m);
                  });
 }
 
@@ -129,7 +131,8 @@ TEST(ProcessingRun, AttitudeLatency_TakesTheRollOfEarlier) {
   const std::string track = "[trajectory]\nkind = \"waypoints\"\nfile = \"t.csv\"\n";
   const auto rolling = [&](const std::string& processing) {
     return soundings_of(
-        replaced(level_scene(fan(), processing), course, track), [](const TestFolder& folder) {
+        replaced(level_scene(processed_fan(), processing), oblique_course, track),
+        [](const TestFolder& folder) {
           // The roll increases by 4 degrees per second.
           folder.write("t.csv",
                        "time_s,east_m,north_m,up_m,heading_deg,roll_deg\n0,0,0,-2,0,0\n5,0,0.001,-2,0,20\n");
@@ -139,9 +142,9 @@ TEST(ProcessingRun, AttitudeLatency_TakesTheRollOfEarlier) {
   ASSERT_EQ(late.size(), truth.size());
   for (std::size_t k = 0; k < truth.size(); ++k) {
     const double sine = std::sin(1 * degree), cosine = std::cos(1 * degree);  // recorded: 1 degree less
-    EXPECT_NEAR(late[k].east, truth[k].east * cosine - (truth[k].up - sonar_m) * sine, 2 * rounding_m);
-    EXPECT_NEAR(late[k].up - sonar_m, (truth[k].up - sonar_m) * cosine + truth[k].east * sine,
-                2 * rounding_m);
+    EXPECT_NEAR(late[k].east, truth[k].east * cosine - (truth[k].up - boat_m) * sine, 2 * file_rounding_m);
+    EXPECT_NEAR(late[k].up - boat_m, (truth[k].up - boat_m) * cosine + truth[k].east * sine,
+                2 * file_rounding_m);
   }
 }
 
@@ -152,34 +155,35 @@ TEST(ProcessingRun, Tide_AddsToHeights) {
   for (const std::string& water : {still_water(), gradient})
     expect_pairs(
         "[processing]\ntide_m = 0.25\ntide_file = \"tide.csv\"\n",
-        [](Vector t, Vector a, double time_s) {
-          EXPECT_NEAR(a.up, t.up + 0.25 + (time_s - 1) * 0.4, rounding_m);
-          EXPECT_NEAR(a.starboard, t.starboard, rounding_m);
-          EXPECT_NEAR(a.forward, t.forward, rounding_m);
+        [](FromSonar t, FromSonar a, double time_s) {
+          EXPECT_NEAR(a.up, t.up + 0.25 + (time_s - 1) * 0.4, file_rounding_m);
+          EXPECT_NEAR(a.starboard, t.starboard, file_rounding_m);
+          EXPECT_NEAR(a.forward, t.forward, file_rounding_m);
         },
-        water, fan(),
+        water, processed_fan(),
         [](const TestFolder& folder) { folder.write("tide.csv", "tide_m,time_s\n0,1\n0.2,1.5\n0.8,3\n"); });
 }
 
 TEST(ProcessingRun, LeverArmAndPositionErrors_Displace) {
-  expect_pairs("[sensors.processing]\nlever_arm_m = [0.5, -0.75, 0.125]\n", [](Vector t, Vector a, double) {
-    EXPECT_NEAR(a.starboard, t.starboard + 0.5, rounding_m);
-    EXPECT_NEAR(a.forward, t.forward - 0.75, rounding_m);
-    EXPECT_NEAR(a.up, t.up + 0.125, rounding_m);
-  });
+  expect_pairs("[sensors.processing]\nlever_arm_m = [0.5, -0.75, 0.125]\n",
+               [](FromSonar t, FromSonar a, double) {
+                 EXPECT_NEAR(a.starboard, t.starboard + 0.5, file_rounding_m);
+                 EXPECT_NEAR(a.forward, t.forward - 0.75, file_rounding_m);
+                 EXPECT_NEAR(a.up, t.up + 0.125, file_rounding_m);
+               });
   expect_pairs("[processing]\nposition_bias_m = [0.3, 0.4, -0.1]\nposition_drift_m_per_hour = [0, 0, 720]\n",
-               [](Vector t, Vector a, double time_s) {
-                 const double sine = std::sin(heading_deg * degree), cosine = std::cos(heading_deg * degree);
-                 EXPECT_NEAR(a.starboard, t.starboard + 0.3 * cosine - 0.4 * sine, rounding_m);
-                 EXPECT_NEAR(a.forward, t.forward + 0.3 * sine + 0.4 * cosine, rounding_m);
-                 EXPECT_NEAR(a.up, t.up - 0.1 + 0.2 * time_s, rounding_m);
+               [](FromSonar t, FromSonar a, double time_s) {
+                 const double sine = std::sin(course_deg * degree), cosine = std::cos(course_deg * degree);
+                 EXPECT_NEAR(a.starboard, t.starboard + 0.3 * cosine - 0.4 * sine, file_rounding_m);
+                 EXPECT_NEAR(a.forward, t.forward + 0.3 * sine + 0.4 * cosine, file_rounding_m);
+                 EXPECT_NEAR(a.up, t.up - 0.1 + 0.2 * time_s, file_rounding_m);
                });
 }
 
 TEST(ProcessingRun, SoundSpeed_ScalesRanges) {
-  expect_pairs("[processing.water]\nsound_speed_m_s = 1470\n", [](Vector t, Vector a, double) {
-    EXPECT_NEAR(a.starboard, t.starboard * 0.98, rounding_m);
-    EXPECT_NEAR(a.up, t.up * 0.98, rounding_m);
+  expect_pairs("[processing.water]\nsound_speed_m_s = 1470\n", [](FromSonar t, FromSonar a, double) {
+    EXPECT_NEAR(a.starboard, t.starboard * 0.98, file_rounding_m);
+    EXPECT_NEAR(a.up, t.up * 0.98, file_rounding_m);
   });
 }
 
@@ -187,19 +191,20 @@ TEST(ProcessingRun, SoundSpeedAtTheTransducer_ChangesAngles) {
   const TestFolder folder;
   for (const double assumed : {1450.0, 1530.0}) {
     SCOPED_TRACE(assumed);
-    const auto soundings = soundings_of(
-        level_scene(fan(), fmt::format("[processing]\nsound_speed_at_transducer_m_s = {}\n", assumed)));
+    const auto soundings = soundings_of(level_scene(
+        processed_fan(), fmt::format("[processing]\nsound_speed_at_transducer_m_s = {}\n", assumed)));
     ASSERT_EQ(soundings.size(), 63u);
     for (const CsvSounding& s : soundings) {
       const double truth = (-60 + 6 * double(s.beam)) * degree;
-      EXPECT_NEAR(s.angle_deg, std::asin(std::sin(truth) * assumed / c) / degree, 1e-9);
+      EXPECT_NEAR(s.angle_deg, std::asin(std::sin(truth) * assumed / still_m_s) / degree, 1e-9);
       // The range stays, and the sounding lies at the recorded angle.
-      EXPECT_NEAR(from_sonar(s).starboard, s.range * std::sin(s.angle_deg * degree), 2 * rounding_m);
+      EXPECT_NEAR(from_sonar(s).starboard, s.range * std::sin(s.angle_deg * degree), 2 * file_rounding_m);
     }
   }
   // The sine of the outermost recorded angles would be sin 60 x 1690 / 1450 = 1.009.
-  folder.write("scene.toml", level_scene(fan(), "[processing]\nsound_speed_at_transducer_m_s = 1690\n",
-                                         "[water]\nsound_speed_m_s = 1450\n"));
+  folder.write("scene.toml",
+               level_scene(processed_fan(), "[processing]\nsound_speed_at_transducer_m_s = 1690\n",
+                           "[water]\nsound_speed_m_s = 1450\n"));
   const Outcome outcome =
       run_program({"run", (folder / "scene.toml").string(), "-o", (folder / "out").string()});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -268,13 +273,13 @@ TEST(ProcessingRun, Profile_DeterminesTheRefractionArtefact) {
     folder.write("assumed.csv", table_of(assumed));
   };
   const std::string water = "[water]\nprofile = \"table\"\nprofile_file = \"true.csv\"\n";
-  const auto right = soundings_of(level_scene(fan(), "", water), tables),
+  const auto right = soundings_of(level_scene(processed_fan(), "", water), tables),
              same = soundings_of(
-                 level_scene(fan(), "[processing.water]\nprofile = \"table\"\nprofile_file = \"true.csv\"\n",
-                             water),
+                 level_scene(processed_fan(),
+                             "[processing.water]\nprofile = \"table\"\nprofile_file = \"true.csv\"\n", water),
                  tables),
              wrong = soundings_of(
-                 level_scene(fan(),
+                 level_scene(processed_fan(),
                              "[processing.water]\nprofile = \"table\"\nprofile_file = \"assumed.csv\"\n",
                              water),
                  tables);
@@ -285,7 +290,7 @@ TEST(ProcessingRun, Profile_DeterminesTheRefractionArtefact) {
   for (std::size_t k = 0; k < right.size(); ++k) {
     SCOPED_TRACE(testing::Message() << "ping " << right[k].ping << " beam " << right[k].beam);
     // With the true profile, the error is that of the detector.
-    EXPECT_NEAR(right[k].up, seabed_m, 0.02);
+    EXPECT_NEAR(right[k].up, bed_m, 0.02);
     EXPECT_EQ(same[k].up, right[k].up);
     const double angle = std::abs(right[k].angle_deg) * degree;
     EXPECT_EQ(wrong[k].angle_deg, right[k].angle_deg);
@@ -319,7 +324,7 @@ std::vector<std::string> gsf_texts(const std::filesystem::path& path,
 
 TEST(ProcessingRun, Files_StateTheAssumedWater) {
   const TestFolder folder;
-  run(folder, level_scene(fan(),
+  run(folder, level_scene(processed_fan(),
                           "[processing]\nsound_speed_at_transducer_m_s = 1490\ntide_m = 0.5\n"
                           "[processing.water]\nprofile = \"gradient\"\nsound_speed_m_s = 1480\n"
                           "gradient_per_s = 1\nprofile_bottom_m = 30\n"));
@@ -335,13 +340,13 @@ TEST(ProcessingRun, Files_StateTheAssumedWater) {
   const auto rows = csv_rows(folder / "out/sonar-soundings.csv");
   for (const auto& row : rows)
     EXPECT_NEAR(std::stod(row.at("slant_range_m")), 1482 * std::stod(row.at("two_way_travel_time_s")) / 2,
-                rounding_m);
+                file_rounding_m);
   const NetcdfReader echoes(folder / "out/echoes.nc");
   EXPECT_EQ(echoes.number("/", "sound_speed_m_s"), 1500);
 }
 
 const std::string all_kinds =
-    fan() +
+    processed_fan() +
     "[[sensors]]\nname = \"side\"\nkind = \"sidescan\"\ndepression_min_deg = 20\nrange_max_m = 60\n"
     "samples = 300\nfirst_ping_s = 1\npings = 3\n"
     "[[sensors]]\nname = \"pair\"\nkind = \"interferometric\"\nrange_max_m = 60\nsamples = 300\n"
@@ -410,8 +415,8 @@ TEST(ProcessingRun, EchoesStayTheTruth) {
     const auto position = a.values(group, "sensor_position"),
                recorded = b.values(group, "recorded_sensor_position");
     for (std::size_t ping = 0; 3 * ping < position.size(); ++ping) {
-      EXPECT_NEAR(recorded[3 * ping], position[3 * ping] - std::sin(heading_deg * degree), 1e-9);
-      EXPECT_NEAR(recorded[3 * ping + 1], position[3 * ping + 1] - std::cos(heading_deg * degree), 1e-9);
+      EXPECT_NEAR(recorded[3 * ping], position[3 * ping] - std::sin(course_deg * degree), 1e-9);
+      EXPECT_NEAR(recorded[3 * ping + 1], position[3 * ping + 1] - std::cos(course_deg * degree), 1e-9);
       EXPECT_NEAR(recorded[3 * ping + 2], position[3 * ping + 2] + 1, 1e-9);
     }
     if (std::string(group) == "/camera") continue;  // its pitch is not that of the carrier
@@ -425,7 +430,7 @@ TEST(ProcessingRun, EchoesStayTheTruth) {
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const auto number = [&](const auto& all, const char* name) { return std::stod(all[k].at(name)); };
     EXPECT_NEAR(number(rows, "range_m"), number(true_rows, "range_m") * 1450 / 1500, 1e-6);
-    EXPECT_NEAR(number(rows, "sensor_up_m"), sonar_m + 1, 1e-9);
+    EXPECT_NEAR(number(rows, "sensor_up_m"), boat_m + 1, 1e-9);
     EXPECT_NEAR(number(rows, "bottom_up_m") - number(rows, "sensor_up_m"),
                 -number(rows, "range_m") * std::cos(2 * degree) * std::cos(3 * degree), 1e-6);
     EXPECT_EQ(rows[k].at("true_altitude_m"), true_rows[k].at("true_altitude_m"));
@@ -473,11 +478,11 @@ TEST(ProcessingRun, Array_TurnsSoundingsButNotSignals) {
   // The attitude is an input of the phase detector, so ranges may change. Directions turn by 2 degrees.
   for (std::size_t k = 0; k < right.size(); ++k) {
     const double true_rad = right[k].angle_deg * degree, angle_rad = (turned[k].angle_deg - 2) * degree;
-    EXPECT_NEAR(right[k].east, right[k].range * std::sin(true_rad), rounding_m);
-    EXPECT_NEAR(right[k].up, -right[k].range * std::cos(true_rad), rounding_m);
+    EXPECT_NEAR(right[k].east, right[k].range * std::sin(true_rad), file_rounding_m);
+    EXPECT_NEAR(right[k].up, -right[k].range * std::cos(true_rad), file_rounding_m);
     EXPECT_EQ(turned[k].angle_deg, right[k].angle_deg);
-    EXPECT_NEAR(turned[k].east, 3 + turned[k].range * std::sin(angle_rad), rounding_m);
-    EXPECT_NEAR(turned[k].up, -turned[k].range * std::cos(angle_rad), rounding_m);
+    EXPECT_NEAR(turned[k].east, 3 + turned[k].range * std::sin(angle_rad), file_rounding_m);
+    EXPECT_NEAR(turned[k].up, -turned[k].range * std::cos(angle_rad), file_rounding_m);
   }
 }
 
@@ -539,7 +544,7 @@ TEST(ProcessingRun, Noise_HasItsRmsAndDoesNotDependOnTheSelection) {
 TEST(ProcessingRun, Check_StatesTheDifference) {
   const TestFolder folder;
   const auto checked = [&](const std::string& processing) {
-    folder.write("scene.toml", level_scene(fan(), processing));
+    folder.write("scene.toml", level_scene(processed_fan(), processing));
     const Outcome outcome = run_program({"check", (folder / "scene.toml").string()});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.out;
@@ -561,23 +566,23 @@ TEST(ProcessingRun, Errors_NameTheKeyAndTheTimes) {
     return outcome.err;
   };
   EXPECT_THAT(
-      error_of(level_scene(fan(), "[processing]\nlatency_s = 1.5\n")),
+      error_of(level_scene(processed_fan(), "[processing]\nlatency_s = 1.5\n")),
       AllOf(HasSubstr("scene.toml:"), HasSubstr("with 'latency_s' = 1.5, the value recorded at 1 s is "
                                                 "that of -0.5 s, but the trajectory lasts from 0 s to 5 s")));
-  EXPECT_THAT(error_of(level_scene(fan(), "[processing]\nattitude_latency_s = -3.5\n")),
+  EXPECT_THAT(error_of(level_scene(processed_fan(), "[processing]\nattitude_latency_s = -3.5\n")),
               HasSubstr("that of 5.5 s, but the trajectory lasts from 0 s to 5 s"));
   // The turn between the lines of a survey is not simulated.
-  std::string survey = level_scene(fan("first_ping_s = 0\n"), "[processing]\nlatency_s = 0.5\n");
+  std::string survey = level_scene(processed_fan("first_ping_s = 0\n"), "[processing]\nlatency_s = 0.5\n");
   survey =
-      replaced(replaced(survey, "first_ping_s = 1\npings = 3\n", ""), course,
+      replaced(replaced(survey, "first_ping_s = 1\npings = 3\n", ""), oblique_course,
                "[trajectory]\nkind = \"survey\"\nlength_m = 20\nwidth_m = 20\nspacing_m = 20\ndepth_m = 2\n");
   EXPECT_THAT(error_of(survey), HasSubstr("the line lasts from 0 s to 20 s"));
   folder.write("tide.csv", "time_s,tide_m\n0,0\n1.5,1\n");
-  EXPECT_THAT(error_of(level_scene(fan(), "[processing]\ntide_file = \"tide.csv\"\n")),
+  EXPECT_THAT(error_of(level_scene(processed_fan(), "[processing]\ntide_file = \"tide.csv\"\n")),
               AllOf(HasSubstr("scene.toml:"), HasSubstr("a transmission is at 2 s"),
                     HasSubstr("lasts from 0 s to 1.5 s")));
   folder.write("tide.csv", "time_s,tide_m\n0,0\n0,1\n");
-  EXPECT_THAT(error_of(level_scene(fan(), "[processing]\ntide_file = \"tide.csv\"\n")),
+  EXPECT_THAT(error_of(level_scene(processed_fan(), "[processing]\ntide_file = \"tide.csv\"\n")),
               HasSubstr("time_s must increase"));
 }
 

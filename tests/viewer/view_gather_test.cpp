@@ -48,6 +48,7 @@ transmit_aperture_m = 0.02
 receive_pattern = "line"
 receive_aperture_m = 0.06
 )",
+                  in_motion = "stop_and_hop = false\nmotion_step_beams = 0.002\n",
                   camera_with_lobes = camera + lobes, apart = camera + "receiver_arm_m = [0.4, 0, 0.1]\n",
                   refracted = R"([water]
 profile = "gradient"
@@ -87,9 +88,9 @@ class Links : public testing::TestWithParam<Case> {
 INSTANTIATE_TEST_SUITE_P(
     Scenes, Links,
     testing::Values(Case{"Camera", "", camera, ""}, Case{"Sidescan", "", sidescan, ""},
-                    Case{"Lobes", "", camera_with_lobes, ""}, Case{"Apart", "", apart, ""},
-                    Case{"ApartLobes", "", apart + lobes, ""}, Case{"ApartBent", refracted, apart, ""},
-                    Case{"Texture", ripples, camera, ""},
+                    Case{"Moving", "", sidescan + in_motion, ""}, Case{"Lobes", "", camera_with_lobes, ""},
+                    Case{"Apart", "", apart, ""}, Case{"ApartLobes", "", apart + lobes, ""},
+                    Case{"ApartBent", refracted, apart, ""}, Case{"Texture", ripples, camera, ""},
                     Case{"Spread", "", camera, "[run]\nbinning = \"spread\"\n"},
                     Case{"Centroid", ripples, camera, "[run]\nbinning = \"centroid\"\n"}),
     [](const auto& one) { return one.param.name; });

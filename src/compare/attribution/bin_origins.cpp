@@ -85,12 +85,13 @@ class Origins {
                  const ReceiveBeams& hearing, const Echo& echo, const EchoModel& model, const FacetMesh& mesh,
                  const FacetOf& facet_of, const BaseOf& base_of) {
     const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
+    const std::size_t first = sensor_.first_sample(transmission.number());
     const double least = model.patterns != nullptr ? least_share_with_patterns : 0;
-    for (const Contribution& c : contributions(visibility, hearing, sensor_.samples(), model,
+    for (const Contribution& c : contributions(visibility, hearing, transmission.samples(index_), model,
                                                transmission.request().binning, echo, least)) {
       const FacetId facet = facet_of(c.footprint);
-      found_.parts.push_back({static_cast<std::uint32_t>(beams[c.beam] * samples_ + c.sample), base_of(facet),
-                              mesh.component[facet], mesh.material[facet], c.energy_j});
+      found_.parts.push_back({static_cast<std::uint32_t>(beams[c.beam] * samples_ + first + c.sample),
+                              base_of(facet), mesh.component[facet], mesh.material[facet], c.energy_j});
     }
   }
 
@@ -98,14 +99,17 @@ class Origins {
   void add_edges(const Transmission& transmission, const History& history, const FacetMesh& mesh,
                  glm::dvec3 other_end_m, const BaseOf& base_of) {
     const std::vector<std::uint32_t>& beams = sensor_.beams_of_transmission(transmission.number());
+    const RangeSamples own = transmission.samples(index_);
+    const std::size_t first = sensor_.first_sample(transmission.number()),
+                      count = static_cast<std::size_t>(own.count);
     const BinEdges edges =
         edges_of_bins({history, mesh.component, sensor_.beam_of_tube(transmission.number()), beams.size(),
-                       sensor_.samples(), other_end_m, !sensor_.is_across_track()});
+                       own, other_end_m, !sensor_.is_across_track()});
     for (std::size_t b = 0; b < beams.size(); ++b)
-      for (std::size_t k = 0; k < samples_; ++k) {
-        const std::size_t bin = beams[b] * samples_ + k;
-        found_.kind[bin] = std::max(found_.kind[bin], edges.kind[b * samples_ + k]);
-        const FacetId facet = edges.caster[b * samples_ + k];
+      for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t bin = beams[b] * samples_ + first + k;
+        found_.kind[bin] = std::max(found_.kind[bin], edges.kind[b * count + k]);
+        const FacetId facet = edges.caster[b * count + k];
         if (facet != BinEdges::no_caster)
           found_.casters.push_back({static_cast<std::uint32_t>(bin), base_of(facet), mesh.component[facet],
                                     mesh.material[facet], 0});

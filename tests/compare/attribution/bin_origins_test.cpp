@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "fixtures/world/echoes.hpp"
 #include "fixtures/world/read_scenes.hpp"
 #include "run/survey.hpp"
 
@@ -98,6 +99,23 @@ TEST(BinOrigins, PartsAreTheEchoAndLieWhereTheirObjectsDo) {
   }
   const double peak = *std::max_element(echo.energy.begin(), echo.energy.end());
   for (std::size_t bin = 0; bin < sum.size(); ++bin) EXPECT_NEAR(sum[bin], echo.energy[bin], 1e-12 * peak);
+}
+
+// Each interval of the record has the parts of its own bins.
+TEST(BinOrigins, PartsOfASonarThatMovesAreTheEchoOfARun) {
+  const TestFolder folder;
+  const std::string text =
+      replaced(scene_text("stop_and_hop = false\nmotion_step_beams = 0.1\n"), fixed_at(0, 0, height_m),
+               fmt::format("[trajectory]\nkind = \"line\"\nstart_m = [0, 0, {0}]\nend_m = [0, 3, {0}]\n"
+                           "speed_m_s = 8\n",
+                           height_m));
+  const Found found(text);
+  ASSERT_GT(found.survey->sensors[0].sensor->transmissions(), 2u);
+  const Echoes run = echoes_in(folder, text);
+  std::vector<double> sum(run.energy.size());
+  for (const BinPart& part : found.origins.parts) sum.at(part.bin) += part.energy_j;
+  const double peak = *std::max_element(run.energy.begin(), run.energy.end());
+  for (std::size_t bin = 0; bin < sum.size(); ++bin) EXPECT_NEAR(sum[bin], run.energy[bin], 1e-9 * peak);
 }
 
 TEST(BinOrigins, ASeparateReceiverHasItsOwnEdges) {
