@@ -172,7 +172,6 @@ Coverage::Coverage(const FacetMesh& mesh, const SceneTree& tree, std::span<const
   // A facet that some ping sees whole has no part in shadow.
   std::vector<char> seen_whole(mesh.facets.size(), 0);
   for (std::uint32_t l = 0; l < looks.size(); ++l) {
-    parted_ = parted_ || looks[l].tx.seabed || (looks[l].rx && looks[l].rx->seabed);
     add_seen(l, false, seen_whole);
     if (looks[l].rx) add_seen(l, true, seen_whole);
   }
@@ -189,15 +188,15 @@ Coverage::Coverage(const FacetMesh& mesh, const SceneTree& tree, std::span<const
 void Coverage::add_seen(std::uint32_t l, bool rx, std::vector<char>& seen_whole) {
   const CoverageLook& look = looks_[l];
   const CoverageEnd& end = rx ? *look.rx : look.tx;
-  const FacetMesh& mesh = end.seabed ? end.seabed->mesh : mesh_;
+  const FacetMesh& mesh = end.seabed ? *end.seabed->mesh : mesh_;
   for (std::uint32_t tube = 0; tube < end.seen.size(); ++tube) {
     stop_if_wanted();
     const TubeVisibility& seen = end.seen[tube];
     for (std::uint32_t k = 0; k < seen.pieces.size(); ++k) {
       const FacetId own = seen.pieces[k].facet, facet = end.base_of(own);
       seen_.push_back({facet, l, end.name_of(own), rx, own, tube, k});
-      if (!look.rx && !end.seabed && !seen_whole[facet] && is_whole_facet(mesh, seen, seen.pieces[k]) &&
-          surely_in_window(look, mesh, own, mesh, own))
+      if (!look.rx && !end.is_displaced(own) && !seen_whole[facet] &&
+          is_whole_facet(mesh, seen, seen.pieces[k]) && surely_in_window(look, mesh, own, mesh, own))
         seen_whole[facet] = 1;
     }
   }
@@ -207,7 +206,7 @@ void Coverage::add_within(std::uint32_t l, bool rx, const std::vector<char>& see
                           std::vector<Part>& to) const {
   const CoverageLook& look = looks_[l];
   const CoverageEnd& end = rx ? *look.rx : look.tx;
-  const FacetMesh& mesh = end.seabed ? end.seabed->mesh : mesh_;
+  const FacetMesh& mesh = end.seabed ? *end.seabed->mesh : mesh_;
   const SceneTree& tree = end.seabed ? *end.seabed->tree : tree_;
   // Parts that the look itself sees whole. With one end this suffices.
   std::vector<char> part_whole;
@@ -335,9 +334,16 @@ FacetCoverage Coverage::facet(std::size_t number) const {
   const Group& group = groups_[number];
   FacetCoverage result;
   result.facet = facet_of(number);
-  FacetRegions facet(mesh_, result.facet, parted_);
-  add_regions(facet, std::span(seen_).subspan(group.seen, group.seen_end - group.seen));
-  add_regions(facet, std::span(within_).subspan(group.within, group.within_end - group.within));
+  const std::array parts{std::span(seen_).subspan(group.seen, group.seen_end - group.seen),
+                         std::span(within_).subspan(group.within, group.within_end - group.within)};
+  const bool displaced = std::ranges::any_of(parts, [&](std::span<const Part> some) {
+    return std::ranges::any_of(some, [&](const Part& part) {
+      const CoverageLook& look = looks_[part.look];
+      return (part.rx ? *look.rx : look.tx).is_displaced(part.own);
+    });
+  });
+  FacetRegions facet(mesh_, result.facet, displaced);
+  for (const std::span<const Part> some : parts) add_regions(facet, some);
   std::vector<const FacetRegion*> regions;
   for (const FacetRegion& region : facet.regions()) regions.push_back(&region);
   Overlay overlay = overlaid_in_halves(facet.triangle(), std::move(regions), 0);
@@ -383,17 +389,17 @@ FacetId Coverage::occluder(const FacetCoverage& of, const CoverageCell& cell) co
     const double area2 = glm::dot(n, n) / static_cast<double>(whole_weight);
     const glm::dvec2 at{glm::dot(n, glm::cross(middle - origin, across)) / area2,
                         glm::dot(n, glm::cross(along, middle - origin)) / area2};
-    const PartWeights& w = end.seabed->weights[own];
+    const PartWeights& w = end.weights_of(own);
     const auto edge = [&](std::size_t k) { return glm::dvec2(w[k][0] - w[0][0], w[k][1] - w[0][1]); };
     const auto cross = [](glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; };
     const glm::dvec2 from = at - glm::dvec2(w[0][0], w[0][1]);
     const double whole = cross(edge(1), edge(2));
-    const glm::dvec3 first = corner(end.seabed->mesh, own, 0);
-    const FacetId own_occluder =
-        first_in_the_way(end.seabed->mesh, *end.seabed->tree, end.tubes.apex,
-                         first + (corner(end.seabed->mesh, own, 1) - first) * (cross(from, edge(2)) / whole) +
-                             (corner(end.seabed->mesh, own, 2) - first) * (cross(edge(1), from) / whole));
-    return own_occluder == no_facet ? no_facet : end.seabed->base[own_occluder];
+    const glm::dvec3 first = corner(*end.seabed->mesh, own, 0);
+    const FacetId own_occluder = first_in_the_way(
+        *end.seabed->mesh, *end.seabed->tree, end.tubes.apex,
+        first + (corner(*end.seabed->mesh, own, 1) - first) * (cross(from, edge(2)) / whole) +
+            (corner(*end.seabed->mesh, own, 2) - first) * (cross(edge(1), from) / whole));
+    return own_occluder == no_facet ? no_facet : end.base_of(own_occluder);
   };
   const CoverageLook& look = looks_[cell.first_look];
   const FacetId tx = hides(look.tx, cell.first_parts[0]);

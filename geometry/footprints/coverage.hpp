@@ -27,10 +27,13 @@ class FacetRegions;
 /// at any position and apparent position. A point lies between the corners of its part as it lies between the
 /// corresponding points of the covered facet. Parts of one facet have no common area.
 struct SurfaceParts {
-  FacetMesh mesh;
-  std::unique_ptr<const SceneTree> tree;  ///< search tree of this mesh
-  std::vector<FacetId> base;              ///< per facet: the facet of the covered mesh
-  std::vector<PartWeights> weights;       ///< per facet: weights of the corners in the covered facet
+  std::shared_ptr<const FacetMesh> mesh;
+  std::shared_ptr<const SceneTree> tree;  ///< search tree of this mesh
+  /// Facets with lower numbers are equal to those of the covered mesh, with the same vertices.
+  FacetId first_displaced = 0;
+  // Empty vectors stand for facets that have the numbers of the covered mesh and are whole.
+  std::vector<FacetId> base;         ///< per facet: the facet of the covered mesh
+  std::vector<PartWeights> weights;  ///< per facet: weights of the corners in the covered facet
   /// Per facet: a name. Facets of the same name in the seabeds of two ends are the same part. If the mirrors
   /// of each end cut the facets separately and no position is refracted, they are parts of the same facet.
   std::vector<FacetId> name;
@@ -42,8 +45,16 @@ struct CoverageEnd {
   std::vector<TubeVisibility> seen;                 ///< per tube, by an exact arithmetic
   std::shared_ptr<const SurfaceParts> seabed = {};  ///< the surface that the end sees; null: the covered mesh
 
-  FacetId base_of(FacetId facet) const { return seabed ? seabed->base[facet] : facet; }
-  FacetId name_of(FacetId facet) const { return seabed ? seabed->name[facet] : facet; }
+  bool is_displaced(FacetId facet) const { return seabed && facet >= seabed->first_displaced; }
+  FacetId base_of(FacetId facet) const {
+    return seabed && !seabed->base.empty() ? seabed->base[facet] : facet;
+  }
+  const PartWeights& weights_of(FacetId facet) const {
+    return seabed && !seabed->weights.empty() ? seabed->weights[facet] : all_of_it;
+  }
+  FacetId name_of(FacetId facet) const {
+    return seabed && !seabed->name.empty() ? seabed->name[facet] : facet;
+  }
 };
 
 /// The visible polygons of one transmission of a ping.
@@ -143,7 +154,6 @@ class Coverage {
   std::span<const CoverageLook> looks_;
   std::vector<Part> seen_, within_;  ///< ordered by facet, then look, tube and piece
   std::vector<Group> groups_;
-  bool parted_ = false;  ///< whether some look has a seabed of its own
 };
 
 /// Returns the first facet that the line from an apex to a point meets before the point, or `no_facet` if

@@ -130,15 +130,15 @@ glm::dvec3 FacetRegions::in_space(glm::dvec2 corner) const {
 }
 
 FacetRegions::Aspect FacetRegions::aspect(const CoverageEnd& end, FacetId facet) {
-  const FacetMesh& mesh = end.seabed ? end.seabed->mesh : mesh_;
+  const FacetMesh& mesh = end.seabed ? *end.seabed->mesh : mesh_;
   Aspect from;
   from.end = &end;
   from.facet = facet;
   from.edge_on = !FacetCone::make(mesh, facet, end.tubes.apex, from.seen);
   for (std::size_t k = 0; k < 3; ++k) from.corners[k] = mesh.vertices[mesh.facets[facet][k]] - end.tubes.apex;
-  from.on_chart = end.seabed ? end.seabed->weights[facet] : corners_;
+  from.on_chart = end.is_displaced(facet) ? end.weights_of(facet) : corners_;
   from.place = triangle_;
-  if (!end.seabed || from.on_chart == corners_) return from;
+  if (from.on_chart == corners_) return from;
   thread_local std::vector<int> sides;
   for (const PlaneLine* line : polygon_round(from.on_chart, store_)) clip(from.place, *line, sides);
   return from;
@@ -174,8 +174,8 @@ std::vector<const PlaneLine*> FacetRegions::lines_round(std::span<const glm::dve
 
 FacetRegions::Window FacetRegions::window(const CoverageLook& look, const Aspect& tx, const Aspect* rx) {
   Window window;
-  const FacetMesh& mesh = look.tx.seabed ? look.tx.seabed->mesh : mesh_;
-  const FacetMesh& there = rx != nullptr && rx->end->seabed ? rx->end->seabed->mesh : mesh_;
+  const FacetMesh& mesh = look.tx.seabed ? *look.tx.seabed->mesh : mesh_;
+  const FacetMesh& there = rx != nullptr && rx->end->seabed ? *rx->end->seabed->mesh : mesh_;
   if (surely_in_window(look, mesh, tx.facet, there, rx ? rx->facet : tx.facet)) return window;
   const auto ring = [&](double range, RingSide side) {
     if (rx != nullptr) {
@@ -242,7 +242,7 @@ LinePolygon FacetRegions::seen(const Aspect& from, std::uint32_t tube, std::uint
   stop_if_wanted();
   const TubeVisibility& seen = from.end->seen[tube];
   const NamedPiece& piece = seen.pieces[index];
-  const NameContext context{from.end->seabed ? from.end->seabed->mesh : mesh_, from.end->tubes.apex,
+  const NameContext context{from.end->seabed ? *from.end->seabed->mesh : mesh_, from.end->tubes.apex,
                             seen.rays};
   thread_local std::vector<int> sides;
   LinePolygon polygon = from.place;

@@ -53,7 +53,7 @@ struct FacetRegion {
   ChartBox box;
 };
 
-/// One facet and its regions. Its chart is the facet's own (FacetChart). If looks have seabeds of their own,
+/// One facet and its regions. Its chart is the facet's own (FacetChart). If looks see the facet displaced,
 /// the chart consists of the weights of the second and third corner.
 class FacetRegions {
  public:

@@ -7,7 +7,6 @@
 #include "footprints/coverage_looks.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "engine/echo/receiver_pair_echo.hpp"
@@ -18,17 +17,26 @@
 namespace tubefoot {
 namespace {
 
+std::shared_ptr<const SurfaceParts> parts_of(const FacetMesh& mesh, std::vector<FacetId> base,
+                                             std::vector<PartWeights> weights, std::vector<FacetId> name) {
+  const auto own = std::make_shared<const FacetMesh>(mesh);
+  auto tree = std::make_shared<const SceneTree>(*own, SceneTree::HeightFieldSearch::ignored);
+  return std::make_shared<const SurfaceParts>(
+      SurfaceParts{own, std::move(tree), 0, std::move(base), std::move(weights), std::move(name)});
+}
+
+std::shared_ptr<const SurfaceParts> parts_of(const MovedFacets& moved) {
+  return std::make_shared<const SurfaceParts>(
+      SurfaceParts{moved.mesh(), moved.tree(), moved.first_moving(), {}, {}, {}});
+}
+
 /// Returns the surface mesh of an end as parts of the scene's facets; null if it is the scene's own mesh.
 std::shared_ptr<const SurfaceParts> seabed_of(const TransmissionEnd& end) {
+  if (end.moved != nullptr) return parts_of(*end.moved);
   if (end.refined == nullptr) return nullptr;
-  auto seabed = std::make_shared<SurfaceParts>();
-  seabed->mesh = end.refined->mesh;
-  seabed->tree = std::make_unique<const SceneTree>(seabed->mesh, SceneTree::HeightFieldSearch::ignored);
-  seabed->base = end.refined->parent;
-  seabed->weights = end.refined->weights;
-  seabed->name.resize(seabed->base.size());
-  for (FacetId f = 0; f < seabed->name.size(); ++f) seabed->name[f] = end.name_of(f);
-  return seabed;
+  std::vector<FacetId> name(end.refined->parent.size());
+  for (FacetId f = 0; f < name.size(); ++f) name[f] = end.name_of(f);
+  return parts_of(end.refined->mesh, end.refined->parent, end.refined->weights, std::move(name));
 }
 
 CoverageEnd seen_by(const TransmissionEnd& end, std::shared_ptr<const SurfaceParts> seabed,
@@ -60,7 +68,7 @@ void add_straight(const Transmission& transmission, std::size_t sensor, std::uin
   const auto seabed = seabed_of(ends.tx());
   CoverageLook look{ping, seen_by(ends.tx(), seabed, options),
                     transmission.samples(sensor).first_m / transmission.scene().grid.unit_m(),
-                    transmission.sensor(sensor).reach(transmission.scene().grid)};
+                    transmission.sensor(sensor).reach(transmission.scene().grid, transmission.number())};
   if (!ends.are_two()) {
     looks.push_back(std::move(look));
     return;
@@ -74,8 +82,10 @@ void add_straight(const Transmission& transmission, std::size_t sensor, std::uin
 class ImageSeabeds {
  public:
   explicit ImageSeabeds(const TransmissionImages& of) : of_(of) {
-    const RefinedMesh* own = of.surface_mesh().refined();
-    if (own != nullptr) whole_ = made(own->mesh, own->parent, own->weights, {});
+    if (const RefinedMesh* own = of.surface_mesh().refined(); own != nullptr)
+      whole_ = parts_of(own->mesh, own->parent, own->weights, {});
+    else if (const MovedFacets* moved = of.surface_mesh().moved(); moved != nullptr)
+      whole_ = parts_of(*moved);
   }
   CoverageEnd end_of(const Image& image) const {
     CoverageEnd end{image.windows, image.seen, whole_};
@@ -88,27 +98,11 @@ class ImageSeabeds {
         weights[f] = rounded_part_of_part(own->weights[base[f]], weights[f]);
         base[f] = own->parent[base[f]];
       }
-    end.seabed = made(*image.mesh, std::move(base), std::move(weights), parts.name);
+    end.seabed = parts_of(*image.mesh, std::move(base), std::move(weights), parts.name);
     return end;
   }
 
  private:
-  static std::shared_ptr<const SurfaceParts> made(const FacetMesh& mesh, std::vector<FacetId> base,
-                                                  std::vector<PartWeights> weights,
-                                                  std::vector<FacetId> name) {
-    auto seabed = std::make_shared<SurfaceParts>();
-    seabed->mesh = mesh;
-    seabed->tree = std::make_unique<const SceneTree>(seabed->mesh, SceneTree::HeightFieldSearch::ignored);
-    seabed->base = std::move(base);
-    seabed->weights = std::move(weights);
-    seabed->name = std::move(name);
-    if (seabed->name.empty()) {
-      seabed->name.resize(seabed->base.size());
-      std::iota(seabed->name.begin(), seabed->name.end(), FacetId{0});
-    }
-    return seabed;
-  }
-
   const TransmissionImages& of_;
   std::shared_ptr<const SurfaceParts> whole_;  // null for the scene's own facets
 };
@@ -134,7 +128,7 @@ void add_over_mirrors(const Transmission& transmission, std::size_t sensor, cons
       continue;
     CoverageLook look{ping, sent[i],
                       transmission.samples(sensor).first_m / transmission.scene().grid.unit_m(),
-                      transmission.sensor(sensor).reach(transmission.scene().grid)};
+                      transmission.sensor(sensor).reach(transmission.scene().grid, transmission.number())};
     if (images.one_place() && i == j) {
       looks.push_back(std::move(look));
       continue;

@@ -54,9 +54,13 @@ TilesInView::TilesInView(const LoadedScene& loaded_scene)
       for (std::uint32_t k = 0; k < tiles.size(); ++k)
         if (tiles[k].facets > 0) boxes.add(k, scene.grid, tiles[k].lo_m, tiles[k].hi_m);
     }
-    boxes.tree = std::make_unique<SceneTree>(boxes.mesh, SceneTree::HeightFieldSearch::ignored);
-    boxes.column_tree = std::make_unique<SceneTree>(boxes.columns, SceneTree::HeightFieldSearch::ignored);
   }
+  // Trees refer to the meshes, which no longer move.
+  for (std::vector<Boxes>* list : {&boxes_, &rest_})
+    for (Boxes& boxes : *list) {
+      boxes.tree = std::make_unique<SceneTree>(boxes.mesh, SceneTree::HeightFieldSearch::ignored);
+      boxes.column_tree = std::make_unique<SceneTree>(boxes.columns, SceneTree::HeightFieldSearch::ignored);
+    }
 }
 
 void TilesInView::Boxes::add(std::uint32_t number, const WorldGrid& grid, glm::dvec3 lo_m, glm::dvec3 hi_m) {
@@ -109,6 +113,7 @@ std::vector<std::size_t> TilesInView::components_of(const Transmissions& transmi
   std::vector<std::size_t> components;
   for (std::size_t i = 0; i < found.size(); ++i)
     if (!found[i].empty()) components.push_back(i);
+  for (const MovingObject& object : loaded_scene_.scene.moving) components.push_back(object.component);
   return components;
 }
 

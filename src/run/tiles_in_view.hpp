@@ -23,10 +23,12 @@ class TilesInView {
  public:
   /// The loaded scene must outlive this object.
   explicit TilesInView(const LoadedScene& loaded_scene);
+  TilesInView(const TilesInView&) = delete;
+  TilesInView& operator=(const TilesInView&) = delete;
 
   /// Returns the tiles for a ping of a group. The transmissions must belong to this loaded scene.
   TileChoice of(const Transmissions& transmissions, const SharedTransmissions& group, std::size_t ping) const;
-  /// Returns the components in the mesh of which the ping may need a facet.
+  /// Returns the components in the mesh of which the ping may need a facet. They contain all moving objects.
   std::vector<std::size_t> components_of(const Transmissions& transmissions, const SharedTransmissions& group,
                                          std::size_t ping) const;
   /// Returns the tiles with facets that meet a box.

@@ -239,6 +239,7 @@ RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Loo
     return transmission.loaded_scene().surface_mesh->seen_by(looks, {most_per_transmission.facets, weights});
   });
   append_moving(transmission.scene(), transmission.time_s(), seabed);
+  if (weights) seabed.weights.resize(seabed.mesh.facets.size(), all_of_it);
   cut_at_surface(transmission.scene(), seabed.mesh, seabed.parent, weights ? &seabed.weights : nullptr);
   return seabed;
 }
@@ -284,12 +285,13 @@ bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& p
   return true;
 }
 
-TransmissionSurface moved_surface_of(const Transmission& transmission) {
+TransmissionSurface moved_surface_of(const Transmission& transmission, bool weights) {
   const LoadedScene& loaded_scene = transmission.loaded_scene();
   TransmissionSurface surface = surface_at(loaded_scene, transmission.time_s());
   if (!reaches_above_water(loaded_scene.scene, surface.mesh())) return surface;
   RefinedMesh cut{surface.mesh(), all_facets(surface.mesh()), {}};
-  cut_at_surface(loaded_scene.scene, cut.mesh, cut.parent);
+  if (weights) cut.weights.assign(cut.mesh.facets.size(), all_of_it);
+  cut_at_surface(loaded_scene.scene, cut.mesh, cut.parent, weights ? &cut.weights : nullptr);
   return TransmissionSurface(loaded_scene, std::move(cut));
 }
 
@@ -301,7 +303,7 @@ TransmissionSurface surface_mesh_of(const Transmission& transmission, bool weigh
 TransmissionSurface lying_surface_of(const Transmission& transmission, bool weights) {
   const LoadedScene& loaded_scene = transmission.loaded_scene();
   if (!loaded_scene.surface_mesh)
-    return loaded_scene.moving ? moved_surface_of(transmission) : TransmissionSurface(loaded_scene);
+    return loaded_scene.moving ? moved_surface_of(transmission, weights) : TransmissionSurface(loaded_scene);
   std::vector<TubeSet> tubes{transmission.tubes()};
   if (transmission.has_separate_receiver()) tubes.push_back(transmission.receive_tubes(transmission.first()));
   std::vector<Look> looks = transmission.looks(tubes);

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <optional>
 
+#include "fixtures/covered.hpp"
 #include "fixtures/every_feature.hpp"
 #include "fixtures/netcdf_reader.hpp"
 #include "fixtures/scene_texts.hpp"
@@ -59,7 +60,7 @@ std::string object(const std::string& name, const std::string& shape, const std:
                      shape, p[0], p[1], p[2], heading_deg,
                      on_trajectory.empty() ? "" : fmt::format("trajectory = \"{}\"\n", on_trajectory));
 }
-const std::string sphere = "shape = \"sphere\"\nradius_m = 0.5\nchord_error_m = 0.02\n",
+const std::string round_shape = "shape = \"sphere\"\nradius_m = 0.5\nchord_error_m = 0.02\n",
                   slab = "shape = \"box\"\nsize_m = [1.5, 0.5, 0.75]\n";
 
 std::string sonar(const std::string& on_trajectory, std::size_t pings, const std::string& more = "") {
@@ -78,6 +79,10 @@ Echoes energies_in(const TestFolder& folder, const std::string& scene,
   return echoes_in(folder, scene, arguments);
 }
 
+/// The sectors cut the object.
+const std::string narrow_camera =
+    "kind = \"imaging\"\nbeams = 4\nhorizontal_deg = 60\nvertical_deg = 14\nsamples = 60\nrange_max_m = 12\n";
+
 const std::vector<Position> path{{-1, 6, 0.5}, {-0.25, 6.5, 0.25}, {0.75, 5, -0.5}, {1.5, 7.25, 0}};
 
 // Law J1.
@@ -89,12 +94,36 @@ TEST(MovingObject, MovesLikeTheSonarInTheOppositeDirection) {
   const std::string material = lambert_material("rock", -10) + fixed_grid;
   const Echoes moving =
                    energies_in(folder, material + waypoints(folder, "swim", path) + fixed("mast", {0, 0, 0}) +
-                                           object("fish", sphere, "swim") + sonar("mast", 4)),
+                                           object("fish", round_shape, "swim") + sonar("mast", 4)),
                moved = energies_in(folder, material + waypoints(folder, "boat", opposite) +
-                                               object("fish", sphere, "", path[0]) + sonar("boat", 4));
+                                               object("fish", round_shape, "", path[0]) + sonar("boat", 4));
   ASSERT_GT(moving.total(), 0);
   EXPECT_EQ(moving.energy, moved.energy);
   EXPECT_NE(moving.beam_total(0, 2), moving.beam_total(1, 2));
+}
+
+// Law J1, for the exact shares of facets that several pings see.
+TEST(MovingObject, IsCoveredLikeAnObjectAtRestByASonarThatMoves) {
+  const TestFolder folder;
+  std::vector<Position> opposite;
+  for (const Position& p : path)
+    opposite.push_back({path[0][0] - p[0], path[0][1] - p[1], path[0][2] - p[2]});
+  const std::string scene = lambert_material("rock", -10) + fixed_grid;
+  for (const bool separate : {false, true}) {
+    const std::string of_sonar = narrow_camera + (separate ? "receiver_arm_m = [0.5, 0, 0.25]\n" : "");
+    const Covered moving =
+                      covered(folder, scene + waypoints(folder, "swim", path) + fixed("mast", {0, 0, 0}) +
+                                          object("fish", round_shape, "swim") + sonar("mast", 4, of_sonar)),
+                  moved = covered(folder, scene + waypoints(folder, "boat", opposite) +
+                                              object("fish", round_shape, "", path[0]) +
+                                              sonar("boat", 4, of_sonar));
+    EXPECT_EQ(moving.table, moved.table);
+    EXPECT_GT(moving.shadow_m2, 0.1);
+    EXPECT_NE(moving.table,
+              covered(folder, scene + fixed("mast", {0, 0, 0}) + object("fish", round_shape, "", path[0]) +
+                                  sonar("mast", 4, of_sonar))
+                  .table);
+  }
 }
 
 // Between the points of the grid, the object as a whole is rounded, and not each vertex.
@@ -103,7 +132,7 @@ TEST(MovingObject, KeepsItsShapeAtAnyPosition) {
   const Scene scene = load_scene(read_scene_file(
       folder.write("scene.toml", lambert_material("rock", -10) + fixed_grid + fixed("mast", {0, 0, 0}) +
                                      waypoints(folder, "swim", {{-1.01, 6.003, 0.5}, {0.777, 5.1, -0.3}}) +
-                                     object("fish", sphere, "swim") + sonar("mast", 1))));
+                                     object("fish", round_shape, "swim") + sonar("mast", 1))));
   const auto shape_at = [&](double time_s) {
     FacetMesh mesh = scene.mesh;
     place_moving(scene, time_s, mesh);
@@ -138,7 +167,7 @@ struct SlabOverSeabed : testing::Test {
   std::string scene(std::optional<std::size_t> ping, const std::string& more, const std::string& of_sonar) {
     return materials + fixed_grid + terrain + more + fixed("mast", {0, 0, 2}) +
            waypoints(folder, "swim", places, headings_deg) +
-           object("stone", sphere + of_objects, "", {1.5, 4.5, 0.25}) +
+           object("stone", round_shape + of_objects, "", {1.5, 4.5, 0.25}) +
            (ping ? object("thing", slab + of_objects, "", places[*ping], headings_deg[*ping])
                  : object("thing", slab + of_objects, "swim")) +
            sonar("mast", 3, of_sonar);
@@ -275,6 +304,66 @@ TEST_F(SlabOverSeabed, HasTheFootprintsOfAnObjectAtRest) {
   for (std::size_t ping = 0; ping < 3; ++ping) EXPECT_EQ(footprints({}, ping), footprints(ping, ping));
 }
 
+// Range gates have other corners, because they refer to the weights of a facet.
+TEST_F(SlabOverSeabed, IsCoveredLikeAnObjectAtRest) {
+  const auto expect_shares = [&](const std::string& more, const std::string& of_sonar) {
+    SCOPED_TRACE(more + of_sonar);
+    for (std::size_t ping = 0; ping < 3; ++ping) {
+      const std::vector<std::string> of_ping{"--pings", std::to_string(ping)};
+      const Covered moving = covered(folder, scene({}, more, of_sonar), of_ping),
+                    at_rest = covered(folder, scene(ping, more, of_sonar), of_ping);
+      EXPECT_GT(at_rest.shadow_m2, 0.1);
+      const auto share_in = [](const std::map<std::string, double>& shares, const std::string& facet) {
+        return shares.contains(facet) ? shares.at(facet) : 0.0;
+      };
+      for (const auto& [facet, share] : at_rest.seen) {
+        EXPECT_NEAR(share_in(moving.seen, facet), share, 1e-4) << facet;
+        EXPECT_NEAR(share_in(moving.shadow, facet), at_rest.shadow.at(facet), 1e-4) << facet;
+      }
+      for (const auto& [facet, share] : moving.seen) EXPECT_NEAR(share, share_in(at_rest.seen, facet), 1e-4);
+    }
+  };
+  const std::string surface = "[sea_surface]\nheight_m = 2.5\n", mirrored = surface + "[paths]\norder = 2\n",
+                    water =
+                        "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\n"
+                        "profile_bottom_m = 40\nsurface_height_m = 2.5\n";
+  expect_shares("", watching_camera);
+  expect_shares("", watching_camera + "receiver_arm_m = [0.5, 0, 0]\n");
+  expect_shares(mirrored, watching_camera);
+  expect_shares(water, watching_camera);
+  for (const char* mode : {"offline", "online"}) {
+    add_relief(mode);
+    expect_shares(of_relief, watching_camera);
+  }
+  expect_shares(of_relief + mirrored, watching_camera);
+}
+
+TEST_F(SlabOverSeabed, IsCoveredOverTiles) {
+  folder.write("bed.asc", seabed_of_steps());
+  const auto over = [&](const std::string& load, std::optional<std::size_t> at) {
+    terrain = "[[terrain]]\nname = \"bed\"\nkind = \"raster\"\nfile = \"bed.asc\"\nload = \"" + load + "\"\n";
+    return covered(folder, scene(at, "", watching_camera)).table;
+  };
+  EXPECT_EQ(over("tiles", {}), over("whole", {}));
+  EXPECT_EQ(over("tiles", 1), over("whole", 1));
+  // The object enters the view at the last ping.
+  places = {{-9, -4, 0.5}, {-9, -4.5, 0.5}, {0.75, 3.5, 0.5}};
+  EXPECT_EQ(over("tiles", {}), over("whole", {}));
+}
+
+// A part above the water is never seen.
+TEST_F(SlabOverSeabed, IsCoveredBelowTheSeaSurface) {
+  for (Position& p : places) p[2] += 1.75;
+  const std::string surface = "[sea_surface]\nheight_m = 2.25\n";
+  for (std::size_t ping = 0; ping < 3; ++ping) {
+    const std::vector<std::string> of_ping{"--pings", std::to_string(ping)};
+    const Covered moving = covered(folder, scene({}, surface, watching_camera), of_ping),
+                  at_rest = covered(folder, scene(ping, surface, watching_camera), of_ping);
+    EXPECT_NEAR(moving.seen_m2, at_rest.seen_m2, 1e-3 * at_rest.seen_m2);
+    EXPECT_NEAR(moving.shadow_m2, at_rest.shadow_m2, 1e-3 * at_rest.shadow_m2);
+  }
+}
+
 TEST_F(SlabOverSeabed, HasTheLabelsOfAnObjectAtRest) {
   for (std::size_t ping = 0; ping < 3; ++ping) {
     const std::vector<std::string> words{"--labels"};
@@ -296,7 +385,7 @@ TEST(MovingObject, HidesAnotherMovingObject) {
                             waypoints(folder, "swim", {{-0.5, 8, 0}, {0, 8, 0}, {0.5, 8, 0}}) +
                             waypoints(folder, "sail", {{3, 4, 0}, {0, 4, 0}, {-3, 4, 0}}) +
                             object("plate", "shape = \"box\"\nsize_m = [2, 0.25, 2]\n", "sail") +
-                            object("fish", sphere, "swim") + sonar("mast", 3);
+                            object("fish", round_shape, "swim") + sonar("mast", 3);
   const Echoes echoes = energies_in(folder, scene);
   for (std::size_t ping = 0; ping < 3; ++ping) {
     double of_fish = 0;
@@ -312,7 +401,7 @@ TEST(MovingObject, IsTheHullOfItsSonar) {
   const TestFolder folder;
   const std::string scene = lambert_material("steel", -10) + fixed_grid + waypoints(folder, "boat", path) +
                             object("keel", slab, "boat", {0, 3, 0.5}) +
-                            object("rudder", sphere, "boat", {0.25, -2, 0}) + sonar("boat", 4);
+                            object("rudder", round_shape, "boat", {0.25, -2, 0}) + sonar("boat", 4);
   const Echoes echoes = energies_in(folder, scene);
   const std::size_t cells = echoes.energy.size() / 4;
   ASSERT_GT(echoes.total(), 0);
@@ -394,19 +483,19 @@ TEST(MovingObject, NeedsATrajectoryThatLasts) {
   const TestFolder folder;
   const std::string scene = lambert_material("rock", -10) + fixed("mast", {0, 0, 0}) +
                             waypoints(folder, "swim", {{0, 6, 0}, {0, 3, 0}});
-  const Outcome outcome = checked(folder, scene + object("fish", sphere, "swim") + sonar("mast", 4));
+  const Outcome outcome = checked(folder, scene + object("fish", round_shape, "swim") + sonar("mast", 4));
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err,
               AllOf(HasSubstr("ping 2 of sensor 'sonar' is at 1 s, outside of trajectory 'swim' of object "
                               "'fish', which lasts from 0 s to 0.5 s"),
                     HasSubstr("scene.toml:")));
   const auto error_of = [&](const std::string& keys) {
-    return checked(folder, scene + object("fish", sphere + keys, "swim") + sonar("mast", 1)).err;
+    return checked(folder, scene + object("fish", round_shape + keys, "swim") + sonar("mast", 1)).err;
   };
   EXPECT_THAT(error_of("on_terrain_m = 0\n"), HasSubstr("'on_terrain_m' excludes 'trajectory'"));
   EXPECT_THAT(error_of("position_lat_lon_deg = [0, 0]\n"),
               HasSubstr("'position_lat_lon_deg' excludes 'trajectory'"));
-  EXPECT_THAT(checked(folder, scene + object("fish", sphere, "swin") + sonar("mast", 1)).err,
+  EXPECT_THAT(checked(folder, scene + object("fish", round_shape, "swin") + sonar("mast", 1)).err,
               HasSubstr("did you mean \"swim\"?"));
 }
 

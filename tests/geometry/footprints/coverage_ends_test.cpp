@@ -195,16 +195,13 @@ std::shared_ptr<const SurfaceParts> parted(const FacetMesh& mesh, double longest
   std::iota(all.begin(), all.end(), 0u);
   RefinedMesh fine = refine(mesh, all, WorldGrid(0, glm::dvec3(0)), Uneven(longest),
                             [](const BasePoint& p) { return p.at_m; }, {.weights = true});
-  SurfaceParts seabed{std::move(fine.mesh), nullptr, std::move(fine.parent), std::move(fine.weights), {}};
-  seabed.name.resize(seabed.base.size());
-  std::iota(seabed.name.begin(), seabed.name.end(), 0u);
-  auto shared = std::make_shared<SurfaceParts>(std::move(seabed));
-  shared->tree = std::make_unique<SceneTree>(shared->mesh);
-  return shared;
+  const auto own = std::make_shared<const FacetMesh>(std::move(fine.mesh));
+  return std::make_shared<const SurfaceParts>(SurfaceParts{
+      own, std::make_shared<const SceneTree>(*own), 0, std::move(fine.parent), std::move(fine.weights), {}});
 }
 
 CoverageEnd end_on(const std::shared_ptr<const SurfaceParts>& seabed, const TubeSet& tubes) {
-  CoverageEnd end = look(seabed->mesh, tubes, 0).tx;
+  CoverageEnd end = look(*seabed->mesh, tubes, 0).tx;
   end.seabed = seabed;
   return end;
 }
@@ -223,7 +220,7 @@ TEST(CoverageOfParts, IsThatOfTheWhole) {
       const TubeSet tx = at(forward_tubes(place_in(random), 2, 2, 70, 60, tilt), by),
                     rx = at(forward_tubes(place_in(random), 2, 1, 60, 50, tilt), by);
       const auto seabed = parted(mesh, (900 + 300 * ping) * by);
-      EXPECT_GT(seabed->mesh.facets.size(), mesh.facets.size());
+      EXPECT_GT(seabed->mesh->facets.size(), mesh.facets.size());
       whole.push_back(look(mesh, tx, ping));
       parts.push_back({ping, end_on(seabed, tx)});
       if (ping == 1) {  // one look at the mesh itself among the others
@@ -247,11 +244,9 @@ TEST(CoverageOfParts, OfAnImageIsThatOfTheImage) {
   add_square(mesh, 1000, 0);
   add_square(image, 1000, 0);
   for (GridPoint& p : image.vertices) p = {2 * p.x + p.y, 3 * p.y - 500, p.x / 4 - 200};
-  auto seabed = std::make_shared<SurfaceParts>();
-  seabed->mesh = image;
-  seabed->tree = std::make_unique<SceneTree>(seabed->mesh);
-  seabed->base = seabed->name = {0, 1};
-  seabed->weights = {all_of_it, all_of_it};
+  const auto own = std::make_shared<const FacetMesh>(image);
+  const auto seabed = std::make_shared<const SurfaceParts>(
+      SurfaceParts{own, std::make_shared<const SceneTree>(*own), 0, {}, {}, {}});
   const TubeSet tubes = down_tubes({100, 0, 1000}, {-900, 300, 1000}, {-700, 800}, 1000);
   CoverageLook there = look(image, tubes, 0), here{0, end_on(seabed, tubes)};
   const Shares expected = shares_of(cover(image, {there}));
