@@ -306,6 +306,29 @@ TEST(ProcessingRun, Profile_DeterminesTheRefractionArtefact) {
   EXPECT_GT(largest_m, 0.15);  // the artefact is larger than all tolerances
 }
 
+// With the true profile, the error is that of the detector.
+TEST(ProcessingRun, TheShippedSurveyRecoversTheSeabedWithTheTrueProfile) {
+  const std::filesystem::path shipped = std::filesystem::path(TUBEFOOT_SOURCE_DIR) / "scenes/processing";
+  const std::string wrong = bytes_of(shipped / "wrong-profile.toml"),
+                    assumed = "[processing.water]\nprofile = \"cast\"\nprofile_file = \"assumed-cast.csv\"\n";
+  const std::size_t at = wrong.find(assumed);
+  ASSERT_NE(at, std::string::npos);
+  const auto farthest_m = [&](const std::string& scene) {
+    const TestFolder folder;
+    for (const char* cast : {"true-cast.csv", "assumed-cast.csv"})
+      std::filesystem::copy_file(shipped / cast, folder / cast);
+    run(folder, scene);
+    const std::vector<CsvSounding> soundings = soundings_in(folder / "out/multibeam-soundings.csv");
+    EXPECT_GT(soundings.size(), 3000u);
+    double farthest = 0;
+    for (const CsvSounding& s : soundings) farthest = std::max(farthest, std::abs(s.up + 25));
+    return farthest;
+  };
+  std::string right = wrong;
+  EXPECT_LE(farthest_m(right.erase(at, assumed.size())), 0.02 + 1e-9);
+  EXPECT_GT(farthest_m(wrong), 0.5);
+}
+
 std::vector<std::string> gsf_texts(const std::filesystem::path& path,
                                    std::vector<std::pair<double, double>>& profile) {
   samples::PacketReader file(samples::file_content(path), true);
