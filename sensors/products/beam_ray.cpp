@@ -46,11 +46,22 @@ BeamRay ray_of_beam(const Recording& recording, std::size_t ping, std::size_t be
                    ahead = glm::normalize(forward_axis - glm::dot(forward_axis, normal) * normal),
                    abeam = glm::normalize(in_plane - glm::dot(in_plane, ahead) * ahead);
   const double cosine = std::clamp(std::sin(tilt_rad) / glm::dot(forward_axis, ahead), -1.0, 1.0);
-  return {{(sent.position_m + received.position_m) / 2.0, sent.attitude},
+  // The sector fixes the direction along the track from the transmitter, and the beam that across the track
+  // from the receiver.
+  const glm::dvec3 forward = sent.attitude * forward_axis, moved_m = received.position_m - sent.position_m,
+                   start_m = received.position_m - glm::dot(moved_m, forward) * forward;
+  return {{start_m, sent.attitude},
           glm::normalize(cosine * ahead + std::sqrt(1 - cosine * cosine) * abeam),
           across_rad,
           tilt_rad,
-          has_angle};
+          has_angle,
+          start_m - (sent.position_m + received.position_m) / 2.0};
+}
+
+double BeamRay::range_from_pose_m(double range_m) const {
+  const double along_m = glm::dot(from_middle_m, pose.attitude * axis),
+               beside2 = glm::dot(from_middle_m, from_middle_m) - along_m * along_m;
+  return std::max(std::sqrt(std::max(range_m * range_m - beside2, 0.0)) - along_m, 0.0);
 }
 
 }  // namespace tubefoot

@@ -15,13 +15,19 @@ glm::dvec3 across_direction(double across_angle_rad);
 
 /// The axis of a beam of a fan across the track, at the time of reception of a range bin.
 struct BeamRay {
-  Pose pose;              ///< midway between transmitter and receiver, with the attitude of the transmitter
+  /// The place of the receiver across the track and that of the transmitter along the track, with the
+  /// attitude of the transmitter.
+  Pose pose;
   glm::dvec3 axis;        ///< direction in the frame of `pose`
   double across_rad = 0;  ///< steered angle across the track, in the frame of the receiver
   double tilt_rad = 0;    ///< steered tilt of the transmit sector, in the frame of the transmitter
   /// False if the sine of the recorded angle across the track exceeds 1 (Recording::steering_ratio). The
   /// angle is then 90 degrees.
   bool has_angle = true;
+  glm::dvec3 from_middle_m{0};  ///< the place of `pose` relative to the middle of transmitter and receiver
+
+  /// Returns the range from `pose` of the point of the ray that has a range from the middle.
+  double range_from_pose_m(double range_m) const;
 };
 
 /// Returns the ray along which a beam receives a range bin. A transmit sector is a cone about the forward

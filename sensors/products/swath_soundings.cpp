@@ -81,8 +81,8 @@ SoundedPing BottomFinder::sound(std::size_t ping) const {
     sounding.time_s = recording_.ping_time_s[ping];
     if (!sensor.transmit_sectors().empty())
       sounding.time_s += sensor.transmission_delay_s(sensor.first_transmission(sector));
-    sounding.position_m =
-        placer_.place(ray.pose, ray.axis, found->range_m, recording_.water_level_error_m(ping));
+    sounding.position_m = placer_.place(ray.pose, ray.axis, ray.range_from_pose_m(found->range_m),
+                                        recording_.water_level_error_m(ping));
     sounding.two_way_travel_time_s = 2 * found->range_m / recording_.sound_speed_m_s;
     sounding.slant_range_m = found->range_m;
     sounding.beam_angle_deg = degrees(ray.across_rad);

@@ -89,6 +89,14 @@ Steering steering(const Sensor& sensor, const Trajectory& trajectory, double at_
   made.along_rad = stabilised_tilt_rad(carrier * sensor.mounting(), axis.across_rad + made.across_rad,
                                        facing * glm::normalize(heading), axis.along_rad) -
                    axis.along_rad;
+  constexpr double most_deg = 60;
+  if (const double tilt_deg = degrees(axis.along_rad + made.along_rad); std::abs(tilt_deg) > most_deg)
+    throw InputError(
+        sensor.description().place,
+        fmt::format("the stabilisation of sensor '{}' needs a tilt of {:.3g} degrees along the track at "
+                    "{:.9g} s, and at most {:g} degrees are possible: use a trajectory that turns less, or "
+                    "leave out 'stabilisation'",
+                    sensor.description().name, tilt_deg, at_s, most_deg));
   return made;
 }
 

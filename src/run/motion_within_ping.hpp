@@ -23,7 +23,8 @@ std::optional<Sensor::Division> division_of_record(const Sensor& sensor, const T
                                                    double sound_speed_m_s);
 
 /// Returns the pose of a sensor on its carrier, with the steering that stabilises a transmission. `at_s` is
-/// the time of transmission or of reception.
+/// the time of transmission or of reception. Throws InputError if the stabilisation needs a tilt above 60
+/// degrees.
 ///
 /// Roll: the angles across the track change by the roll of the carrier, which is positive for starboard down.
 /// Pitch and yaw: the sector is tilted along the track until its middle has its angle from the vertical plane

@@ -82,7 +82,7 @@ struct Heights {
 };
 
 SeabedPlacement told(const std::string& name, const Extent& object, const Extent& terrain,
-                     const Heights& heights, const std::string& place) {
+                     const Heights& heights, const std::string& place, bool moves) {
   SeabedPlacement placement{name, {}, {}, false};
   const auto warn = [&](const std::string& what) {
     placement.warning = fmt::format("{}: object '{}' {}", place, name, what);
@@ -113,10 +113,10 @@ SeabedPlacement told(const std::string& name, const Extent& object, const Extent
   } else if (heights.highest_m < 0) {
     placement.is_buried = true;
     placement.words = fmt::format("buried: its top is {:.4g} m below the seabed", -heights.highest_m);
-    warn(
-        fmt::format("is buried and cannot be seen: its top is {:.4g} m below the seabed; on_terrain_m = 0 "
-                    "places it on the seabed",
-                    -heights.highest_m));
+    warn(fmt::format(
+        "is buried and cannot be seen{}: its top is {:.4g} m below the seabed; {}",
+        moves ? " at the first ping" : "", -heights.highest_m,
+        moves ? "change 'position_m' or the trajectory" : "on_terrain_m = 0 places it on the seabed"));
   } else if (heights.lowest_m > 1e-3) {
     placement.words = fmt::format("{:.4g} m above the seabed", heights.lowest_m);
   } else if (heights.lowest_m > -1e-3) {
@@ -161,7 +161,8 @@ std::vector<SeabedPlacement> placements(const Survey& survey) {
       heights.highest_m = std::max(heights.highest_m, *over_m);
     }
     all.push_back(told(object.name, {object.lo_m, object.hi_m}, terrain, heights,
-                       to_string(scene.description.objects[i - terrains].place)));
+                       to_string(scene.description.objects[i - terrains].place),
+                       !scene.description.objects[i - terrains].trajectory.empty()));
   }
   return all;
 }

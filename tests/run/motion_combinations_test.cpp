@@ -6,11 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <string>
 
+#include "fixtures/covered.hpp"
 #include "fixtures/multibeam_runs.hpp"
 #include "fixtures/netcdf_reader.hpp"
 #include "fixtures/world/echoes.hpp"
@@ -27,12 +29,13 @@ constexpr double water_depth_m = 20;
 
 /// A boat over a level seabed at height 0, which rolls and pitches at constant rates. Roll is 6 and pitch 4
 /// degrees at the ping.
-std::string boat_track(double roll_deg_s = 12, double pitch_deg_s = 8) {
+std::string boat_track(double roll_deg_s = 12, double pitch_deg_s = 8, double yaw_deg_s = 0,
+                       double speed_m_s = 2) {
   std::string rows = "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n";
   for (int k = 0; k <= 60; ++k) {
     const double t = 0.02 * k;
-    rows += fmt::format("{:.3f},0,{:.17g},{},0,{:.17g},{:.17g}\n", t, 2 * t, water_depth_m, pitch_deg_s * t,
-                        roll_deg_s * t);
+    rows += fmt::format("{:.3f},0,{:.17g},{},{:.17g},{:.17g},{:.17g}\n", t, speed_m_s * t, water_depth_m,
+                        yaw_deg_s * t, pitch_deg_s * t, roll_deg_s * t);
   }
   return rows;
 }
@@ -149,6 +152,59 @@ TEST_F(MotionCombinations, AnObjectOnTheTrackOfTheSonarIsAnError) {
 constexpr const char* own_sectors =
     "beams = 21\nswath_deg = 80\nsector_edges_deg = [-60, -20, 20, 60]\n"
     "sector_frequencies_khz = [260, 320, 290]\nsector_pulse_lengths_us = [50, 60, 70]\n";
+
+// The sector fixes the direction along the track from the place of the transmission. Ranges are those of stop
+// and hop.
+TEST_F(MotionCombinations, SoundingsLieInTheSectorOfTheTransmission) {
+  constexpr double speed_m_s = 10;
+  for (const double facing : {1.0, -1.0}) {
+    const auto found = [&](const std::string& more) {
+      folder.write("track.csv", boat_track(0, 0, 0, speed_m_s));
+      multibeam_for_tests::run(
+          folder, boat_scene(std::string(own_sectors) +
+                             "sector_tilts_deg = [2, -1, 1]\nsector_delays_us = [0, 10000, 20000]\n" +
+                             (facing < 0 ? "yaw_deg = 180\n" : "") + more));
+      return multibeam_for_tests::soundings_in(folder / "out/swath-soundings.csv");
+    };
+    const auto moving = found(in_motion), hop = found("");
+    ASSERT_EQ(moving.size(), 21u);
+    ASSERT_EQ(hop.size(), 21u);
+    for (std::size_t k = 0; k < moving.size(); ++k) {
+      const auto& s = moving[k];
+      const std::size_t sector = s.beam < 5 ? 0 : s.beam < 15 ? 1 : 2;
+      const double tilt = std::array{2.0, -1.0, 1.0}[sector], sent_s = 0.5 + 0.01 * double(sector),
+                   angle = radians(s.angle_deg);
+      EXPECT_NEAR(s.north,
+                  speed_m_s * sent_s + facing * water_depth_m * std::tan(radians(tilt)) / std::cos(angle),
+                  0.005);
+      EXPECT_NEAR(s.east, hop[k].east, 0.005);
+      EXPECT_NEAR(s.up, hop[k].up, 0.005);
+    }
+  }
+}
+
+// Intervals have common borders, between which no strip is lost.
+TEST_F(MotionCombinations, AreasOfManyIntervalsAddUp) {
+  const auto seen_m2 = [&](double step_beams) {
+    folder.write("track.csv", boat_track(0, 0, 0, 10));
+    return covered(folder, boat_scene("beams = 50\nswath_deg = 98\n" + in_motion +
+                                      fmt::format("motion_step_beams = {}\n", step_beams)))
+        .seen_m2;
+  };
+  const double coarse_m2 = seen_m2(0.5);
+  EXPECT_NEAR(seen_m2(0.01), coarse_m2, 1e-3 * coarse_m2);
+}
+
+TEST_F(MotionCombinations, StabilisationAgainstAFastTurnIsAnError) {
+  folder.write("track.csv", boat_track(0, 0, 300));
+  try {
+    open_survey(read_scene_file(
+        folder.write("scene.toml", boat_scene(std::string(own_sectors) + "stabilisation = [\"yaw\"]\n"))));
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the stabilisation of sensor 'swath' needs a tilt of"));
+  }
+}
 
 TEST_F(MotionCombinations, CheckPrintsEachSector) {
   folder.write("track.csv", boat_track());

@@ -50,9 +50,11 @@ std::vector<const toml::node*> elements_of(const toml::array& array) {
 
 [[noreturn]] void fail_type(const toml::node& node, const TomlKey& key, const TomlSource& source) {
   const bool text_for_number = node.is_string() && !key.unit.empty();
+  const bool is_empty_array = node.is_array() && node.as_array()->empty();
   throw InputError(
       source.place(node.source()),
-      fmt::format("'{}' must be {}, not {}{}", key.name, key.expected(), type_in_words(node),
+      fmt::format("'{}' must be {}, not {}{}", key.name, key.expected(),
+                  is_empty_array ? std::string("an empty array") : type_in_words(node),
                   text_for_number ? fmt::format(": write only the number, in {}", key.unit) : std::string()));
 }
 

@@ -199,6 +199,7 @@ TEST(MultibeamSectors, ErrorsNameTheKeyAndTheReason) {
   EXPECT_THAT(sector_error("sector_edges_deg = [-75, 0.1, 0.2, 75]\n"),
               HasSubstr("sector 1 from 0.1 to 0.2 degrees has no beam"));
   EXPECT_THAT(sector_error("sector_edges_deg = [-75]\n"), HasSubstr("has one edge"));
+  EXPECT_THAT(sector_error("sector_edges_deg = []\n"), HasSubstr("not an empty array"));
   for (const char* key : {"sector_frequencies_khz", "sector_tilts_deg", "sector_delays_us",
                           "sector_pulse_lengths_us", "sector_absorptions_db_per_km"}) {
     EXPECT_THAT(sector_error(std::string("sector_edges_deg = [-75, -20, 20, 75]\n") + key + " = [1, 1]\n"),
