@@ -336,13 +336,15 @@ FacetCoverage Coverage::facet(std::size_t number) const {
   result.facet = facet_of(number);
   const std::array parts{std::span(seen_).subspan(group.seen, group.seen_end - group.seen),
                          std::span(within_).subspan(group.within, group.within_end - group.within)};
-  const bool displaced = std::ranges::any_of(parts, [&](std::span<const Part> some) {
+  constexpr double fine_range = 16 * least_ring;
+  const bool by_weights = std::ranges::any_of(parts, [&](std::span<const Part> some) {
     return std::ranges::any_of(some, [&](const Part& part) {
       const CoverageLook& look = looks_[part.look];
-      return (part.rx ? *look.rx : look.tx).is_displaced(part.own);
+      // On a coarse grid the corners of range gates would be rounded too much.
+      return (part.rx ? *look.rx : look.tx).is_displaced(part.own) || look.farthest < fine_range;
     });
   });
-  FacetRegions facet(mesh_, result.facet, displaced);
+  FacetRegions facet(mesh_, result.facet, by_weights);
   for (const std::span<const Part> some : parts) add_regions(facet, some);
   std::vector<const FacetRegion*> regions;
   for (const FacetRegion& region : facet.regions()) regions.push_back(&region);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/footprints/range_ring.hpp"
 #include "geometry/mesh/part_weights.hpp"
 #include "geometry/search/scene_tree.hpp"
 #include "geometry/tubes/tube.hpp"
@@ -64,9 +65,14 @@ struct CoverageLook {
   /// The range gate of half path lengths, in grid units. A facet that reaches beyond the gate is cut
   /// (docs/notes/coverage.md).
   double nearest = 0, farthest = std::numeric_limits<double>::infinity();
+  /// True if the range gate of another look of the ping ends at `nearest`. The polygons of this border are
+  /// then the same for both looks.
+  bool continues = false;
   /// A separate receiver. A part is then seen if both ends see it from the same side. It is in the sector if
   /// both ends have it in their tubes.
   std::optional<CoverageEnd> rx = {};
+
+  RingSide inner_side() const { return continues ? RingSide::inscribed : RingSide::circumscribed; }
 };
 
 /// A part of a facet's area that the given number of pings sees.

@@ -177,30 +177,32 @@ FacetRegions::Window FacetRegions::window(const CoverageLook& look, const Aspect
   const FacetMesh& mesh = look.tx.seabed ? *look.tx.seabed->mesh : mesh_;
   const FacetMesh& there = rx != nullptr && rx->end->seabed ? *rx->end->seabed->mesh : mesh_;
   if (surely_in_window(look, mesh, tx.facet, there, rx ? rx->facet : tx.facet)) return window;
+  const double least = by_weights_ ? 0 : least_ring;
   const auto ring = [&](double range, RingSide side) {
     if (rx != nullptr) {
       const auto places = [](const Aspect& of) {
         return std::array{vector(of.corners[0]), vector(of.corners[1]), vector(of.corners[2])};
       };
-      if (rx->on_chart == tx.on_chart) return half_path_ring(places(tx), places(*rx), range, side);
+      if (rx->on_chart == tx.on_chart) return half_path_ring(places(tx), places(*rx), range, side, least);
       // The parts have been cut by the mirrors of each end separately. They belong to one facet at one
       // position.
       Aspect same = tx;
       const GridPoint apart = rx->end->tubes.apex - tx.end->tubes.apex;
       for (GridPoint& corner : same.corners) corner = corner - apart;
-      return half_path_ring(places(tx), places(same), range, side);
+      return half_path_ring(places(tx), places(same), range, side, least);
     }
     const FacetCone plane = facet_plane(mesh, tx.facet);
     const glm::dvec3 n = glm::normalize(vector(plane.normal));
     glm::dvec3 other(0);
     other[FacetChart(plane).u] = 1;
-    return range_ring(vector(tx.corners[0]), n, glm::normalize(other - n * glm::dot(n, other)), range, side);
+    return range_ring(vector(tx.corners[0]), n, glm::normalize(other - n * glm::dot(n, other)), range, side,
+                      least);
   };
   if (std::isfinite(look.farthest)) {
     window.outer = lines_round(ring(look.farthest, RingSide::inscribed), tx);
     window.none = window.outer.empty();
   }
-  if (look.nearest > 0) window.inner = lines_round(ring(look.nearest, RingSide::circumscribed), tx);
+  if (look.nearest > 0) window.inner = lines_round(ring(look.nearest, look.inner_side()), tx);
   return window;
 }
 

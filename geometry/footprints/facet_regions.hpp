@@ -53,8 +53,9 @@ struct FacetRegion {
   ChartBox box;
 };
 
-/// One facet and its regions. Its chart is the facet's own (FacetChart). If looks see the facet displaced,
-/// the chart consists of the weights of the second and third corner.
+/// One facet and its regions. Its chart is the facet's own (FacetChart). With `by_weights`, it
+/// consists of the weights of the second and third corner. This is necessary if looks see the facet
+/// displaced.
 class FacetRegions {
  public:
   /// The facet must have an area above 0.

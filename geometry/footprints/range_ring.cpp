@@ -116,9 +116,9 @@ std::vector<glm::dvec2> round(const HalfPath& path, glm::dvec2 middle, const glm
 }  // namespace
 
 std::vector<glm::dvec3> range_ring(glm::dvec3 corner, glm::dvec3 normal, glm::dvec3 first, double range,
-                                   RingSide side) {
+                                   RingSide side, double least) {
   const double along = glm::dot(normal, corner), radius2 = range * range - along * along;
-  if (!(radius2 > least_ring * least_ring)) return {};
+  if (!(radius2 > least * least)) return {};
   const double radius = side == RingSide::inscribed
                             ? std::sqrt(radius2)
                             : std::sqrt(radius2) / std::cos(std::numbers::pi / ring_sides);
@@ -132,7 +132,8 @@ std::vector<glm::dvec3> range_ring(glm::dvec3 corner, glm::dvec3 normal, glm::dv
 }
 
 std::vector<glm::dvec3> half_path_ring(const std::array<glm::dvec3, 3>& tx,
-                                       const std::array<glm::dvec3, 3>& rx, double half_path, RingSide side) {
+                                       const std::array<glm::dvec3, 3>& rx, double half_path, RingSide side,
+                                       double least) {
   const HalfPath path(tx, rx);
   const glm::dvec2 lowest = path.lowest();
   if (!(path.at(lowest).value < half_path)) return {};
@@ -141,15 +142,15 @@ std::vector<glm::dvec3> half_path_ring(const std::array<glm::dvec3, 3>& tx,
   // where its curvature is large.
   glm::dvec2 middle{0};
   for (const glm::dvec2& p : points) middle += p / double(ring_sides);
-  double xx = 0, xy = 0, yy = 0, least = half_path;
+  double xx = 0, xy = 0, yy = 0, nearest = half_path;
   for (const glm::dvec2& p : points) {
     const glm::dvec2 d = p - middle;
     xx += d.x * d.x;
     xy += d.x * d.y;
     yy += d.y * d.y;
-    least = std::min(least, glm::distance(p, lowest));
+    nearest = std::min(nearest, glm::distance(p, lowest));
   }
-  if (!(least > least_ring) || !(xx > 0)) return {};
+  if (!(nearest > least) || !(xx > 0)) return {};
   const double l = std::sqrt(xx), across = std::sqrt(std::max(yy - xy * xy / xx, 1e-12 * xx));
   points = round(path, middle, glm::dmat2(glm::dvec2(l, xy / l), glm::dvec2(0, across)), half_path);
   if (side == RingSide::circumscribed) {

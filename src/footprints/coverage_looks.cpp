@@ -57,7 +57,7 @@ void add_by_fans(const CoverageLook& all, std::span<const std::uint32_t> fan_of_
   };
   const std::uint32_t fans = fan_of_tx.empty() ? 0 : 1 + *std::ranges::max_element(fan_of_tx);
   for (std::uint32_t fan = 0; fan < fans; ++fan)
-    looks.push_back({all.ping, of_fan(all.tx, fan_of_tx, fan), all.nearest, all.farthest,
+    looks.push_back({all.ping, of_fan(all.tx, fan_of_tx, fan), all.nearest, all.farthest, all.continues,
                      of_fan(*all.rx, fan_of_rx, fan)});
 }
 
@@ -68,7 +68,8 @@ void add_straight(const Transmission& transmission, std::size_t sensor, std::uin
   const auto seabed = seabed_of(ends.tx());
   CoverageLook look{ping, seen_by(ends.tx(), seabed, options),
                     transmission.samples(sensor).first_m / transmission.scene().grid.unit_m(),
-                    transmission.sensor(sensor).reach(transmission.scene().grid, transmission.number())};
+                    transmission.sensor(sensor).reach(transmission.scene().grid, transmission.number()),
+                    transmission.sensor(sensor).first_sample(transmission.number()) > 0};
   if (!ends.are_two()) {
     looks.push_back(std::move(look));
     return;
@@ -128,7 +129,8 @@ void add_over_mirrors(const Transmission& transmission, std::size_t sensor, cons
       continue;
     CoverageLook look{ping, sent[i],
                       transmission.samples(sensor).first_m / transmission.scene().grid.unit_m(),
-                      transmission.sensor(sensor).reach(transmission.scene().grid, transmission.number())};
+                      transmission.sensor(sensor).reach(transmission.scene().grid, transmission.number()),
+                      transmission.sensor(sensor).first_sample(transmission.number()) > 0};
     if (images.one_place() && i == j) {
       looks.push_back(std::move(look));
       continue;

@@ -238,7 +238,7 @@ TrueSurface::TrueSurface(const Transmission& transmission, std::span<const TubeS
                          std::span<const ViewBounds> all_view_bounds, bool weights)
     : loaded_scene_(transmission.loaded_scene()) {
   if (!loaded_scene_.surface_mesh) {
-    if (loaded_scene_.moving) surface_.emplace(moved_surface_of(transmission));
+    if (loaded_scene_.moving) surface_.emplace(moved_surface_of(transmission, weights));
     return;
   }
   std::vector<Look> looks = transmission.looks(tubes);

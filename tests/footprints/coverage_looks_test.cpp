@@ -131,6 +131,17 @@ TEST_F(CoverageLooks, ReliefOfEachTransmissionIsThatOfReliefOnce) {
   EXPECT_GT(std::abs(online.shadow_m2 - flat.shadow_m2), 1e-3 * flat.shadow_m2) << "ripples throw shadows";
 }
 
+// On a coarse grid the range gate ends after few grid units.
+TEST_F(CoverageLooks, TheRangeGateNeedsNoFineGrid) {
+  const auto on_grid = [&](int exponent) {
+    return cover(
+        camera_scene(fmt::format("[run]\ngrid_exponent = {}\n", exponent) + isovelocity_water + flat_sand));
+  };
+  const Covered fine = on_grid(16), coarse = on_grid(9);
+  EXPECT_NEAR(coarse.seen_m2, fine.seen_m2, 0.01 * fine.seen_m2);
+  EXPECT_NEAR(coarse.shadow_m2, fine.shadow_m2, 0.01 * fine.shadow_m2);
+}
+
 TEST_F(CoverageLooks, AllAtOnceCloses) {
   const std::string all = camera_scene(water(steep) + ripples(0.02, "online"), arms(one, other));
   const Covered first = cover(all, {"--threads", "1"});

@@ -354,14 +354,19 @@ TEST_F(SlabOverSeabed, IsCoveredOverTiles) {
 // A part above the water is never seen.
 TEST_F(SlabOverSeabed, IsCoveredBelowTheSeaSurface) {
   for (Position& p : places) p[2] += 1.75;
-  const std::string surface = "[sea_surface]\nheight_m = 2.25\n";
-  for (std::size_t ping = 0; ping < 3; ++ping) {
-    const std::vector<std::string> of_ping{"--pings", std::to_string(ping)};
-    const Covered moving = covered(folder, scene({}, surface, watching_camera), of_ping),
-                  at_rest = covered(folder, scene(ping, surface, watching_camera), of_ping);
-    EXPECT_NEAR(moving.seen_m2, at_rest.seen_m2, 1e-3 * at_rest.seen_m2);
-    EXPECT_NEAR(moving.shadow_m2, at_rest.shadow_m2, 1e-3 * at_rest.shadow_m2);
-  }
+  const std::string surface = "[sea_surface]\nheight_m = 2.25\n",
+                    water =
+                        "[water]\nprofile = \"gradient\"\nsound_speed_m_s = 1500\ngradient_per_s = 0.5\n"
+                        "profile_bottom_m = 40\nsurface_height_m = 2.25\n";
+  for (const std::string& more : {surface, surface + water})
+    for (const std::string& arm : {std::string(), std::string("receiver_arm_m = [0.5, 0, 0]\n")})
+      for (std::size_t ping = 0; ping < 3; ++ping) {
+        const std::vector<std::string> of_ping{"--pings", std::to_string(ping)};
+        const Covered moving = covered(folder, scene({}, more, watching_camera + arm), of_ping),
+                      at_rest = covered(folder, scene(ping, more, watching_camera + arm), of_ping);
+        EXPECT_NEAR(moving.seen_m2, at_rest.seen_m2, 1e-3 * at_rest.seen_m2);
+        EXPECT_NEAR(moving.shadow_m2, at_rest.shadow_m2, 1e-3 * at_rest.shadow_m2);
+      }
 }
 
 TEST_F(SlabOverSeabed, HasTheLabelsOfAnObjectAtRest) {
