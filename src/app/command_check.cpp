@@ -20,6 +20,7 @@
 #include "run/console/amounts.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
+#include "run/fresnel_transition.hpp"
 #include "run/no_return.hpp"
 #include "run/placement.hpp"
 #include "run/recorded_navigation.hpp"
@@ -31,6 +32,7 @@
 #include "run/survey.hpp"
 #include "run/tiles_in_view.hpp"
 #include "run/transmission.hpp"
+#include "run/transmission_ends.hpp"
 
 namespace tubefoot {
 namespace {
@@ -180,7 +182,12 @@ void probe(const Transmissions& transmissions, const SharedTransmissions& group,
       for (std::uint32_t fan = 0; fan < model.patterns.baselines.size(); ++fan)
         transmission.echo(transmission.trace_receiver_pair(s, fan, model.patterns.baselines[fan]), s, fan,
                           model);
-      if (!transmission.sensor(s).has_receiver_pair()) transmission.echo(history, s, model.model);
+      if (transmission.has_separate_receiver()) {
+        const TransmissionEnds ends(transmission, s);
+        transmission.echo(ends.seen().together.history, s, ends.model(s)->model);
+      } else if (!transmission.sensor(s).has_receiver_pair()) {
+        transmission.echo(history, s, model.model);
+      }
       if (transmission.sensor(s).signals() != nullptr) signals_received(transmission, s, history);
     }
   }
@@ -305,6 +312,7 @@ int check_command(const CheckOptions& options) {
           static_cast<double>(scene.mesh.facets.size() * (sizeof(scene.mesh.facets[0]) + 4))) /
              static_cast<double>(scene.mesh.facets.size()));
 
+  const Transmissions transmissions(*survey, request);
   for (std::size_t s = 0; s < survey->sensors.size(); ++s) {
     const SensorPings& pings = survey->sensors[s];
     const Sensor& sensor = *pings.sensor;
@@ -330,6 +338,8 @@ int check_command(const CheckOptions& options) {
     print_places(scene, pings, scene.trajectories[scene.sensor_trajectory[s]]);
     if (!pings.water.empty())
       tell("               sound speed {:.2f} m/s at the first position\n", pings.sound_speed_m_s);
+    if (const auto transition = fresnel_transition(transmissions, s))
+      tell("               Fresnel transition {}\n", text_of(*transition));
     if (const auto assumed = assumed_configuration_text(scene, pings))
       tell("               files assume: {}\n", *assumed);
   }

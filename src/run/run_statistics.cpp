@@ -12,6 +12,7 @@
 
 #include "engine/surface/surface_mesh.hpp"
 #include "run/checkpoint/build_identity.hpp"
+#include "run/fresnel_transition.hpp"
 #include "run/refraction.hpp"
 #include "run/run_steps.hpp"
 
@@ -51,6 +52,21 @@ nlohmann::ordered_json coarsening_json(const SceneCoarsening& coarse) {
             {"largest", change_at_45_deg(coarse.largest_turn_rad)},
             {"rms", change_at_45_deg(coarse.rms_turn_rad)}}},
           {"seconds", coarse.seconds}};
+}
+
+/// Returns the transition at shadow borders by sensor, for sensors that see shadows.
+nlohmann::ordered_json fresnel_json(const Survey& survey, const RunRequest& request) {
+  const Transmissions transmissions(survey, request);
+  nlohmann::ordered_json json;
+  for (std::size_t s = 0; s < survey.sensors.size(); ++s)
+    if (const auto transition = fresnel_transition(transmissions, s))
+      json[survey.sensors[s].sensor->description().name] = {
+          {"pings", transition->pings},
+          {"shadow_borders_m", transition->length_m},
+          {"width_m_percentile_5", transition->width_m[0]},
+          {"width_m_median", transition->width_m[1]},
+          {"width_m_percentile_95", transition->width_m[2]}};
+  return json;
 }
 
 }  // namespace
@@ -127,6 +143,8 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
   json["footprints"] = stats.footprints;
   json["pieces"] = stats.pieces;
   json["ray_hits"] = stats.hits;
+  if (nlohmann::ordered_json transitions = fresnel_json(survey, request); !transitions.empty())
+    json["fresnel_transition"] = std::move(transitions);
   const PathsDescription& paths = scene.description.paths;
   if (stats.images + stats.arrivals > 0 || paths.order > 1 || paths.direct) {
     nlohmann::ordered_json orders;

@@ -41,7 +41,7 @@ window_length_m = 12
 
 const std::string seabed = "[[terrain]]\nkind = \"flat\"\nwidth_m = 50\nlength_m = 100\n";
 /// One metre high, 1 cm thick, with its far side 10 m north.
-const std::string wall =
+const std::string shadow_wall =
     "[[objects]]\nname = \"wall\"\nshape = \"box\"\nsize_m = [20, 0.01, 1]\nposition_m = [0, 9.995, 0.5]\n";
 const std::string sphere =
     "[[objects]]\nname = \"sphere\"\nshape = \"sphere\"\nradius_m = 1\nchord_error_m = 0.0005\n"
@@ -60,7 +60,7 @@ void expect_dark(const Echoes& echoes, std::size_t first, std::size_t last) {
 }
 
 TEST(Shadow, OfAThinWallEndsWhereHeightAndRangeSay) {
-  const Echoes echoes = echoes_of(camera_scene(seabed + wall));
+  const Echoes echoes = echoes_of(camera_scene(seabed + shadow_wall));
   const std::size_t end = echoes.sample_at(wall_shadow_end_m);
   // The last visible point is the foot of the wall: 9.99 m north on the seabed.
   expect_dark(echoes, echoes.sample_at(std::hypot(9.99, 5)) + 1, end - 1);
@@ -74,7 +74,7 @@ TEST(Shadow, OfAThinWallEndsWhereHeightAndRangeSay) {
 }
 
 TEST(Shadow, WallItselfIsSeenBeforeItsShadow) {
-  const Echoes echoes = echoes_of(camera_scene(seabed + wall));
+  const Echoes echoes = echoes_of(camera_scene(seabed + shadow_wall));
   for (std::size_t k = echoes.sample_at(10.78); k < echoes.sample_at(11.16); ++k)
     EXPECT_GT(echoes.at(0, 0, k), 3 * bare_seabed(echoes.first_m(k), echoes.last_m(k))) << "sample " << k;
 }
