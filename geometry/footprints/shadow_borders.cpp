@@ -8,8 +8,8 @@
 #include "geometry/arithmetic/exact_corner.hpp"
 #include "geometry/footprints/piece_walls.hpp"
 
-// Finds shadow borders by the names of corners. Two corners of a piece that share the plane of two vertices
-// are the ends of a border, if these vertices are those of another facet's edge in front of it.
+// Finds shadow borders by the names of corners. Two corners of a piece are the ends of a border if they share
+// the plane of another facet's edge in front of it.
 
 namespace tubefoot {
 namespace {

@@ -31,7 +31,7 @@ std::optional<FresnelTransition> fresnel_transition(const Transmissions& transmi
     double width_m, length_m;
   };
   std::vector<Part> parts;
-  // Of a record that is divided into intervals, the last one has the largest reach.
+  // The last interval of a divided record has the largest reach.
   const std::size_t intervals = sensor.transmissions() / sensor.firings();
   for (const std::size_t ping : chosen)
     for (std::size_t number = intervals - 1; number < sensor.transmissions(); number += intervals) {
