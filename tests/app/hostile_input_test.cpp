@@ -158,7 +158,7 @@ TEST_F(HostileToMemory, NumbersWithinAllOtherLimits) {
        "larger cell_m"});
   expect_refused(sphere(3e-7), {"scene.toml:8:1: ", "facets would need", "larger chord_error_m"});
   expect_refused(replaced(small_scene, "beams = 4\n", "beams = 4\ncycles = 4\npings = 10000000\n"),
-                 {"scene.toml:15:1: ", "the poses of 4e+07 transmissions would need 2.96 GB",
+                 {"scene.toml:15:1: ", "the poses of 4e+07 transmissions would need 3.6 GB",
                   "reduce the number of pings"});
   folder.write("grid.tif", sparse_tiff(7000, 7000, 100));
   expect_refused(with_raster_keys("load = \"whole\""),
