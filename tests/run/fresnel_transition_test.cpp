@@ -31,7 +31,7 @@ TEST(FresnelTransition, OfKnownSonars) {
   EXPECT_NEAR(h * std::sqrt(2 * 7 / (0.01 * 2 * 9)), 1, 1e-14);
 }
 
-std::string scene_with(const std::string& object) {
+std::string scene_below_sonar(const std::string& object) {
   return lambert_material("rock", -10) + flat_terrain(60, 60) + object +
          "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 10]\nend_m = [0.5, 0, 10]\nspeed_m_s = 0.5\n"
          "[[sensors]]\nname = \"down\"\nkind = \"imaging\"\nfrequency_khz = 300\ntilt_deg = 90\nbeams = 12\n"
@@ -43,7 +43,7 @@ TEST(FresnelTransition, OfAPlateBelowASonarIsInCheckAndStatistics) {
   const TestFolder folder;
   const std::string plate =
       "[[objects]]\nname = \"plate\"\nshape = \"box\"\nsize_m = [1, 1, 0.01]\nposition_m = [0.2, 0, 4]\n";
-  const std::string file = folder.write("scene.toml", scene_with(plate)).string();
+  const std::string file = folder.write("scene.toml", scene_below_sonar(plate)).string();
   const Outcome run = run_program({"run", file, "-o", (folder / "out").string(), "--quiet"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto stats = nlohmann::json::parse(std::ifstream(folder / "out/stats.json"));
@@ -64,7 +64,7 @@ TEST(FresnelTransition, OfAPlateBelowASonarIsInCheckAndStatistics) {
 
 TEST(FresnelTransition, IsAbsentWithoutShadows) {
   const TestFolder folder;
-  const std::string file = folder.write("scene.toml", scene_with("")).string();
+  const std::string file = folder.write("scene.toml", scene_below_sonar("")).string();
   ASSERT_EQ(run_program({"run", file, "-o", (folder / "out").string(), "--quiet"}).exit_code, 0);
   EXPECT_FALSE(
       nlohmann::json::parse(std::ifstream(folder / "out/stats.json")).contains("fresnel_transition"));

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
-std::string scene_of(const std::string& file, const std::string& more = "") {
+std::string scene_with_mesh(const std::string& file, const std::string& more = "") {
   return "[[materials]]\nname = \"sand\"\n[[materials]]\nname = \"steel\"\n[[objects]]\nname = "
          "\"thing\"\nmaterial = "
          "\"sand\"\nshape = \"mesh\"\nfile = \"" +
@@ -41,7 +41,7 @@ TEST(MeshRun, AUShapedPrismHasItsAreaInCheck) {
       "2.8 0.5\nf 8 7 6 5 4 3 2 1\nf 9 10 11 12 13 14 15 16\nf 1 2 10 9\nf 2 3 11 10\nf 3 4 12 11\nf 4 5 "
       "13 12\nf 5 6 14 13\nf 6 7 15 14\nf 7 8 16 15\nf 8 1 9 16\n");
   const double caps = 2 * (2.5 * 2.8 - 1.5 * 2.3), around = 2 * (2.5 + 2.8) + 2 * 2.3;
-  const Outcome outcome = check(folder, scene_of("u.obj"));
+  const Outcome outcome = check(folder, scene_with_mesh("u.obj"));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, ContainsRegex(fmt::format("sand +28 +{:.6g}\n", caps + around * 0.5)));
   EXPECT_THAT(outcome.err, IsEmpty());
@@ -53,7 +53,7 @@ TEST(MeshRun, CheckCountsWhatIsLeftOutAndListsNames) {
       "m.obj",
       "v 0 0 0\nv 1 0 0\nv 0 1 1\nv 1 1 1\nusemtl hull\nf 1 2 3\nf 2 4 3\nusemtl rope\nf 1 4\ng keel\nf 1 2 "
       "4\n");
-  const Outcome outcome = check(folder, scene_of("m.obj", "[objects.materials]\nhull = \"steel\"\n"));
+  const Outcome outcome = check(folder, scene_with_mesh("m.obj", "[objects.materials]\nhull = \"steel\"\n"));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("m.obj: 1 faces have fewer than three corners and are left out"));
   EXPECT_THAT(outcome.out,
@@ -78,7 +78,7 @@ TEST(MeshRun, OfAModelItsBuffersAreOpenedAndNothingElse) {
   folder.write("m.mtl", "newmtl hull\nmap_Kd skin.png\n");
   folder.write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl hull\nf 1 2 3\n");
   const auto opened = [&](const std::string& file) {
-    const std::string scene = folder.write("scene.toml", scene_of(file)).string();
+    const std::string scene = folder.write("scene.toml", scene_with_mesh(file)).string();
     const WatchedRun run = run_watched({"check", "--confined", scene});
     EXPECT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
     std::set<std::string> names;
@@ -95,12 +95,12 @@ TEST(MeshRun, OfAModelItsBuffersAreOpenedAndNothingElse) {
 TEST(MeshRun, AModelWithoutAxesIsRefusedWithTheWayOut) {
   const TestFolder folder;
   folder.write("m.3ds", studio_model());
-  const Outcome refused = check(folder, scene_of("m.3ds"));
+  const Outcome refused = check(folder, scene_with_mesh("m.3ds"));
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.err,
               AllOf(HasSubstr("scene.toml:5:1: "), HasSubstr("m.3ds: does not define its vertical axis"),
                     HasSubstr("'up'"), HasSubstr("'unit_m'")));
-  const Outcome taken = check(folder, scene_of("m.3ds", "up = \"z\"\nunit_m = 0.5\n"));
+  const Outcome taken = check(folder, scene_with_mesh("m.3ds", "up = \"z\"\nunit_m = 0.5\n"));
   EXPECT_EQ(taken.exit_code, 0) << taken.err;
   EXPECT_THAT(taken.out, ContainsRegex("sand +2 +0.5\n"));
 }

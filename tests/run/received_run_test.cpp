@@ -22,7 +22,7 @@ using testing::Not;
 const char* receiver =
     "speckle = \"rayleigh\"\nsource_level_db = 200\nnoise_level_db = 100\n";  // 1e-10 J/m2 of noise
 
-std::string scene_of(const std::string& kind, const std::string& keys) {
+std::string receiving_scene(const std::string& kind, const std::string& keys) {
   std::string scene(small_scene);
   scene.resize(scene.find("[[sensors]]"));
   return scene + fmt::format("[[sensors]]\nname = \"sonar\"\nkind = \"{}\"\nsamples = 80\n{}", kind, keys);
@@ -53,11 +53,11 @@ TEST_F(ReceivedRun, EveryKindOfEnergiesHasReceivedData) {
       {"interferometric", fan}};
   for (const auto& [kind, keys] : kinds) {
     SCOPED_TRACE(kind);
-    const Outcome ideal = run(scene_of(kind, keys));
+    const Outcome ideal = run(receiving_scene(kind, keys));
     ASSERT_EQ(ideal.exit_code, 0) << ideal.err;
     const std::vector<double> energies = NetcdfReader(folder / "out/echoes.nc").values("/", "energy");
     EXPECT_THAT(NetcdfReader(folder / "out/echoes.nc").variables("/"), Not(Contains("received")));
-    const Outcome outcome = run(scene_of(kind, keys + receiver));
+    const Outcome outcome = run(receiving_scene(kind, keys + receiver));
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const NetcdfReader file(folder / "out/echoes.nc");
     EXPECT_EQ(file.values("/", "energy"), energies);
@@ -78,16 +78,16 @@ TEST_F(ReceivedRun, AnArrayHasNoReceiverButSignals) {
   const std::string keys =
       "quantisation_bits = 8\nquantisation_bottom_db = 40\nquantisation_top_db = 100\npulse_length_us = "
       "100\n";
-  const Outcome outcome = run(replaced(scene_of("array", keys), "samples = 80\n", ""));
+  const Outcome outcome = run(replaced(receiving_scene("array", keys), "samples = 80\n", ""));
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("an array records signals"));
 }
 
 TEST_F(ReceivedRun, LevelsOfCodesAreChecked) {
   const std::string fan = "range_min_m = 1\nrange_max_m = 8\n";
-  EXPECT_THAT(run(scene_of("sidescan", fan + "quantisation_bits = 8\n")).err,
+  EXPECT_THAT(run(receiving_scene("sidescan", fan + "quantisation_bits = 8\n")).err,
               HasSubstr("'quantisation_bottom_db' (0) must be less than 'quantisation_top_db' (0)"));
-  EXPECT_THAT(run(scene_of("sidescan", fan + "quantisation_top_db = 8\n")).err,
+  EXPECT_THAT(run(receiving_scene("sidescan", fan + "quantisation_top_db = 8\n")).err,
               HasSubstr("'quantisation_top_db' needs 'quantisation_bits'"));
 }
 
