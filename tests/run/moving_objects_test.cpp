@@ -85,17 +85,22 @@ const std::string narrow_camera =
 
 const std::vector<Position> path{{-1, 6, 0.5}, {-0.25, 6.5, 0.25}, {0.75, 5, -0.5}, {1.5, 7.25, 0}};
 
-// Law J1.
-TEST(MovingObject, MovesLikeTheSonarInTheOppositeDirection) {
-  const TestFolder folder;
+/// The path of a sonar from which an object at path[0] looks as one on `path` does from the origin.
+std::vector<Position> opposite_path() {
   std::vector<Position> opposite;
   for (const Position& p : path)
     opposite.push_back({path[0][0] - p[0], path[0][1] - p[1], path[0][2] - p[2]});
+  return opposite;
+}
+
+// Law J1.
+TEST(MovingObject, MovesLikeTheSonarInTheOppositeDirection) {
+  const TestFolder folder;
   const std::string material = lambert_material("rock", -10) + fixed_grid;
   const Echoes moving =
                    energies_in(folder, material + waypoints(folder, "swim", path) + fixed("mast", {0, 0, 0}) +
                                            object("fish", round_shape, "swim") + sonar("mast", 4)),
-               moved = energies_in(folder, material + waypoints(folder, "boat", opposite) +
+               moved = energies_in(folder, material + waypoints(folder, "boat", opposite_path()) +
                                                object("fish", round_shape, "", path[0]) + sonar("boat", 4));
   ASSERT_GT(moving.total(), 0);
   EXPECT_EQ(moving.energy, moved.energy);
@@ -105,16 +110,13 @@ TEST(MovingObject, MovesLikeTheSonarInTheOppositeDirection) {
 // Law J1, for the exact shares of facets that several pings see.
 TEST(MovingObject, IsCoveredLikeAnObjectAtRestByASonarThatMoves) {
   const TestFolder folder;
-  std::vector<Position> opposite;
-  for (const Position& p : path)
-    opposite.push_back({path[0][0] - p[0], path[0][1] - p[1], path[0][2] - p[2]});
   const std::string scene = lambert_material("rock", -10) + fixed_grid;
   for (const bool separate : {false, true}) {
     const std::string of_sonar = narrow_camera + (separate ? "receiver_arm_m = [0.5, 0, 0.25]\n" : "");
     const Covered moving =
                       covered(folder, scene + waypoints(folder, "swim", path) + fixed("mast", {0, 0, 0}) +
                                           object("fish", round_shape, "swim") + sonar("mast", 4, of_sonar)),
-                  moved = covered(folder, scene + waypoints(folder, "boat", opposite) +
+                  moved = covered(folder, scene + waypoints(folder, "boat", opposite_path()) +
                                               object("fish", round_shape, "", path[0]) +
                                               sonar("boat", 4, of_sonar));
     EXPECT_EQ(moving.table, moved.table);
