@@ -46,22 +46,33 @@ std::vector<ShadowBorder> shadow_borders(const FacetMesh& mesh, const TubeSet& t
                          begin = point_on_facet(context, first, facet),
                          end = point_on_facet(context, second, facet), normal = glm::cross(a, b);
         // The ray to a point meets the line of the edge at a + share (b - a).
+        const auto slope = [&](glm::dvec3 point) { return glm::dot(glm::cross(b - a, point), normal); };
         const auto share_of = [&](glm::dvec3 point) {
-          return -glm::dot(glm::cross(a, point), normal) / glm::dot(glm::cross(b - a, point), normal);
+          return -glm::dot(glm::cross(a, point), normal) / slope(point);
         };
         const auto on_edge = [&](double share) { return a + share * (b - a); };
         const auto on_facet = [&](double share) {
           return on_edge(share) * (glm::dot(begin, across_facet) / glm::dot(on_edge(share), across_facet));
         };
-        // Beyond the ends of the edge, its plane only divides pieces.
-        const auto [low, high] =
-            std::minmax({std::clamp(share_of(begin), 0.0, 1.0), std::clamp(share_of(end), 0.0, 1.0)});
-        if (!(high - low > rounding)) continue;
-        const glm::dvec3 from = on_facet(low), to = on_facet(high), middle = (from + to) / 2.0;
-        const double range = glm::length(middle), to_edge = glm::length(on_edge(share_of(middle)));
-        if (!(to_edge < range * (1 - rounding))) continue;
-        borders.push_back({glm::distance(from, to), to_edge, range - to_edge,
-                           glm::length(glm::cross(across_facet, glm::normalize(normal)))});
+        const auto add = [&](glm::dvec3 first_point, glm::dvec3 last_point) {
+          // Beyond the ends of the edge, its plane only divides pieces.
+          const auto [low, high] = std::minmax(
+              {std::clamp(share_of(first_point), 0.0, 1.0), std::clamp(share_of(last_point), 0.0, 1.0)});
+          if (!(high - low > rounding)) return;
+          const glm::dvec3 from = on_facet(low), to = on_facet(high), middle = (from + to) / 2.0;
+          const double range = glm::length(middle), to_edge = glm::length(on_edge(share_of(middle)));
+          if (!(to_edge < range * (1 - rounding))) return;
+          borders.push_back({glm::distance(from, to), to_edge, range - to_edge,
+                             glm::length(glm::cross(across_facet, glm::normalize(normal)))});
+        };
+        if (slope(begin) * slope(end) > 0) {
+          add(begin, end);
+          continue;
+        }
+        // A ray between them is parallel to the edge.
+        const double parallel = slope(begin) / (slope(begin) - slope(end));
+        if (parallel > rounding) add(begin, begin + (parallel - rounding) * (end - begin));
+        if (parallel < 1 - rounding) add(begin + (parallel + rounding) * (end - begin), end);
       }
     }
   }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -40,6 +41,29 @@ TEST(ShadowBorders, OfAPlateAboveAPlaneAreItsCentralProjection) {
       EXPECT_NEAR(length_by_sine[int(std::lround(1e6 * (top - height) / std::hypot(top - height, d)))],
                   2 * half * top / (top - height), 1e-6);
   }
+}
+
+// The shadows of vertical edges lead away from the foot point of the apex. The planes of these edges divide
+// the visible facet on the other side too, where there is no shadow.
+TEST(ShadowBorders, OfAWallEndAtItsFoot) {
+  FacetMesh mesh;
+  add_square(mesh, 4000, 0);
+  const auto corner = [&](std::int32_t x, std::int32_t z) {
+    mesh.vertices.push_back({x, 100, z});
+    return static_cast<VertexId>(mesh.vertices.size() - 1);
+  };
+  const VertexId a = corner(-200, 0), b = corner(200, 0), c = corner(200, 500), d = corner(-200, 500);
+  for (const std::array<VertexId, 3>& facet : {std::array{a, b, c}, std::array{a, c, d}}) {
+    mesh.facets.push_back(facet);
+    mesh.material.push_back(0);
+    mesh.component.push_back(0);
+  }
+  // The shadow is a trapezium, twice as far from the foot point of the apex as the wall.
+  double length = 0;
+  for (const ShadowBorder& border :
+       borders_of(mesh, down_tubes({0, 0, 1000}, {-900, 30, 900}, {-700, 650}, 1000)))
+    length += border.length;
+  EXPECT_NEAR(length, 800 + 2 * std::hypot(200, 100), 1e-6);
 }
 
 TEST(ShadowBorders, AreNeitherContactsNorSides) {
