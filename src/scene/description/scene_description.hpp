@@ -14,10 +14,12 @@
 #include "scene/description/refinement_description.hpp"
 #include "scene/description/run_description.hpp"
 #include "scene/description/scatterers_description.hpp"
+#include "scene/description/sea_surface_description.hpp"
 #include "scene/description/sensor_description.hpp"
 #include "scene/description/terrain_description.hpp"
 #include "scene/description/trajectory_description.hpp"
 #include "scene/description/water_description.hpp"
+#include "scene/description/water_targets_description.hpp"
 
 // Description of a scene file, key by key, in the units of the file (degrees, metres, kHz). No further file
 // is loaded. docs/scene-keys.md documents every key with unit, default and range.
@@ -46,6 +48,8 @@ struct SceneDescription {
   std::vector<TrajectoryDescription> trajectories;
   std::vector<SensorDescription> sensors;
   RefinementDescription refinement;
+  std::vector<WaterTargetDescription> targets;
+  std::vector<TargetPopulationDescription> target_populations;
   ScatterersDescription scatterers;
   ProcessingDescription processing;
   RunDescription run;

@@ -112,6 +112,8 @@ struct SensorDescription {
                                    ///< record, in widths of the narrowest beam
   /// Permitted relative error of a beam's height, as planes approximate its cones (angles.hpp).
   double cone_tolerance = 4.5e-5;
+  /// sharp: geometrical shadows. fresnel: energies are weighted by the diffraction at silhouette edges.
+  std::string shadow = "sharp";
   PatternDescription transmit, receive;
   SignalDescription signal;
   SensorKeys kind;  ///< keys that only sensors of its kind have

@@ -31,6 +31,12 @@ struct WaterDescription {
   std::optional<double> travel_path_error_m;                ///< by default as docs/environment.md states
   std::optional<double> refraction_tolerance_db;            ///< default 0.1
   int refraction_turns = 1;                                 ///< largest number of turning points of rays
+
+  // Volume scattering strength S_v = 10 log10(s_v / (1 m^-1)), in dB re 1 m^-1; without both keys, the water
+  // does not scatter.
+  std::optional<double> volume_scattering_db;
+  std::optional<std::filesystem::path> volume_scattering_file;  ///< table of layers
+  SourcePlace volume_scattering_place;
 };
 
 }  // namespace tubefoot
