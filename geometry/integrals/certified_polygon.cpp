@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <iterator>
 #include <utility>
 
@@ -91,6 +92,48 @@ CertifiedPolygon certified_polygon(const FacetCone& facet, std::span<const glm::
   }
   finish<BallNumbers>(polygon);
   return polygon;
+}
+
+CertifiedPolygon certified_polygon(const glm::dvec3& normal, const Ball& distance_m,
+                                   std::span<const BallVector> corners_m) {
+  const BallVector towards_apex = balls(normal);
+  const Ball per_length = Ball(1) / root(dot(towards_apex, towards_apex));
+  CertifiedPolygon plane;
+  plane.away = scaled(towards_apex, -per_length);
+  plane.distance = distance_m * per_length;
+  // The coordinate axis that is farthest from the normal makes the frame, with u x v = away.
+  const glm::dvec3 size = glm::abs(normal);
+  const std::size_t axis = size.x <= size.y && size.x <= size.z ? 0 : size.y <= size.z ? 1 : 2;
+  BallVector along;
+  along[axis] = Ball(1);
+  const BallVector across = cross(along, plane.away);
+  plane.u = scaled(across, Ball(1) / root(dot(across, across)));
+  plane.v = cross(plane.away, plane.u);
+  return part_of(plane, corners_m);
+}
+
+std::vector<BallVector> corners_of(const CertifiedPolygon& polygon) {
+  std::vector<BallVector> corners;
+  for (const CertifiedPolygon::Point& p : polygon.points) {
+    BallVector& corner = corners.emplace_back();
+    for (std::size_t k = 0; k < corner.size(); ++k)
+      corner[k] = p.x * polygon.u[k] + p.y * polygon.v[k] + polygon.distance * polygon.away[k];
+  }
+  return corners;
+}
+
+std::vector<BallVector> directions_of(const NameContext& context, const std::vector<CornerName>& corners,
+                                      const NamedPiece& piece) {
+  std::vector<BallVector> directions;
+  for (std::uint32_t k = 0; k < piece.count; ++k)
+    directions.push_back(balls(wide_direction(context, corners[piece.first + k])));
+  return directions;
+}
+
+CertifiedPolygon part_of(const CertifiedPolygon& whole, std::span<const BallVector> corners_m) {
+  std::vector<CertifiedPolygon::Point> points;
+  for (const BallVector& p : corners_m) points.push_back({dot(p, whole.u), dot(p, whole.v)});
+  return part_of(whole, std::move(points));
 }
 
 CertifiedPolygon part_of(const CertifiedPolygon& whole, std::vector<CertifiedPolygon::Point> points) {

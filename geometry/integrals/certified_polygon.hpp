@@ -33,8 +33,21 @@ CertifiedPolygon certified_polygon(const NameContext& context, const std::vector
 CertifiedPolygon certified_polygon(const FacetCone& facet, std::span<const glm::dvec3> corners_m,
                                    glm::dvec3 other_apex_m, double unit_m);
 
+/// Encloses a convex polygon whose corners are relative to the apex and lie on the plane of the points p with
+/// dot(normal, p) = -distance_m. `normal` need not be a unit vector.
+CertifiedPolygon certified_polygon(const glm::dvec3& normal, const Ball& distance_m,
+                                   std::span<const std::array<Ball, 3>> corners_m);
+
+/// Returns the corners of a polygon relative to the apex, and the exact directions of corners by name.
+std::vector<std::array<Ball, 3>> corners_of(const CertifiedPolygon& polygon);
+std::vector<std::array<Ball, 3>> directions_of(const NameContext& context,
+                                               const std::vector<CornerName>& corners,
+                                               const NamedPiece& piece);
+
 /// A part of a polygon with these points, in the same plane and with the same orientation.
 CertifiedPolygon part_of(const CertifiedPolygon& whole, std::vector<CertifiedPolygon::Point> points);
+/// The same with corners relative to the apex.
+CertifiedPolygon part_of(const CertifiedPolygon& whole, std::span<const std::array<Ball, 3>> corners_m);
 
 /// Splits the points of a convex polygon by a line. `height` is the height of each point above the line, an
 /// affine function of position. A point whose |height| is below `level` counts as a point of the line. The

@@ -35,6 +35,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "inclined mirrors",
                                                        "several scatterings",
                                                        "moving objects",
+                                                       "volume scattering",
                                                        "--reference",
                                                        "double arithmetic",
                                                        "fast binning",
@@ -153,6 +154,47 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      refine,
      {},
      "a file of refined facets contains facets at rest: leave out 'trajectory' of the object"},
+    {volume,
+     refraction,
+     {reference},
+     "certified volume reverberation needs straight rays: leave out --reference, or set profile = "
+     "\"constant\""},
+    {volume,
+     separate_receiver,
+     {reference},
+     "certified volume reverberation needs a receiver at the transmitter: leave out --reference, or "
+     "'receiver_arm_m'"},
+    {volume,
+     motion,
+     {reference},
+     "certified volume reverberation needs one pose per ping: leave out --reference, or set stop_and_hop = "
+     "true"},
+    {volume,
+     refraction,
+     {separate_receiver},
+     "volume reverberation with a separate receiver needs straight rays: leave out 'receiver_arm_m', or set "
+     "profile = \"constant\""},
+    {volume,
+     refraction,
+     {motion},
+     "volume reverberation with motion within a ping needs straight rays: set stop_and_hop = true, or profile "
+     "= \"constant\""},
+    {volume,
+     two_receivers,
+     {},
+     "volume reverberation needs one receiver: use one receiver, or leave out the volume scattering"},
+    {volume,
+     signals,
+     {},
+     "volume reverberation has no phase: leave out the array, or the volume scattering"},
+    {volume,
+     gradient,
+     {},
+     "volume reverberation has no derivatives: leave out --gradient, or the volume scattering"},
+    {volume,
+     own_engine,
+     {},
+     "a custom engine computes all energies itself: use a built-in engine, or leave out the volume scattering"},
     {reference, coarsening, {}, "this output refers to the facets of the scene: leave out --coarsen"},
     {fast_binning,
      coarsening,
@@ -268,6 +310,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     const ObjectDescription& object = d.objects[scene.moving.front().component - d.terrains.size()];
     found.push_back({moving_objects, object.trajectory_place, fmt::format("object '{}' moves", object.name)});
   }
+  if (scene.volume.any()) found.push_back({volume, d.water.place, "the water scatters"});
   if (survey.loaded_scene->is_tiled())
     found.push_back({tiles, d.terrains.front().place, "the terrain is loaded in tiles"});
   if (survey.loaded_scene->relief.cell_m > 0)

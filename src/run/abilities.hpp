@@ -36,6 +36,7 @@ enum class Feature : unsigned char {
   inclined_mirrors,   ///< facets that are mirrors and are not horizontal
   scatterings,        ///< more than one scattering on a path
   moving_objects,     ///< objects on trajectories
+  volume,             ///< scattering in the water
   // features of a run
   reference,
   double_arithmetic,

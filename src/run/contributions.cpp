@@ -20,6 +20,7 @@
 #include "run/signals.hpp"
 #include "run/transmission_images.hpp"
 #include "run/transmission_rays.hpp"
+#include "run/volume_part.hpp"
 
 // This file plans the contributions to the echoes of transmissions. It implements those of the direct path to
 // a facet and back. They are echoes from one surface, separate receivers, receiver pairs, mixed-eigenray
@@ -325,8 +326,10 @@ const History& traced(const Transmission& transmission, PingSums& sums) {
 
 RunRequest with_needs(RunRequest request, std::span<const std::vector<EchoContribution>> plan) {
   for (const std::vector<EchoContribution>& of_group : plan)
-    for (const EchoContribution& contribution : of_group)
+    for (const EchoContribution& contribution : of_group) {
       request.visibility.corner_names |= contribution.needs_corner_names;
+      request.visibility.open_water |= contribution.needs_open_water;
+    }
   return request;
 }
 
@@ -377,6 +380,10 @@ std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRe
       add(others, separate ? add_separate_receiver : add_surface);
       if (refracted && !separate) add(those(is_single), add_mixed_eigenrays);
     }
+  }
+  if (direct && survey.scene.volume.any()) {
+    add(group.sensors, separate ? add_separate_volume : add_volume);
+    plan.back().needs_open_water = true;
   }
   add(those([&](std::size_t s) { return sensor(s).signals() != nullptr; }), add_signals);
   if (!request.gradient.empty()) {

@@ -21,6 +21,7 @@ struct EchoContribution {
   bool by_rays = false;              ///< true if rays sample the visibility
   bool has_surface_per_end = false;  ///< true if transmitter and receiver see different apparent surfaces
   bool needs_corner_names = false;   ///< true if the history must contain the names of corners
+  bool needs_open_water = false;     ///< true if the history must contain unobstructed regions
 };
 
 /// Returns the plan of a group's contributions, in the order of summation. This function alone chooses them,

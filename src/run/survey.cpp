@@ -23,6 +23,7 @@
 #include "run/refraction.hpp"
 #include "run/scene_below.hpp"
 #include "run/sensor_places.hpp"
+#include "run/volume_part.hpp"
 #include "run/transmission_surface.hpp"
 #include "scene/ping_times.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
@@ -381,7 +382,9 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
   put_into_water(*loaded_scene, *sensor_set);
   check_paths(loaded_scene->scene, *sensor_set);
   find_shared_transmissions(loaded_scene->scene.grid, *sensor_set);
-  return std::unique_ptr<const Survey>(new Survey{loaded_scene, sensor_set});
+  std::unique_ptr<const Survey> survey(new Survey{loaded_scene, sensor_set});
+  check_volume(*survey);
+  return survey;
 }
 
 Survey survey_with_tiles(const Survey& survey, const TileChoice& choice) {

@@ -38,6 +38,7 @@
 #include "scene/surfaces/smooth_materials.hpp"
 #include "scene/terrain_height.hpp"
 #include "scene/tracks.hpp"
+#include "scene/volume_layers.hpp"
 
 namespace tubefoot {
 namespace {
@@ -280,6 +281,7 @@ class Loader {
                 .smooth = load_smooth_surfaces(description_, report_.warnings),
                 .mirror_phase = {},
                 .water = {},
+                .volume = {},
                 .assumed_water = {},
                 .trajectories = std::move(trajectories_),
                 .sensor_trajectory = std::move(sensor_trajectory),
@@ -299,6 +301,9 @@ class Loader {
                                        ? surface->reflection / std::abs(surface->reflection)
                                        : 1.0);
     scene.water = std::make_shared<const SceneWater>(description_.water);
+    scene.volume = load_volume_scattering(
+        description_.water, surface_height_m(),
+        description_.sea_surface.has_value() || description_.water.surface_height_m.has_value());
     scene.assumed_water = assumed_water_of(description_.processing, scene.water);
     scene.sound_speed_m_s = scene.water->profile().at(description_.water.depth_m);
     scene.frame = frame_.value_or(LocalFrame());
@@ -306,6 +311,12 @@ class Loader {
     build_mesh(scene);
     scene.report = std::move(report_);
     warn_about(scene);
+    double lowest_m = std::numeric_limits<double>::infinity();
+    for (const ComponentReport& component : scene.report.components)
+      lowest_m = std::min(lowest_m, component.lo_m.z);
+    if (const auto warning =
+            short_layers_warning(description_.water, scene.volume, surface_height_m(), lowest_m))
+      scene.report.warnings.push_back(*warning);
     for (std::string& idle : idle_relief_warnings(scene)) scene.report.warnings.push_back(std::move(idle));
     if (const auto warning = scale_warning(scene.frame)) scene.report.warnings.push_back(*warning);
     return scene;

@@ -10,6 +10,7 @@
 #include "engine/relief/elevation_field.hpp"
 #include "engine/scattering/reflectivity_field.hpp"
 #include "engine/scattering/scattering_model.hpp"
+#include "engine/scattering/volume_scattering.hpp"
 #include "engine/signal/smooth_surface.hpp"
 #include "geometry/mesh/facet_mesh.hpp"
 #include "geometry/numbers/world_grid.hpp"
@@ -71,6 +72,7 @@ struct Scene {
   /// the loss.
   std::vector<std::complex<double>> mirror_phase;
   std::shared_ptr<const SceneWater> water;
+  VolumeScattering volume;  ///< heights in the local frame
   /// Water that the software of the sonars assumes. It is the same object as `water` if both have the same
   /// sound speeds.
   std::shared_ptr<const SceneWater> assumed_water;

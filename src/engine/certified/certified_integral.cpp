@@ -48,6 +48,7 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
     parts_.resize(end_beam - first_beam);
     for (std::uint32_t beam = first_beam; beam < end_beam; ++beam)
       parts_[beam - first_beam] = {Ball(), allowance.absolute(beam, slab.sample)};
+    take_sample(slab.sample);
     const bool clear = prepare(slabs_.crossings(slab), slab);
     integrate_slab(slab, clear, allowance.relative);
     for (std::uint32_t beam = first_beam; beam < end_beam; ++beam)
@@ -61,6 +62,7 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
                rho = root(squared(r) - distance2_);
     const double turn = 2 * Ball::pi().hi(), by_perimeter = (polygon.perimeter / rho).hi();
     const Ball angle(by_perimeter < turn ? by_perimeter : turn);  // also if the value is not a number
+    take_sample(gap.first_sample);
     const Ball area = (Ball(gap.hi) - Ball(gap.lo)) * angle * r;
     const Ball most = area * most_density(r, r) * largest_gain_;
     const Ball part = Ball(most.hi()) * Ball::between(0, 1);
@@ -69,6 +71,13 @@ void CertifiedIntegrator::add(const CertifiedPolygon& polygon, std::uint32_t fir
   };
   for (const PolarSlabs::Gap& gap : slabs_.gaps()) enclose_gap(gap);
   for (const PolarSlabs::Gap& gap : corners_) enclose_gap(gap);
+}
+
+void CertifiedIntegrator::take_sample(std::size_t sample) {
+  if (density_ != Density::volume) return;
+  for (std::size_t k = starts_.size(); k + 1 < borders_.size(); ++k)
+    starts_.push_back(volume_primitive(Ball(borders_[k]), beta_));
+  start_ = starts_[sample];
 }
 
 void CertifiedIntegrator::integrate_slab(const PolarSlabs::Slab& slab, bool clear, double relative) {

@@ -42,6 +42,8 @@ class CertifiedIntegrator : private PolarIntegrand<BallNumbers> {
   /// `beta_per_m`: one-way absorption.
   CertifiedIntegrator(std::span<const double> borders_m, const Ball& beta_per_m);
 
+  using PolarIntegrand::Density;
+  using PolarIntegrand::take_density;
   using PolarIntegrand::take_model;
 
   /// Integrates without patterns; all parts belong to `beam`. With a texture, the polygon must lie in its
@@ -96,7 +98,10 @@ class CertifiedIntegrator : private PolarIntegrand<BallNumbers> {
   std::vector<Ball> values(const Arc* arc, const Ball& t, const std::vector<Ball>& v,
                            const std::vector<Ball>& weight) const;
 
+  void take_sample(std::size_t sample);
+
   std::span<const double> borders_;
+  std::vector<Ball> starts_;  // F at the start of each sample, for the density of the volume
   Ball largest_gain_;
   std::size_t given_up_ = 0;
 

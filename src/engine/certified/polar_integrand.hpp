@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <type_traits>
 #include <vector>
 
 #include "engine/certified/certified_scattering.hpp"
+#include "engine/certified/certified_volume.hpp"
 #include "engine/scattering/density.hpp"
 #include "engine/scattering/scattering_model.hpp"
 #include "geometry/integrals/polar_arcs.hpp"
@@ -29,6 +31,12 @@ class PolarIntegrand : public PolarArcs<Numbers> {
   /// Sets the scattering model of the following polygons. With null, the integrand contains r^-2 instead,
   /// which is Lambert's law up to a constant factor.
   void take_model(const ScatteringModel* model) { model_ = model; }
+
+  /// Replaces the density of the echo. `solid_angle`: r^-3, so that the integral times the distance of the
+  /// plane is the solid angle. `volume`: r^-3 (F(r) - F(start)), with the primitive F of volume_primitive().
+  /// Only for balls.
+  enum class Density { echo, solid_angle, volume };
+  void take_density(Density density) { density_ = density; }
 
   /// The integrand over t: t times the density times the length of the arcs. Because r dr = t dt, the
   /// integral over t equals that of density times r times arcs over r.
@@ -60,6 +68,8 @@ class PolarIntegrand : public PolarArcs<Numbers> {
 
   Number beta_;
   const ScatteringModel* model_ = nullptr;
+  Density density_ = Density::echo;
+  Number start_{};  ///< F at the start of the current sample, for the density of the volume
   const ScatteringModel::Piece* model_piece_ = nullptr;  // of the current ranges
   std::vector<PolarSlabs::Gap> corners_;  // ranges at which the model's pieces meet, as gaps in slabs
 };
@@ -67,6 +77,10 @@ class PolarIntegrand : public PolarArcs<Numbers> {
 template <class Numbers>
 template <class N>
 N PolarIntegrand<Numbers>::radial(const N& t, const N& r2, const N& r) const {
+  if constexpr (std::is_same_v<Number, Ball>) {
+    if (density_ == Density::solid_angle) return t / (r2 * r);
+    if (density_ == Density::volume) return t * (volume_primitive(r, beta_) - N(start_)) / (r2 * r);
+  }
   const TwoWayRange<N> two_way{Numbers::range_product(r2, r), r + r};
   const N beta(beta_);
   if (model_piece_ == nullptr) return t * lambert_density(two_way, beta);
@@ -76,6 +90,12 @@ N PolarIntegrand<Numbers>::radial(const N& t, const N& r2, const N& r) const {
 
 template <class Numbers>
 auto PolarIntegrand<Numbers>::most_density(const Number& nearest, const Number& over) const -> Number {
+  if constexpr (std::is_same_v<Number, Ball>) {
+    const Number cube = squared(nearest) * nearest;
+    if (density_ == Density::solid_angle) return Number(1) / cube;
+    if (density_ == Density::volume)
+      return Number(std::max((volume_primitive(over, beta_) - start_).hi(), 0.0)) / cube;
+  }
   const auto two_way = TwoWayRange<Number>::of(nearest);
   if (model_ == nullptr) return lambert_density(two_way, beta_);
   const Number rho = root(squared(over) - squared(this->distance_));

@@ -126,7 +126,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   take_axes(polygon, plane, frame);
   take_texture(texture);
   const bool may_be_spans = arcs_may_be_spans();
-  if (may_be_spans && model == nullptr && add_edges()) return;
+  if (may_be_spans && model == nullptr && !density_ && add_edges()) return;
 
   ranges_.clear();
   const auto corner_range = [&](std::size_t i) {
@@ -399,8 +399,9 @@ void PatternIntegrator::add_circle(double t, double weight) {
           ? per_r2
           : ScatteringModel::in_piece(*piece_.model, std::atan2(circle_radius_m, piece_.distance),
                                       piece_.distance * per_r);
-  const double radial =
-      piece_.factor * weight * t * density_by_reciprocal(sigma, per_r2, 2 * (r2 * per_r), beta_);
+  const double radial = piece_.factor * weight * t *
+                        (density_ ? density_(r2 * per_r)
+                                  : density_by_reciprocal(sigma, per_r2, 2 * (r2 * per_r), beta_));
   if (piece_.full_circle) add_arc(per_r, circle_radius_m, {1, 0}, pi, radial);
   for (const Arc& arc : arcs_) {
     const glm::dvec2 begin = point_at(arc.begin, t2), end = point_at(arc.end, t2);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -60,6 +61,10 @@ class PatternIntegrator {
   /// way.
   PatternIntegrator(std::span<const double> borders_m, double beta_per_m, const BeamPatterns& patterns,
                     double tolerance);
+
+  /// Replaces the density of the echo by another function of range, which is smooth within each sample. Then
+  /// `factor` contains all that depends on the plane, and no model is given.
+  void take_density(std::function<double(double range_m)> density) { density_ = std::move(density); }
 
   /// Adds factor times the integral to energy[beam * samples + sample] for all beams that receive the tube,
   /// at the latest in finish(). `model`: function of the angle to the polygon's plane, which must live until
@@ -209,6 +214,7 @@ class PatternIntegrator {
   std::span<const double> borders_;
   double beta_, tolerance_;
   const BeamPatterns& patterns_;
+  std::function<double(double range_m)> density_;  // none: that of the echo
   std::array<double, most_gauss_nodes + 1> least_rho_{};  // smallest rho for which n nodes suffice
   std::vector<std::unique_ptr<Receiver>> receivers_;
   std::vector<std::uint32_t> receiver_of_tube_;  // index + 1; 0: not yet determined

@@ -127,7 +127,8 @@ bool PatternIntegrator::add_spans(double t0, double t1, const GaussRule& rule) {
           piece_.distance * over_r);
     const double absorbed =
         little ? absorbed_there * exp_of_little(beta_ * (middle_sum - 2 * r)) : std::exp(-(beta_ * (2 * r)));
-    const double radial = piece_.factor * (half * rule.weight[i]) * t * sigma * absorbed * squared(over_r2);
+    const double area = piece_.factor * (half * rule.weight[i]) * t;
+    const double radial = density_ ? area * density_(r) : area * sigma * absorbed * squared(over_r2);
     const double c = origin - axis.away * over_r;
     const double per_root2 = 1 / (squared_radius(over_r) - c * c);
     const double per_root = std::copysign(std::sqrt(per_root2), side), bend = c * per_root2;

@@ -27,7 +27,7 @@ namespace {
 /// Relative to the energy without interference.
 constexpr double tolerance = 1e-8;
 /// Facets per task. The number determines the order of summation.
-constexpr std::size_t facets_per_task = 64;
+constexpr std::size_t facets_per_pair_task = 64;
 
 /// Whether the transmitter is at the middle of the receiver pair. If apparent positions differ between
 /// chains of mirrors, the ends differ too.
@@ -262,12 +262,12 @@ ReceiverPairEcho integrated(const ReceiverPairHistory& history, const ReceiverBa
         (receiver_pair.baseline_m <= samples.first_m || !in_the_middle(history))))
     throw std::invalid_argument("the baseline of a receiver pair must be at most the nearest range");
   const std::vector<FacetOfReceivers> jobs = facets_of_receivers(history.by_upper, history.by_lower);
-  std::vector<std::optional<ReceiverPairIntegral>> parts((jobs.size() + facets_per_task - 1) /
-                                                         facets_per_task);
+  std::vector<std::optional<ReceiverPairIntegral>> parts((jobs.size() + facets_per_pair_task - 1) /
+                                                         facets_per_pair_task);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
     ReceiverPairIntegral& part = parts[task].emplace(history, receiver_pair, fan, beam, borders, models);
-    const std::size_t end = std::min((task + 1) * facets_per_task, jobs.size());
-    for (std::size_t k = task * facets_per_task; k < end; ++k) {
+    const std::size_t end = std::min((task + 1) * facets_per_pair_task, jobs.size());
+    for (std::size_t k = task * facets_per_pair_task; k < end; ++k) {
       stop_if_wanted();
       if (energies && jobs[k].upper != nullptr) part.add_energy(0, *jobs[k].upper);
       if (energies && jobs[k].lower != nullptr) part.add_energy(1, *jobs[k].lower);

@@ -9,19 +9,37 @@
 
 #include "engine/scattering/density.hpp"
 #include "engine/scattering/echo_model.hpp"
+#include "engine/scattering/volume_scattering.hpp"
 
 namespace tubefoot {
 namespace {
 
-RadialIntegral made(const RangeSamples& samples, double absorption_db_per_m) {
+RadialIntegral made_lambert(const RangeSamples& samples, double absorption_db_per_m) {
   const double beta = absorption_per_m(absorption_db_per_m);
   return RadialIntegral(sample_borders_m(samples),
                         [beta](double r) { return lambert_density(TwoWayRange<double>::of(r), beta); });
 }
 
+RadialIntegral made_solid_angle(const RangeSamples& samples, double) {
+  std::vector<double> borders = sample_borders_m(samples);
+  borders.push_back(borders.back() * farthest_over_last);
+  return RadialIntegral(borders, [](double r) { return 1 / (r * r * r); });
+}
+
+RadialIntegral made_volume(const RangeSamples& samples, double absorption_db_per_m) {
+  const double beta = absorption_per_m(absorption_db_per_m);
+  const std::vector<double> borders = sample_borders_m(samples);
+  return RadialIntegral(borders, [&](double r) {
+    return volume_spreading(sample_start_m(borders, r), r, beta) / (r * r * r);
+  });
+}
+
 /// Cache of results, the most recently used first.
 class Kept {
  public:
+  using Make = RadialIntegral (*)(const RangeSamples&, double absorption_db_per_m);
+  explicit Kept(Make make) : make_(make) {}
+
   std::shared_ptr<const RadialIntegral> get(const RangeSamples& samples, double absorption_db_per_m) {
     // Keys are compared by bits, because values that compare equal, such as the two zeros, may give different
     // results.
@@ -30,7 +48,7 @@ class Kept {
     if (auto found = find(key)) return found;
     // No lock is held during the computation. Two threads with the same request at the same time compute it
     // twice.
-    auto fresh = std::make_shared<const RadialIntegral>(made(samples, absorption_db_per_m));
+    auto fresh = std::make_shared<const RadialIntegral>(make_(samples, absorption_db_per_m));
     put(key, fresh);
     return fresh;
   }
@@ -60,6 +78,7 @@ class Kept {
     }
   }
 
+  const Make make_;
   std::mutex mutex_;
   std::list<Entry> entries_;
 };
@@ -68,8 +87,24 @@ class Kept {
 
 std::shared_ptr<const RadialIntegral> lambert_radial_integral(const RangeSamples& samples,
                                                               double absorption_db_per_m) {
-  static Kept kept;
+  static Kept kept(made_lambert);
   return kept.get(samples, absorption_db_per_m);
+}
+
+std::shared_ptr<const RadialIntegral> solid_angle_radial_integral(const RangeSamples& samples) {
+  static Kept kept(made_solid_angle);
+  return kept.get(samples, 0);
+}
+
+std::shared_ptr<const RadialIntegral> volume_radial_integral(const RangeSamples& samples,
+                                                             double absorption_db_per_m) {
+  static Kept kept(made_volume);
+  return kept.get(samples, absorption_db_per_m);
+}
+
+double sample_start_m(std::span<const double> borders_m, double range_m) {
+  const auto above = std::ranges::upper_bound(borders_m, range_m);
+  return above == borders_m.begin() ? borders_m.front() : *std::prev(above);
 }
 
 }  // namespace tubefoot

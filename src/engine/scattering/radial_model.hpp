@@ -17,6 +17,22 @@ namespace tubefoot {
 /// std::invalid_argument for samples without extent or with a negative range.
 std::shared_ptr<const RadialIntegral> lambert_radial_integral(const RangeSamples& samples,
                                                               double absorption_db_per_m);
+
+/// Returns the part of a facet's solid angle that depends on range alone. On a facet plane at distance D, an
+/// area element has the solid angle D r^-3 dA. The samples are followed by one more, which ends at
+/// `farthest_over_last` times the range of their end.
+std::shared_ptr<const RadialIntegral> solid_angle_radial_integral(const RangeSamples& samples);
+constexpr double farthest_over_last = 1 << 20;
+
+/// Returns the part of the volume reverberation in front of a facet that depends on range alone. In a sample
+/// that begins at r_k, the water in front of an area element returns s_v D g(r) dA, where
+///     g(r) = r^-3 (integral of s^-2 e^(-2 beta s) ds from r_k to r).
+/// `samples` must begin above 0.
+std::shared_ptr<const RadialIntegral> volume_radial_integral(const RangeSamples& samples,
+                                                             double absorption_db_per_m);
+/// Returns the begin of the sample that contains a range.
+double sample_start_m(std::span<const double> borders_m, double range_m);
+
 constexpr std::size_t most_cells_kept = std::size_t{1} << 17;
 
 }  // namespace tubefoot

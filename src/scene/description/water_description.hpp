@@ -36,7 +36,6 @@ struct WaterDescription {
   // does not scatter.
   std::optional<double> volume_scattering_db;
   std::optional<std::filesystem::path> volume_scattering_file;  ///< table of layers
-  SourcePlace volume_scattering_place;
 };
 
 }  // namespace tubefoot

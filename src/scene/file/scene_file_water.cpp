@@ -34,11 +34,21 @@ const std::vector<ProfileKey>& profile_keys() {
   return keys;
 }
 
+/// Checks the keys of volume scattering.
+void check_scattering(const WaterDescription& water, const TomlTable& table) {
+  if (water.volume_scattering_db && water.volume_scattering_file)
+    throw InputError(place_of_pair(table, "volume_scattering_db", "volume_scattering_file"),
+                     "the water scatters uniformly, or in the layers of 'volume_scattering_file': give only one "
+                     "of the two keys");
+}
+
 void check_profile(const WaterDescription& water, const TomlTable& table) {
   const auto among = [&water](const std::vector<const char*>& profiles) {
     return std::ranges::find(profiles, water.profile) != profiles.end();
   };
   for (const ProfileKey& key : profile_keys()) {
+    const bool scatters = water.volume_scattering_db || water.volume_scattering_file;
+    if (scatters && key.name == std::string_view("surface_height_m")) continue;
     if (table.has(key.name) && !among(key.profiles)) {
       throw InputError(
           table.place_of(key.name),
@@ -182,10 +192,20 @@ std::vector<TomlField<WaterDescription>> water_fields(bool all) {
       field("refraction_turns", &W::refraction_turns,
             {.meaning = "Largest number of turning points of a ray between the sonar and the "
                         "seabed. tubefoot omits rays with more turning points.",
-             .ranges = {{.lo = 0, .hi = 16}}})};
-  constexpr std::array<std::string_view, 6> others = {"absorption_db_per_km",    "ph",
-                                                      "absorption_model",        "refraction_gap_m",
-                                                      "refraction_tolerance_db", "refraction_turns"};
+             .ranges = {{.lo = 0, .hi = 16}}}),
+      field("volume_scattering_db", &W::volume_scattering_db,
+            {.meaning = "Volume scattering strength of the water, in dB re 1 m^-1. Without this key and "
+                        "`volume_scattering_file`, the water does not scatter.",
+             .ranges = {{.lo = -300, .hi = 0}}}),
+      field("volume_scattering_file", &W::volume_scattering_file,
+            {.meaning = "CSV file with the columns `depth_m,volume_scattering_db`, one row per layer. Each "
+                        "layer extends from its depth to that of the next row. The file may be "
+                        "`profile_file` with one more column."})};
+  constexpr std::array<std::string_view, 8> others = {
+      "absorption_db_per_km",    "ph",
+      "absorption_model",        "refraction_gap_m",
+      "refraction_tolerance_db", "refraction_turns",
+      "volume_scattering_db",    "volume_scattering_file"};
   if (!all)
     std::erase_if(
         fields, [&](const TomlField<W>& f) { return std::ranges::find(others, f.key.name) != others.end(); });
@@ -193,6 +213,7 @@ std::vector<TomlField<WaterDescription>> water_fields(bool all) {
 }
 
 void check_water(const WaterDescription& water, const TomlTable& table) {
+  check_scattering(water, table);
   check_profile(water, table);
   check_formula(water, table);
 }

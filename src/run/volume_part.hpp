@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "run/contributions.hpp"
+
+namespace tubefoot {
+
+/// Adds the volume reverberation of a transmission. The computation uses tubes, also for the ray engine.
+void add_volume(const EchoContribution& plan, const Transmission& transmission, PingSums& sums);
+/// The same for a separate receiver.
+void add_separate_volume(const EchoContribution& plan, const Transmission& transmission, PingSums& sums);
+
+/// Throws InputError at the place of a sensor whose range bins begin at the transducer, where the volume
+/// reverberation is infinite.
+void check_volume(const Survey& survey);
+
+}  // namespace tubefoot
