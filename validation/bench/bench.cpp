@@ -31,6 +31,7 @@
 #include "survey_figures.hpp"
 #include "terrain.hpp"
 #include "timing.hpp"
+#include "water_figures.hpp"
 
 namespace {
 
@@ -204,6 +205,7 @@ int main(int, char** argv) {
   gradient_figures(figure);
   motion_figures(figure);
   moving_figures(figure);
+  water_figures(figure);
   chart_figures(figure);
   const std::filesystem::path file = std::filesystem::path(argv[0]).parent_path() / "figures.json";
   std::ofstream out(file);

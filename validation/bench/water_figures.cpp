@@ -3,6 +3,9 @@
 
 #include <tbb/global_control.h>
 
+#include <filesystem>
+#include <fstream>
+#include <string>
 #include <vector>
 
 #include "run/simulation.hpp"
@@ -52,12 +55,11 @@ aperture_m = 0.1
 
 void water_figures(const std::function<void(const std::string& name, double value)>& figure) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const std::string text = terrain_and_camera, water = "[water]\n";
-  const auto compare = [&](const std::string& name, const std::string& scene, const VolumeScattering* layers) {
-    const auto silent = open_survey(read_scene_text(scene, "benchmark.toml"));
-    SceneDescription description = read_scene_text(scene + water + "volume_scattering_db = -60\n", "benchmark.toml");
-    const auto scattering = open_survey(description);
-    if (layers != nullptr) const_cast<Scene&>(scattering->scene).volume = *layers;
+  const std::filesystem::path layers = std::filesystem::temp_directory_path() / "tubefoot-bench-layers.csv";
+  std::ofstream(layers) << "depth_m,volume_scattering_db\n-4,-80\n-1.5,-70\n-1,-57\n-0.5,-60\n";
+  const auto compare = [&](const std::string& name, const std::string& scene, const std::string& key) {
+    const auto silent = open_survey(read_scene_text(scene, "benchmark.toml")),
+               scattering = open_survey(read_scene_text(scene + "[water]\n" + key, "benchmark.toml"));
     const RunRequest request = request_of(silent->scene.description.run);
     const auto run = [&](const Survey& survey) {
       return seconds([&] {
@@ -73,10 +75,11 @@ void water_figures(const std::function<void(const std::string& name, double valu
     }
     figure(name, median(ratio));
   };
-  const VolumeScattering layers{{0.5, 1, 1.5}, {1e-6, 2e-6, 1e-7, 1e-8}};
-  compare("volume_over_run", text, nullptr);
-  compare("volume_layers_over_run", text, &layers);
-  compare("volume_patterns_over_run", text + patterns, nullptr);
+  const std::string text = terrain_and_camera, uniform = "volume_scattering_db = -60\n";
+  compare("volume_over_run", text, uniform);
+  compare("volume_layers_over_run", text, "volume_scattering_file = \"" + layers.string() + "\"\n");
+  compare("volume_patterns_over_run", text + patterns, uniform);
+  std::filesystem::remove(layers);
 }
 
 }  // namespace tubefoot

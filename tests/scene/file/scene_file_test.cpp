@@ -315,7 +315,8 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\nlooks_pings = \ntexture = \ntexture_shape = "
                            "\ntexture_cell_m = "  // array_keys_test.cpp
                            "\nprofile_step_m = \nmunk_axis_m = \nmunk_scale_m = \nmunk_epsilon = "
-                           "\nprofile_file = \nprofile_error_m_s = "  // water_keys_test.cpp
+                           "\nprofile_file = \nprofile_error_m_s = \nvolume_scattering_db = "
+                           "\nvolume_scattering_file = "  // water_keys_test.cpp
                            "\nslope_deg = \nslope_heading_deg = \nturn_s = \ncentre_lat_lon_deg = "
                            "\ncentre_crs = \nspacing_m = \none_way = \nup_m = \naltitude_m = "
                            "\nwater = \nprocessing = \nsound_speed_at_transducer_m_s = \nlatency_s = "
