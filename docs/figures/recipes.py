@@ -130,6 +130,7 @@ FIGURES = [
     *pictures_of(run("seabed/laws.toml", "laws"), "laws", laws_sidescan=("sidescan", 800)),
     # Pictures of other pages.
     Figure("pictures/material-patches.png", (run("seabed/patches.toml", "patches"),), "out/patches/sidescan-mosaic.png", 700),
+    Figure("pictures/fish-before-wreck.png", (run("fish-before-wreck/scene.toml", "fish"),), "out/fish/sonar-0000.png", 900),
     Figure("pictures/labels-imaging.png", (run("imaging/scene.toml", "labelled", "--labels"),),
            "out/labelled/sonar-labels-0000.png", 1200),
     Figure("pictures/refraction.png", ("build/release/tubefoot_refraction_study scenes/refraction/scene.toml out/refraction.png",),

@@ -36,6 +36,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "several scatterings",
                                                        "moving objects",
                                                        "volume scattering",
+                                                       "targets in the water",
                                                        "--reference",
                                                        "double arithmetic",
                                                        "fast binning",
@@ -89,6 +90,15 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      "= "
      "true"},
     {refraction,
+     water_targets,
+     {reference},
+     "bounds of the echoes of targets need straight rays: leave out --reference, or set profile = "
+     "\"constant\""},
+    {refraction,
+     water_targets,
+     {two_receivers},
+     "phase differences of targets need straight rays: use one receiver, or set profile = \"constant\""},
+    {refraction,
      signals,
      {},
      "signals along refracted rays are not supported: leave out the array, or set profile = \"constant\""},
@@ -117,6 +127,14 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      {},
      "labels need the energy from each object, but a custom engine returns only the total energy: use a "
      "built-in engine"},
+    {water_targets,
+     labels,
+     {},
+     "labels refer to objects and materials, but targets have neither: leave out --labels, or the targets"},
+    {water_targets,
+     gradient,
+     {},
+     "echoes of targets have no derivatives: leave out --gradient, or the targets"},
     {refraction,
      coarsening,
      {},
@@ -318,6 +336,12 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
   if (survey.loaded_scene->surface_mesh)
     found.push_back(
         {relief_each_transmission, d.refinement.place, "[relief] is refined for each transmission"});
+  if (!d.targets.empty())
+    found.push_back({water_targets, d.targets.front().place,
+                     fmt::format("target '{}' is in the water", d.targets.front().name)});
+  else if (!d.target_populations.empty())
+    found.push_back({water_targets, d.target_populations.front().place,
+                     fmt::format("population '{}' is in the water", d.target_populations.front().name)});
   const auto add_material = [&](Feature feature, const auto& list, const char* what) {
     const auto with = std::ranges::find_if(list, [](const auto& one) { return one != nullptr; });
     if (with == list.end()) return;

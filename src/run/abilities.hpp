@@ -37,6 +37,7 @@ enum class Feature : unsigned char {
   scatterings,        ///< more than one scattering on a path
   moving_objects,     ///< objects on trajectories
   volume,             ///< scattering in the water
+  water_targets,      ///< targets in the water
   // features of a run
   reference,
   double_arithmetic,

@@ -21,6 +21,7 @@
 #include "run/transmission_images.hpp"
 #include "run/transmission_rays.hpp"
 #include "run/volume_part.hpp"
+#include "run/water_targets.hpp"
 
 // This file plans the contributions to the echoes of transmissions. It implements those of the direct path to
 // a facet and back. They are echoes from one surface, separate receivers, receiver pairs, mixed-eigenray
@@ -356,13 +357,17 @@ std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRe
     if (!sensors.empty())
       plan.push_back({std::move(sensors), function, request.reference_tolerance, rays, surface_per_end});
   };
+  const bool direct = is_order_wanted(survey.scene, 1);
+  const auto add_targets = [&] {
+    if (direct && has_water_targets(survey.scene.description)) add(group.sensors, add_water_targets);
+  };
   if (request.own_engine) {
     add(group.sensors, add_own_engine);
+    add_targets();
     return plan;
   }
   add(those([&](std::size_t s) { return has_paths(s) && is_single(s); }), add_paths);
   add(those([&](std::size_t s) { return has_paths(s) && is_pair(s); }), add_receiver_pair_paths);
-  const bool direct = is_order_wanted(survey.scene, 1);
   // Receivers of a pair have a visibility of their own if both are tubes from exact apexes. Otherwise both
   // use the history of the transmitter.
   const bool pairs_are_bistatic =
@@ -385,6 +390,7 @@ std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRe
     add(group.sensors, separate ? add_separate_volume : add_volume);
     plan.back().needs_open_water = true;
   }
+  add_targets();
   add(those([&](std::size_t s) { return sensor(s).signals() != nullptr; }), add_signals);
   if (!request.gradient.empty()) {
     add(group.sensors, add_gradients);

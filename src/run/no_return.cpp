@@ -15,6 +15,7 @@
 #include "run/paths.hpp"
 #include "run/tiles_in_view.hpp"
 #include "run/transmission.hpp"
+#include "run/water_targets.hpp"
 #include "scene/extent.hpp"
 
 // This file finds sensors that receive nothing, before a run from a few pings or after it from the
@@ -252,7 +253,8 @@ bool is_silent(const Recording& recording) {
 
 std::vector<NoReturn> expected_no_returns(const Survey& survey, const RunRequest& request) {
   std::vector<NoReturn> found;
-  if (!has_facets(survey.scene)) return found;  // another message reports this already
+  if (!has_facets(survey.scene)) return found;                    // another message reports this already
+  if (has_water_targets(survey.scene.description)) return found;  // sensors may receive sound without a facet
   const Transmissions transmissions(survey, request);
   TransmissionsAround around(transmissions);
   const std::vector<ChosenEchoes> chosen = chosen_of(survey, request.selection);

@@ -13,11 +13,14 @@
 #include "engine/gradient/signal_parameters.hpp"
 #include "engine/signal/certified_signals.hpp"
 #include "engine/signal/smooth_signals.hpp"
+#include "engine/targets/target_signals.hpp"
+#include "engine/targets/targets_in_tubes.hpp"
 #include "geometry/numbers/scalars.hpp"
 #include "run/paths.hpp"
 #include "run/signal_paths.hpp"
 #include "run/signals.hpp"
 #include "run/transmission_images.hpp"
+#include "run/water_targets.hpp"
 
 // This file computes the signals that the elements of a sensor receive, with phase (docs/signals.md). It
 // sums rough surfaces over scatterers, smooth surfaces over their visible polygons, and adds paths over
@@ -223,7 +226,67 @@ class TransmissionSignals {
                       [&](const CoherentArrival& arrival) { add_arrival(arrival, receiver_, sum); }});
   }
 
+  /// Adds the signals of targets in the water. Sets infinite bounds for the samples that they reach; `bound`
+  /// may be empty.
+  void add_targets(ChannelSignals& sum, std::span<std::complex<double>> bound) const {
+    const std::shared_ptr<const WaterTargets> targets = water_targets_of(transmission_.scene());
+    if (targets->empty()) return;
+    const auto add = [&](const TubeSet& sent, const TubeSet* received, std::size_t first, std::size_t end) {
+      add_targets_between(*targets, sent, received, [&](const WaterTarget& target) {
+        for (std::size_t channel = first; channel < end; ++channel) {
+          const std::size_t from = channel * sum.samples;
+          const ReachedSamples reached = add_target_signal(
+              target, transmission_.scene().grid.to_metres(target.at), receiver_.channels[channel], receiver_,
+              echo_model_.model.absorption_db_per_m, std::span(sum.value).subspan(from, sum.samples));
+          constexpr double open = std::numeric_limits<double>::infinity();
+          for (std::size_t k = reached.first; !bound.empty() && k < reached.end; ++k)
+            bound[from + k] = {open, open};
+        }
+      });
+    };
+    const std::size_t channels = receiver_.channels.size();
+    if (model_.own_views) {
+      const TubeSet sent = transmission_.tubes_of(sensor_);
+      for (std::size_t channel = 0; channel < channels; ++channel) {
+        const TubeSet received = tubes_from(receiver_.channels[channel].receive_m);
+        add(sent, &received, channel, channel + 1);
+      }
+    } else if (transmission_.has_separate_receiver()) {
+      const TubeSet received = transmission_.receive_tubes(sensor_);
+      add(transmission_.tubes(), &received, 0, channels);
+    } else {
+      add(transmission_.tubes_of(sensor_), nullptr, 0, channels);
+    }
+  }
+
  private:
+  /// Calls use(target) for the targets in the tubes of both ends that both ends see; null: one end.
+  template <class Use>
+  void add_targets_between(const WaterTargets& targets, const TubeSet& sent, const TubeSet* received,
+                           const Use& use) const {
+    const FacetMesh& mesh = transmission_.surface_mesh().mesh();
+    const SceneTree& tree = transmission_.surface_mesh().tree();
+    const TubeWalls tx(sent);
+    std::optional<TubeWalls> rx;
+    if (received != nullptr) rx.emplace(*received);
+    std::vector<std::uint32_t> found;
+    each_target_in(targets, tx, transmission_.scene().grid, {0, target_reach(transmission_).farthest_m},
+                   [&](const WaterTarget& target, std::span<const std::uint32_t>) {
+                     if (rx) {
+                       rx->find(target.at, found);
+                       if (found.empty()) return;
+                     }
+                     if (is_target_in_view(mesh, tree, tx.apex(), target.at) &&
+                         (!rx || is_target_in_view(mesh, tree, rx->apex(), target.at)))
+                       use(target);
+                   });
+  }
+  /// Returns the tubes of the sensor's receiver at a position.
+  TubeSet tubes_from(glm::dvec3 receiver_m) const {
+    Pose pose = transmission_.receiver_pose();
+    pose.position_m = receiver_m;
+    return transmission_.sensor(sensor_).tubes(pose, transmission_.scene().grid, transmission_.number());
+  }
   ChannelSignals silence_of(const std::vector<SignalChannel>& channels) const {
     ChannelSignals none{channels.size(), receiver_.times.count, {}};
     none.value.assign(none.channels * none.samples, 0);
@@ -311,10 +374,7 @@ class TransmissionSignals {
   }
   BistaticHistory seen_with(glm::dvec3 receiver_m) const {
     const Scene& scene = transmission_.scene();
-    Pose pose = transmission_.receiver_pose();
-    pose.position_m = receiver_m;
-    TubeSet sent = transmission_.tubes_of(sensor_),
-            received = transmission_.sensor(sensor_).tubes(pose, scene.grid, transmission_.number());
+    TubeSet sent = transmission_.tubes_of(sensor_), received = tubes_from(receiver_m);
     // Half of a path is no less than the range from either end, minus half of the distance between the ends.
     const double apart =
         glm::distance(receiver_m, transmission_.pose().position_m) / (2 * scene.grid.unit_m());
@@ -355,12 +415,15 @@ CertifiedSignals signals_received(const Transmission& transmission, std::size_t 
     else if (direct)
       others = received.straight(history);
     received.add_mirrored(others);
+    if (tolerance && !direct)
+      all = {received.no_return(), std::vector<std::complex<double>>(others.value.size())};
+    const bool has_targets = direct && has_water_targets(transmission.scene().description);
+    if (has_targets) received.add_targets(others, all.bound);
     mix(others, model);
     if (!tolerance) return {std::move(others), {}};
-    if (!direct) all = {received.no_return(), std::vector<std::complex<double>>(others.value.size())};
+    if (received.has_mirrors() || has_targets) superpose(others, 1, all.signals);
     if (received.has_mirrors()) {
       constexpr double open = std::numeric_limits<double>::infinity();
-      superpose(others, 1, all.signals);
       std::ranges::fill(all.bound, std::complex(open, open));
     }
     return all;

@@ -25,6 +25,7 @@
 #include "run/sensor_places.hpp"
 #include "run/volume_part.hpp"
 #include "run/transmission_surface.hpp"
+#include "run/water_targets.hpp"
 #include "scene/ping_times.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
 
@@ -373,6 +374,7 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
   assume_configuration(loaded_scene->scene, *sensor_set);
   check_places(*loaded_scene, *sensor_set);
   warn_of_motion(*loaded_scene, *sensor_set);
+  check_water_targets(*loaded_scene, *sensor_set);
   // Must follow check_places(), whose messages name the facets under a sensor.
   if (facets == Facets::merged && !keeps_its_facets(*loaded_scene)) {
     merge_planes(*loaded_scene);

@@ -39,6 +39,7 @@
 #include "scene/terrain_height.hpp"
 #include "scene/tracks.hpp"
 #include "scene/volume_layers.hpp"
+#include "scene/water_target_places.hpp"
 
 namespace tubefoot {
 namespace {
@@ -265,6 +266,8 @@ class Loader {
                         sensor_positions(sensor, description_.trajectories[t], trajectories_[t])});
     }
 
+    for (TargetExtent& target : water_target_extents(description_, frame_.value_or(LocalFrame())))
+      parts_.push_back({std::move(target.name), target.place, target.extent});
     std::vector<std::shared_ptr<const ElevationField>> relief(description_.materials.size());
     if (description_.refinement.mode != "off")
       relief = load_relief(description_.materials, frame_.value_or(LocalFrame()), report_.warnings);
@@ -498,10 +501,7 @@ class Loader {
   }
 
   /// Height from which depths count.
-  double surface_height_m() const {
-    return description_.sea_surface ? description_.sea_surface->height_m
-                                    : description_.water.surface_height_m.value_or(0);
-  }
+  double surface_height_m() const { return sea_surface_height_m(description_); }
 
   bool is_tiled(std::size_t component) const { return !tiled_.empty() && tiled_[component].tiles; }
 

@@ -190,6 +190,8 @@ struct SceneEntries {
   std::vector<Entry<MaterialDescription>> materials;
   std::vector<Entry<TerrainDescription>> terrains;
   std::vector<Entry<ObjectDescription>> objects;
+  std::vector<Entry<WaterTargetDescription>> targets;
+  std::vector<Entry<TargetPopulationDescription>> target_populations;
   std::vector<Entry<TrajectoryDescription>> trajectories;
   std::vector<Entry<SensorDescription>> sensors;
   std::vector<Entry<RefinementDescription>> refinement;
@@ -214,6 +216,8 @@ SceneEntries read_entries(const toml::table& root, const TomlSection<SensorDescr
       {"materials", into(material_section(), all.materials)},
       {"terrain", into(terrain_section(), all.terrains)},
       {"objects", into(object_section(), all.objects)},
+      {"targets", into(target_section(), all.targets)},
+      {"target_populations", into(target_population_section(), all.target_populations)},
       {"trajectories", into(trajectory_section(), all.trajectories)},
       {"trajectory", into(trajectory_section(), all.trajectories)},
       {"sensors", into(sensors, all.sensors)},
@@ -285,6 +289,12 @@ void check_scene(SceneEntries& all, const TomlSection<SensorDescription>& sensor
   }
   unique_names(all.terrains, terrain_section());
   unique_names(all.objects, object_section());
+  unique_names(all.targets, target_section());
+  unique_names(all.target_populations, target_population_section());
+  for (const auto& [target, table] : all.targets)
+    if (target.position_lat_lon_deg && all.georeference.empty())
+      throw InputError(table.place_of("position_lat_lon_deg"),
+                       "'position_lat_lon_deg' needs the position of the frame on Earth: add [georeference]");
   unique_names(all.sensors, sensors);
   std::vector<std::string> materials;
   for (const auto& material : all.materials) materials.push_back(material.description.name);
@@ -358,6 +368,8 @@ void for_each_section(const TomlSection<SensorDescription>& sensors, Call call) 
   call(terrain_section());
   call(material_map_section());
   call(object_section());
+  call(target_section());
+  call(target_population_section());
   call(trajectory_section());
   call(sensors);
   call(assumed_mounting_section());
@@ -442,6 +454,8 @@ SceneDescription read_scene_text(const std::string& text, const fs::path& file, 
   scene.materials = descriptions(all.materials);
   scene.terrains = descriptions(all.terrains);
   scene.objects = descriptions(all.objects);
+  scene.targets = descriptions(all.targets);
+  scene.target_populations = descriptions(all.target_populations);
   scene.trajectories = descriptions(all.trajectories);
   scene.sensors = descriptions(all.sensors);
   scene.refinement = only(all.refinement, file);

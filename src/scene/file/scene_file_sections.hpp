@@ -24,6 +24,8 @@ TomlField<TerrainDescription> material_map_field();
 /// Throws InputError at the first name in the map that is not a material.
 void check_materials(const MaterialMapDescription& map, const std::vector<std::string>& materials);
 const TomlSection<ObjectDescription>& object_section();
+const TomlSection<WaterTargetDescription>& target_section();
+const TomlSection<TargetPopulationDescription>& target_population_section();
 const TomlSection<TrajectoryDescription>& trajectory_section();
 /// Returns the section with the keys of the given kinds.
 TomlSection<SensorDescription> sensor_section(const SensorSections& kinds);

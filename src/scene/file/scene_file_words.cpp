@@ -9,7 +9,8 @@ namespace {
 
 /// Units in scene files, and others that a person may try. Longer endings precede endings that they
 /// contain.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 35> units{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 36> units{{
+    {"per_m3", "1/m^3"},
     {"db_per_km", "dB/km"},
     {"deg_per_hour", "degrees per hour"},
     {"m_per_hour", "metres per hour"},

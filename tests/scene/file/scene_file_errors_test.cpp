@@ -443,6 +443,7 @@ class EveryKey : public testing::Test {
 
   static std::string good_value(const SceneKey& key) {
     if (key.type == "file") return "\"file.dat\"";
+    if (key.type == "2 numbers") return "[10, 10]";
     if (key.type == "3 numbers") return "[0, 0, 0]";
     if (key.type == "table") return key.name == "shares" ? "{ x = 1 }" : "{ 1 = \"x\" }";
     return key.type == "text" ? "\"x\"" : "10";

@@ -55,6 +55,29 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.materials[1].lambert_db, -8.5);
   EXPECT_EQ(scene.materials[1].specular_loss_db, std::nullopt);
 
+  ASSERT_EQ(scene.targets.size(), 2u);
+  EXPECT_EQ(scene.targets[0].name, "tuna");
+  EXPECT_THAT(scene.targets[0].position_m, ElementsAre(3, 4, -5));
+  EXPECT_EQ(scene.targets[0].strength.target_strength_db, -25.5);
+  EXPECT_THAT(scene.targets[1].position_lat_lon_deg, Optional(ElementsAre(48.5, -4.02)));
+  ASSERT_TRUE(scene.targets[1].strength.file.has_value());
+  EXPECT_TRUE(
+      std::filesystem::equivalent(*scene.targets[1].strength.file, folder.outside.path() / "scene/eel.csv"));
+  EXPECT_EQ(scene.targets[1].heading_deg, 11);
+  EXPECT_EQ(scene.targets[1].pitch_deg, 12);
+  EXPECT_EQ(scene.targets[1].roll_deg, 13);
+  ASSERT_EQ(scene.target_populations.size(), 1u);
+  const TargetPopulationDescription& krill = scene.target_populations[0];
+  EXPECT_EQ(krill.name, "krill");
+  EXPECT_EQ(krill.density_per_m3, 0.5);
+  EXPECT_THAT(krill.centre_m, ElementsAre(7, -8));
+  EXPECT_THAT(krill.size_m, ElementsAre(20, 30));
+  EXPECT_EQ(krill.top_depth_m, 1.5);
+  EXPECT_EQ(krill.bottom_depth_m, 9);
+  EXPECT_EQ(krill.strength.target_strength_db, -75);
+  EXPECT_EQ(krill.strength_spread_db, 2.5);
+  EXPECT_EQ(krill.seed, 31u);
+
   ASSERT_TRUE(scene.sea_surface.has_value());
   EXPECT_EQ(scene.sea_surface->height_m, 3.5);
   EXPECT_EQ(scene.sea_surface->loss_db, 0.5);

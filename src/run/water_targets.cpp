@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run/water_targets.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/trigonometric.hpp>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+
+#include "files/csv_file.hpp"
+#include "files/limits.hpp"
+#include "scene/water_target_places.hpp"
+
+// This file converts the description of targets in the water to targets on the grid. It reads the tables of
+// target strengths that `tubefoot strength` writes.
+
+namespace tubefoot {
+namespace {
+
+/// Returns the sorted values of one axis of a table.
+std::vector<double> axis_of(const std::set<double>& values) { return {values.begin(), values.end()}; }
+
+/// Reads a table of target strengths. The rows may be in any order, and must have each combination of
+/// elevation, azimuth and frequency once.
+std::shared_ptr<const StrengthOverDirection> read_strengths(const std::filesystem::path& file) {
+  constexpr std::array<std::string_view, 3> axes{"elevation_deg", "azimuth_deg", "frequency_hz"};
+  constexpr std::array<std::string_view, 3> values{"length_re_m", "length_im_m", "target_strength_db"};
+  using Key = std::array<double, 3>;
+  std::map<Key, double> rows;
+  std::array<std::set<double>, 3> found;
+  read_csv(file, axes, values, [&](const CsvRow& row) {
+    const Key key{row.values[0], row.values[1], row.values[2]};
+    if (!(std::abs(key[0]) <= 90))
+      throw InputError(row.places[0], fmt::format("elevation_deg is {}: expected -90 to 90", key[0]));
+    if (!(std::abs(key[1]) <= 720))
+      throw InputError(row.places[1], fmt::format("azimuth_deg is {}: expected -720 to 720", key[1]));
+    if (!(key[2] > 0))
+      throw InputError(row.places[2], fmt::format("frequency_hz is {}: expected a number above 0", key[2]));
+    const bool has_length = !std::isnan(row.values[3]) && !std::isnan(row.values[4]);
+    if (!has_length && std::isnan(row.values[5]))
+      throw InputError(row.places[5],
+                       "expected the column target_strength_db, or the columns length_re_m and length_im_m");
+    const double cross_section = has_length ? row.values[3] * row.values[3] + row.values[4] * row.values[4]
+                                            : cross_section_m2(row.values[5]);
+    if (!(cross_section <= 1e12))
+      throw InputError(
+          row.places[has_length ? 3 : 5],
+          fmt::format("the cross-section is {:.3g} m2: expected at most 1e12 m2", cross_section));
+    if (!rows.emplace(key, cross_section).second)
+      throw InputError(row.places[0],
+                       fmt::format("elevation {} deg, azimuth {} deg and frequency {} Hz appear "
+                                   "twice: expected one row for each combination",
+                                   key[0], key[1], key[2]));
+    if (rows.size() > limits::table_rows)
+      throw InputError(row.places[0], fmt::format("the table has more than {} rows", limits::table_rows));
+    for (std::size_t k = 0; k < 3; ++k) found[k].insert(key[k]);
+  });
+  const SourcePlace whole{file.string(), 0, 0};
+  if (rows.empty()) throw InputError(whole, "has a header but no row: expected at least one row");
+  std::vector<double> cross_sections;
+  cross_sections.reserve(rows.size());
+  for (const double elevation : found[0])
+    for (const double azimuth : found[1])
+      for (const double frequency : found[2]) {
+        const auto row = rows.find({elevation, azimuth, frequency});
+        if (row == rows.end())
+          throw InputError(whole, fmt::format("has no row for elevation {} deg, azimuth {} deg and frequency "
+                                              "{} Hz: expected all combinations of the three columns",
+                                              elevation, azimuth, frequency));
+        cross_sections.push_back(row->second);
+      }
+  try {
+    return std::make_shared<const StrengthOverDirection>(axis_of(found[0]), axis_of(found[1]),
+                                                         axis_of(found[2]), std::move(cross_sections));
+  } catch (const std::invalid_argument& error) {
+    throw InputError(whole, error.what());
+  }
+}
+
+/// Hash of a text (Fowler, Noll, Vo: FNV-1a), the same on all machines.
+std::uint64_t hash_of(std::string_view text) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash;
+}
+
+std::shared_ptr<const WaterTargets> make_targets(const Scene& scene) {
+  const SceneDescription& d = scene.description;
+  auto made = std::make_shared<WaterTargets>();
+  for (const WaterTargetDescription& described : d.targets) {
+    WaterTarget& target = made->single.emplace_back();
+    target.at = scene.grid.snap(position_of(described, scene.frame));
+    if (described.strength.file)
+      target.table = read_strengths(*described.strength.file);
+    else
+      target.cross_section_m2 = cross_section_m2(described.strength.target_strength_db.value_or(0));
+    target.attitude =
+        attitude_from_angles(glm::radians(described.heading_deg), glm::radians(described.pitch_deg),
+                             glm::radians(described.roll_deg));
+  }
+  for (const TargetPopulationDescription& described : d.target_populations) {
+    const Extent extent = extent_of(described, sea_surface_height_m(d));
+    made->populations.push_back({extent.lo_m, extent.hi_m, described.density_per_m3,
+                                 described.strength.target_strength_db.value_or(0),
+                                 described.strength_spread_db, described.seed ^ hash_of(described.name)});
+  }
+  return made;
+}
+
+/// Identity of a scene's targets on its grid. The scene hash covers all files that the scene names.
+std::string identity_of(const Scene& scene) {
+  const glm::dvec3 origin = scene.grid.origin_m();
+  return fmt::format("{} {} {} {} {} {} {}", scene.description.sha256, scene.grid.exponent(), origin.x,
+                     origin.y, origin.z, scene.description.targets.size(),
+                     scene.description.target_populations.size());
+}
+
+}  // namespace
+
+bool has_water_targets(const SceneDescription& description) {
+  return !description.targets.empty() || !description.target_populations.empty();
+}
+
+std::shared_ptr<const WaterTargets> water_targets_of(const Scene& scene) {
+  // Tables and positions on Earth cost more than a small ping.
+  static std::mutex mutex;
+  static std::map<std::string, std::shared_ptr<const WaterTargets>> kept;
+  if (!has_water_targets(scene.description)) return std::make_shared<const WaterTargets>();
+  if (scene.description.sha256.empty()) return make_targets(scene);
+  const std::string identity = identity_of(scene);
+  const std::lock_guard lock(mutex);
+  if (const auto known = kept.find(identity); known != kept.end()) return known->second;
+  constexpr std::size_t most_kept = 8;
+  if (kept.size() >= most_kept) kept.clear();
+  return kept[identity] = make_targets(scene);
+}
+
+}  // namespace tubefoot
