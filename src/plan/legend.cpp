@@ -112,6 +112,21 @@ void add_meanings(Column& column, const SceneMarks& marks) {
   }
 }
 
+void add_targets(Column& column, const SceneDescription& description) {
+  Sheet& sheet = column.sheet();
+  if (!description.targets.empty()) {
+    sheet.circle(column.middle(), 2.4, "fill=\"#0b5a8a\" stroke=\"#ffffff\" stroke-width=\"0.8\"");
+    column.words("target in the water", faint);
+    column.skip(3);
+  }
+  if (description.target_populations.empty()) return;
+  sheet.rectangle(column.mark(),
+                  "fill=\"#0b5a8a\" fill-opacity=\"0.08\" stroke=\"#0b5a8a\" stroke-width=\"1\" "
+                  "stroke-dasharray=\"4 2\"");
+  column.words("population of targets", faint);
+  column.skip(3);
+}
+
 void add_seabed(Column& column, const SceneMarks& marks, bool is_coarse) {
   Sheet& sheet = column.sheet();
   if (marks.terrain.empty()) {
@@ -146,6 +161,7 @@ double draw_legend(Sheet& sheet, glm::dvec2 top_left, const Survey& survey, cons
   add_sensors(column, survey);
   column.skip(6);
   add_meanings(column, marks);
+  add_targets(column, survey.scene.description);
   column.skip(6);
   add_seabed(column, marks, is_seabed_coarse);
   if (survey.scene.water->refracts())

@@ -12,12 +12,18 @@
 
 #include "geometry/steps/stop.hpp"
 #include "plan/silhouette.hpp"
+#include "run/water_targets.hpp"
+#include "scene/water_target_places.hpp"
 #include "study/diagram.hpp"
 
 namespace tubefoot {
 namespace {
 
 constexpr std::string_view object_colour = "#6d1b1b", track_colour = "#22262a";
+constexpr std::string_view target_style = "fill=\"#0b5a8a\" stroke=\"#ffffff\" stroke-width=\"0.8\"",
+                           population_style =
+                               "fill=\"#0b5a8a\" fill-opacity=\"0.08\" stroke=\"#0b5a8a\" "
+                               "stroke-width=\"1\" stroke-dasharray=\"4 2\"";
 constexpr Lettering object_letters{.size = 10.5, .colour = object_colour},
     place_letters{.size = 10.5, .colour = track_colour};
 
@@ -93,6 +99,7 @@ void Painter::draw_plan(const Panel& panel, std::span<const Cut> cuts, bool near
   draw_terrain_mark(panel, labels);
   draw_distance(panel, labels);
   draw_objects(panel, nullptr, labels);
+  draw_targets(panel, labels);
   draw_places(panel, near, labels);
   sheet_.end_clip();
 }
@@ -107,6 +114,7 @@ void Painter::draw_side(const Panel& panel) {
   draw_tracks(panel, true, labels);
   draw_terrain_mark(panel, labels);
   draw_objects(panel, nullptr, labels);
+  draw_targets(panel, labels);
   draw_places(panel, false, labels);
   sheet_.end_clip();
 }
@@ -243,6 +251,23 @@ void Painter::draw_sectors(const Panel& panel, bool near) {
     draw(nearer, 0.07, 0.6, " stroke-dasharray=\"1 3\"");
     draw(window, 0.17, 0.85, " stroke-dasharray=\"4 3\"");
     draw(received, 0.32, 1, "");
+  }
+}
+
+void Painter::draw_targets(const Panel& panel, Labels& labels) {
+  const SceneDescription& description = survey_.scene.description;
+  for (const TargetPopulationDescription& population : description.target_populations) {
+    const Box box = seen(panel, extent_of(population, sea_surface_height_m(description)));
+    if (panel.box().meets(grown(box, 1))) sheet_.rectangle(box, population_style);
+  }
+  constexpr std::size_t most_names = 30;
+  std::size_t names = 0;
+  const auto targets = water_targets_of(survey_.scene);
+  for (std::size_t k = 0; k < targets->single.size(); ++k) {
+    const glm::dvec2 at = panel.at(survey_.scene.grid.to_metres(targets->single[k].at));
+    if (!panel.box().holds(about(at, 0))) continue;
+    sheet_.circle(at, 2.4, target_style);
+    if (++names <= most_names) labels.put(sheet_, about(at, 4), description.targets[k].name, object_letters);
   }
 }
 

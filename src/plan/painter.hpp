@@ -38,6 +38,8 @@ class Painter {
   void draw_profile(const Panel& panel, bool cut);
   void draw_surface(const Panel& panel, Labels& labels);
   void draw_sectors(const Panel& panel, bool near);
+  /// Draws single targets in the water, and the boxes of populations.
+  void draw_targets(const Panel& panel, Labels& labels);
   void draw_objects(const Panel& panel, const Extent* about, Labels& labels);
   void draw_tracks(const Panel& panel, bool with_headings, Labels& labels);
   void draw_places(const Panel& panel, bool near, Labels& labels);

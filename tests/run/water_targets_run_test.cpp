@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <fstream>
 #include <glm/geometric.hpp>
+#include <iterator>
 
 #include "files/input_error.hpp"
 #include "fixtures/netcdf_reader.hpp"
@@ -19,6 +21,7 @@
 #include "geometry/numbers/scalars.hpp"
 #include "run/simulation.hpp"
 #include "run/survey.hpp"
+#include "run/water_targets.hpp"
 #include "sensors/kinds/scene_file.hpp"
 #include "sensors/products/array_files.hpp"
 #include "sensors/recordings/signal_recording.hpp"
@@ -173,6 +176,23 @@ TEST(WaterTargetsRun, RefractedRaysGiveTravelTimesAndSpreading) {
   // A separate receiver next to the transmitter receives nearly the same.
   const Echoes beside = echoes_of(ahead_scene(target_at(place), "receiver_arm_m = [0, 0, 1e-5]\n", water(g)));
   EXPECT_NEAR(beside.total(), curved.total(), 1e-4 * curved.total());
+}
+
+// The record of a ping is divided into intervals, each with its own pose of the receiver.
+TEST(WaterTargetsRun, AMovingSonarReceivesATargetOnce) {
+  const auto scene = [](const std::string& more) {
+    return still_water() + lambert_material("sand", -20) + flat_terrain(40, 40, "centre_m = [0, 0, -300]\n") +
+           target_at({4, 0.0, -10}) +
+           "[trajectory]\nkind = \"line\"\nstart_m = [0, -2.5, 0]\nend_m = [0, 20, 0]\nspeed_m_s = 5\n"
+           "[[sensors]]\nname = \"swath\"\nkind = \"multibeam\"\nbeams = 24\nswath_deg = 92\n"
+           "along_track_deg = 3\nrange_min_m = 4\nrange_max_m = 44\nsamples = 160\nfirst_ping_s = 0.5\n" +
+           more;
+  };
+  const double range = std::hypot(4, 10), expected = 1e-3 / std::pow(range, 4);
+  const Echoes moving = echoes_of(scene("stop_and_hop = false\nmotion_step_beams = 0.01\n"));
+  EXPECT_EQ(loudest_of(moving).count, 1u);
+  EXPECT_NEAR(moving.total(), expected, 1e-3 * expected);
+  EXPECT_NEAR(echoes_of(scene("")).total(), expected, 1e-12 * expected);
 }
 
 TEST(WaterTargetsRun, APopulationIsTheSameForAnyNumberOfThreads) {
@@ -368,6 +388,15 @@ TEST(WaterTargetsRun, TooManyTargetsAreAnErrorBeforeTheRun) {
                       "'density_per_m3'");
   expect_target_error(ahead_scene(population_text("100000", 10)),
                       "scene.toml:12:", "targets in the mean, but the limit is 1e+07");
+}
+
+TEST(WaterTargetsRun, TheLimitsAreThoseOfTheirPage) {
+  std::ifstream in(std::string(TUBEFOOT_SOURCE_DIR) + "/docs/limits.md");
+  const std::string page{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_THAT(page,
+              HasSubstr(fmt::format("\n| targets of a population; targets in the sector of a transmission "
+                                    "(expected numbers) | {:.0f}; {:.0f} |",
+                                    most_targets_of_population, most_targets_of_transmission)));
 }
 
 TEST(WaterTargetsRun, BadTablesAreErrorsWithTheirLine) {
