@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/scattering/knife_edge.hpp"
 #include "geometry/steps/steps.hpp"
 #include "sensors/formats/echo_netcdf.hpp"
 #include "sensors/model/angles.hpp"
@@ -133,6 +134,8 @@ void define_recording(EchoGroup& group, const Recording& recording, const Proven
   group.attribute("sensor_kind", kind_of(sensor.description()).name());
   group.attribute("frequency_khz", sensor.frequency_khz());
   group.attribute("source_energy", "1 J/sr at 1 m");
+  if (sensor.description().shadow == "fresnel")
+    group.attribute("shadow_borders", std::string(fresnel_statement));
   group.attribute("sound_speed_m_s", recording.sound_speed_m_s);
   group.attribute("absorption_db_per_km", recording.absorption_db_per_km);
 

@@ -20,6 +20,7 @@
 #include "run/console/amounts.hpp"
 #include "run/console/progress.hpp"
 #include "run/console/say.hpp"
+#include "run/fresnel_borders.hpp"
 #include "run/fresnel_transition.hpp"
 #include "run/no_return.hpp"
 #include "run/placement.hpp"
@@ -340,6 +341,7 @@ int check_command(const CheckOptions& options) {
       tell("               sound speed {:.2f} m/s at the first position\n", pings.sound_speed_m_s);
     if (const auto transition = fresnel_transition(transmissions, s))
       tell("               Fresnel transition {}\n", text_of(*transition));
+    if (has_fresnel_borders(sensor)) tell("               shadow borders: {}\n", fresnel_statement);
     if (const auto assumed = assumed_configuration_text(scene, pings))
       tell("               files assume: {}\n", *assumed);
   }

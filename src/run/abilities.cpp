@@ -8,6 +8,7 @@
 
 #include "engine/certified/reference.hpp"
 #include "files/usage_error.hpp"
+#include "run/fresnel_borders.hpp"
 #include "run/paths.hpp"
 #include "run/run_request.hpp"
 #include "run/survey.hpp"
@@ -37,6 +38,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "moving objects",
                                                        "volume scattering",
                                                        "targets in the water",
+                                                       "Fresnel shadow borders",
                                                        "--reference",
                                                        "double arithmetic",
                                                        "fast binning",
@@ -288,6 +290,80 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      trial,
      {},
      "the selected settings may have no derivatives: leave out --tolerance, or --gradient"},
+    {refraction,
+     fresnel_borders,
+     {},
+     "diffraction at shadow borders needs straight rays: set shadow = \"sharp\", or profile = "
+     "\"constant\""},
+    {mirrors,
+     fresnel_borders,
+     {},
+     "diffraction at shadow borders is limited to the direct path: set shadow = \"sharp\", or leave out "
+     "the mirrors and [paths]"},
+    {separate_receiver,
+     fresnel_borders,
+     {},
+     "diffraction at shadow borders needs a receiver at the transmitter: set shadow = \"sharp\", or "
+     "leave out 'receiver_arm_m'"},
+    {motion,
+     fresnel_borders,
+     {},
+     "diffraction at shadow borders needs one pose per ping: set shadow = \"sharp\", or stop_and_hop = "
+     "true"},
+    {two_receivers,
+     fresnel_borders,
+     {},
+     "diffraction at shadow borders needs one receiver: set shadow = \"sharp\", or use one receiver"},
+    {signals,
+     fresnel_borders,
+     {},
+     "diffraction at shadow borders has no phase: set shadow = \"sharp\", or leave out the array"},
+    {tiles,
+     fresnel_borders,
+     {},
+     "diffraction at shadow borders needs the whole terrain in memory: set shadow = \"sharp\", or load = "
+     "\"whole\""},
+    {fresnel_borders,
+     reference,
+     {},
+     "diffraction at shadow borders has no certified bound: set shadow = \"sharp\", or leave out "
+     "--reference"},
+    {fresnel_borders,
+     double_arithmetic,
+     {},
+     "diffraction at shadow borders needs the exact names of corners: use fixed, filtered or rational, "
+     "not double"},
+    {fresnel_borders,
+     fast_binning,
+     {},
+     "diffraction at shadow borders needs exact cuts at the borders of range bins: use --binning exact"},
+    {fresnel_borders,
+     rays,
+     {},
+     "diffraction at shadow borders needs the edges of visible polygons: set shadow = \"sharp\", or use "
+     "--engine tube"},
+    {fresnel_borders,
+     own_engine,
+     {},
+     "diffraction at shadow borders needs the edges of visible polygons: set shadow = \"sharp\", or use "
+     "a built-in engine"},
+    {fresnel_borders,
+     gradient,
+     {},
+     "energies with diffraction at shadow borders have no derivatives: set shadow = \"sharp\", or leave "
+     "out --gradient"},
+    {fresnel_borders,
+     view,
+     {},
+     "the page shows energies with geometric shadows: set shadow = \"sharp\""},
+    {fresnel_borders,
+     footprints,
+     {},
+     "the file contains energies with geometric shadows: set shadow = \"sharp\""},
+    {fresnel_borders,
+     transmission,
+     {},
+     "a transmission in Python has geometric shadows: set shadow = \"sharp\""},
 });
 
 /// A feature of the scene, its place in the scene file, and the subject of a sentence about it.
@@ -317,6 +393,7 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     if (sensor.receiver_moves()) add(motion, "moves within a ping (stop_and_hop = false)");
     if (sensor.has_receiver_pair()) add(two_receivers, "has two receivers");
     if (sensor.signals() != nullptr) add(signals, "records signals");
+    if (has_fresnel_borders(sensor)) add(fresnel_borders, "has Fresnel shadow borders (shadow = \"fresnel\")");
   }
   if (const auto material = material_of_inclined_mirrors(scene))
     found.push_back({inclined_mirrors, d.materials[*material].place,

@@ -38,6 +38,7 @@ enum class Feature : unsigned char {
   moving_objects,     ///< objects on trajectories
   volume,             ///< scattering in the water
   water_targets,      ///< targets in the water
+  fresnel_borders,    ///< a sensor with shadow = "fresnel"
   // features of a run
   reference,
   double_arithmetic,

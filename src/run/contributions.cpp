@@ -8,6 +8,7 @@
 #include "engine/certified/receiver_pair_reference.hpp"
 #include "engine/rays/ray_engine.hpp"
 #include "engine/visibility/mixed_eigenrays.hpp"
+#include "run/fresnel_borders.hpp"
 #include "run/gradients.hpp"
 #include "run/label_parts.hpp"
 #include "run/own_engine_part.hpp"
@@ -300,7 +301,8 @@ std::vector<bool> wanted_tubes(const Transmission& transmission, const PingSums&
     const ChosenEchoes& chosen = sums.chosen(s);
     if (chosen.pings == 0) continue;
     const Sensor& sensor = transmission.sensor(s);
-    if (chosen.all_beams || sensor.has_patterns()) return {};
+    // An edge changes energies of neighbouring tubes.
+    if (chosen.all_beams || sensor.has_patterns() || has_fresnel_borders(sensor)) return {};
     const std::vector<std::uint32_t>& beams = sensor.beams_of_transmission(transmission.number());
     const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(transmission.number());
     wanted.resize(beam_of_tube.size());
@@ -384,6 +386,11 @@ std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRe
       add(pairs, add_receiver_pairs);
       add(others, separate ? add_separate_receiver : add_surface);
       if (refracted && !separate) add(those(is_single), add_mixed_eigenrays);
+      if (const auto fresnel = those([&](std::size_t s) { return has_fresnel_borders(sensor(s)); });
+          !fresnel.empty()) {
+        add(fresnel, add_fresnel_borders);
+        plan.back().needs_corner_names = true;
+      }
     }
   }
   if (direct && survey.scene.volume.any()) {

@@ -12,6 +12,7 @@
 
 #include "engine/surface/surface_mesh.hpp"
 #include "run/checkpoint/build_identity.hpp"
+#include "run/fresnel_borders.hpp"
 #include "run/fresnel_transition.hpp"
 #include "run/refraction.hpp"
 #include "run/run_steps.hpp"
@@ -145,6 +146,9 @@ nlohmann::ordered_json statistics_json(const Survey& survey, const RunRequest& r
   json["ray_hits"] = stats.hits;
   if (nlohmann::ordered_json transitions = fresnel_json(survey, request); !transitions.empty())
     json["fresnel_transition"] = std::move(transitions);
+  for (const SensorPings& pings : survey.sensors)
+    if (has_fresnel_borders(*pings.sensor))
+      json["shadow_borders"][pings.sensor->description().name] = fresnel_statement;
   const PathsDescription& paths = scene.description.paths;
   if (stats.images + stats.arrivals > 0 || paths.order > 1 || paths.direct) {
     nlohmann::ordered_json orders;
