@@ -129,6 +129,8 @@ FIGURES = [
     *pictures_of(run("real-grid/sidescan-line.toml", "line"), "line", real_grid_mosaic=("sidescan-mosaic", 800)),
     *pictures_of(run("seabed/laws.toml", "laws"), "laws", laws_sidescan=("sidescan", 800)),
     # Pictures of other pages.
+    *(Figure(f"pictures/shadow-{borders}.png", (run("shadows/wall.toml", "wall"),), f"out/wall/{borders}-0000.png", 620)
+      for borders in ("sharp", "fresnel")),
     Figure("pictures/material-patches.png", (run("seabed/patches.toml", "patches"),), "out/patches/sidescan-mosaic.png", 700),
     Figure("pictures/fish-before-wreck.png", (run("fish-before-wreck/scene.toml", "fish"),), "out/fish/sonar-0000.png", 900),
     Figure("pictures/labels-imaging.png", (run("imaging/scene.toml", "labelled", "--labels"),),

@@ -352,10 +352,7 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      {},
      "energies with diffraction at shadow borders have no derivatives: set shadow = \"sharp\", or leave "
      "out --gradient"},
-    {fresnel_borders,
-     view,
-     {},
-     "the page shows energies with geometric shadows: set shadow = \"sharp\""},
+    {fresnel_borders, view, {}, "the page shows energies with geometric shadows: set shadow = \"sharp\""},
     {fresnel_borders,
      footprints,
      {},
@@ -393,7 +390,8 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
     if (sensor.receiver_moves()) add(motion, "moves within a ping (stop_and_hop = false)");
     if (sensor.has_receiver_pair()) add(two_receivers, "has two receivers");
     if (sensor.signals() != nullptr) add(signals, "records signals");
-    if (has_fresnel_borders(sensor)) add(fresnel_borders, "has Fresnel shadow borders (shadow = \"fresnel\")");
+    if (has_fresnel_borders(sensor))
+      add(fresnel_borders, "has Fresnel shadow borders (shadow = \"fresnel\")");
   }
   if (const auto material = material_of_inclined_mirrors(scene))
     found.push_back({inclined_mirrors, d.materials[*material].place,

@@ -6,8 +6,8 @@
 #include "engine/echo/fresnel_cells.hpp"
 #include "run/label_parts.hpp"
 
-// Weights the energies of a transmission near its shadow borders. Cells with factors are integrated as facets,
-// so that scattering models, textures, beam patterns and labels apply to them.
+// Weights the energies of a transmission near its shadow borders. Cells with factors are integrated as
+// facets, so that scattering models, textures, beam patterns and labels apply to them.
 
 namespace tubefoot {
 namespace {

@@ -20,6 +20,7 @@
 #include "engine/rays/ray_engine.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "envelope.hpp"
+#include "fresnel_figures.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "gradient_figures.hpp"
 #include "motion_figures.hpp"
@@ -206,6 +207,7 @@ int main(int, char** argv) {
   motion_figures(figure);
   moving_figures(figure);
   water_figures(figure);
+  fresnel_figures(figure);
   chart_figures(figure);
   const std::filesystem::path file = std::filesystem::path(argv[0]).parent_path() / "figures.json";
   std::ofstream out(file);

@@ -12,8 +12,8 @@
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/tubes/window_tubes.hpp"
 
-// Divides the visible footprints near shadow borders into cells, traces the surface behind each component that
-// casts a shadow, and divides the result in the same way (fresnel_cells.hpp).
+// Divides the visible footprints near shadow borders into cells. Traces the surface behind each component
+// that casts a shadow, and divides the result in the same way (fresnel_cells.hpp).
 
 namespace tubefoot {
 namespace {
@@ -64,8 +64,7 @@ class Zones {
     lit_in.resize(tubes_.size());
     hidden_in.resize(tubes_.size());
     for (std::uint32_t e = 0; e < edges.size(); ++e) {
-      const FresnelZone& zone =
-          zones.emplace_back(edges[e], wavelength_m, tubes.reach * history.grid_unit_m);
+      const FresnelZone& zone = zones.emplace_back(edges[e], wavelength_m, tubes.reach * history.grid_unit_m);
       lit_.push_back(cone_of(zone.corners(false)));
       hidden_.push_back(cone_of(zone.corners(true)));
       for (std::uint32_t t = 0; t < tubes_.size(); ++t) {
@@ -204,8 +203,7 @@ class CellMaker {
         facing(mesh, facet, history_.tubes.apex) * front <= 0)
       return true;
     return std::ranges::all_of(mesh.facets[facet], [&](VertexId vertex) {
-      const glm::dvec3 place =
-          history_.grid_unit_m * vector_of(mesh.vertices[vertex] - history_.tubes.apex);
+      const glm::dvec3 place = history_.grid_unit_m * vector_of(mesh.vertices[vertex] - history_.tubes.apex);
       return glm::dot(edge.across, place) <= edge.distance_m + wavelength_m_;
     });
   }

@@ -25,8 +25,8 @@ struct FresnelCells {
   /// One footprint per cell, whose `facet` is the number of the cell, without measures. `tubes` is empty.
   History history;
   std::vector<FacetId> facet;  ///< by cell: the facet of the mesh on which it lies
-  /// By cell: the mean of I(nu)^2 - 1 on the insonified side of a border, and of I(nu)^2 in the shadow, with
-  /// the intensity I of knife_edge_intensity().
+  /// By cell: the mean of I(nu)^2 - 1 on the insonified side of a border, and of I(nu)^2 in the shadow. I is
+  /// knife_edge_intensity().
   std::vector<double> factor;
 };
 
@@ -39,16 +39,16 @@ struct FresnelSurface {
   std::function<bool(std::uint16_t component)> is_terrain;
 };
 
-/// Returns the cells of a history for equal transmit and receive legs. `edges`: shadow_edges() of the history.
+/// Returns the cells of a history for equal transmit and receive legs. `edges`: shadow_edges() of the
+/// history.
 ///
 /// Insonified side: nu is that of the edge of a component with the smallest |nu|. The factors of different
-/// components are multiplied. An edge acts on places that are farther from the apex than the edge by at least
-/// one wavelength, and whose projection on the plane of apex and edge lies behind the edge.
+/// components are multiplied. An edge acts on places that lie behind it by at least one wavelength. Their
+/// projections on the plane of apex and edge lie behind the edge itself.
 ///
 /// Hidden side: the surface is traced again, in the strip behind each edge, without the component that casts
-/// the shadow. If this component is a terrain, facets are omitted that lie in front of the edge, or that face
-/// away from the apex in comparison with the surface at the border. Places behind two components receive no
-/// energy.
+/// the shadow. Only some facets of a terrain are omitted: those in front of the edge, and those of which the
+/// apex sees the other side. Places behind two components receive no energy.
 ///
 /// The result does not depend on the threads. `edge_step`: see fresnel_cell_step.
 FresnelCells fresnel_cells(const FresnelSurface& surface, const History& history,

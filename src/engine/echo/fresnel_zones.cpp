@@ -238,8 +238,8 @@ double FresnelDivision::weight(glm::dvec3 p, const Active& active) const {
 }
 
 /// Passes on a cell with the mean of its weight, by the midpoints of the edges of its triangles. This rule is
-/// exact for polynomials of degree 2. The mean is weighted with r^-6, to which the density of Lambert's law on
-/// a plane is proportional without absorption.
+/// exact for polynomials of degree 2. The mean is weighted with r^-6, to which the density of Lambert's law
+/// on a plane is proportional without absorption.
 void FresnelDivision::finish(const FresnelPolygon& polygon, const Active& active) {
   double area = 0, sum = 0, densities = 0;
   glm::dvec3 centre(0);

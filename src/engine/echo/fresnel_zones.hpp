@@ -50,7 +50,7 @@ class FresnelZone {
   const ShadowEdge* edge_;
   double wavelength_m_;
   glm::dvec3 first_m_, last_m_;  ///< ends of the edge, which may lie outside of the tubes
-  double slope_[2];  ///< h / q at the outer borders of both regions
+  double slope_[2];              ///< h / q at the outer borders of both regions
   CutPlane planes_[2][5];
 };
 

@@ -11,8 +11,8 @@
 
 #include "geometry/footprints/piece_walls.hpp"
 
-// Finds the edges that cast shadow borders by the names of corners, as shadow_borders() does. Two corners of a
-// footprint are the ends of a border if they share the plane of another facet's edge in front of it.
+// Finds the edges that cast shadow borders by the names of corners, as shadow_borders() does. Two corners of
+// a footprint are the ends of a border if they share the plane of another facet's edge in front of it.
 
 namespace tubefoot {
 namespace {
@@ -22,8 +22,8 @@ constexpr double share_rounding = 1e-9;
 /// An edge by its vertices, and the side of its plane that is hidden.
 using EdgeName = std::tuple<VertexId, VertexId, bool>;
 
-/// A part of an edge, as shares of its length, with the facets at the border. `low_open`, `high_open`: whether
-/// the wall of a tube ends it.
+/// A part of an edge, as shares of its length, with the facets at the border. `low_open`, `high_open`:
+/// whether the wall of a tube ends it.
 struct EdgePart {
   double low, high;
   FacetId facet, background;

@@ -20,10 +20,11 @@ struct ShadowEdge {
   std::uint16_t background_component = 0;
   FacetId background = 0;
   glm::dvec3 first_m{0}, last_m{0};  ///< ends of the part
-  /// Lengths by which the edge continues beyond these ends, outside of the tubes; 0 if the shadow border ends.
+  /// Lengths by which the edge continues beyond these ends, outside of the tubes; 0 if the shadow border
+  /// ends.
   double before_m = 0, beyond_m = 0;
-  /// Orthonormal frame. `normal` of the plane through apex and edge, towards the hidden side; `across` in
-  /// this plane, perpendicular to the edge and away from the apex; `along` the edge.
+  /// Orthonormal frame. `normal` is that of the plane through apex and edge, towards the hidden side.
+  /// `across` lies in this plane, perpendicular to the edge and away from the apex.
   glm::dvec3 normal{0}, across{0}, along{0};
   double distance_m = 0;  ///< distance of the apex from the line of the edge
 
@@ -33,9 +34,7 @@ struct ShadowEdge {
     double q;  ///< coordinate along `across`; the edge is at distance_m
     double t;  ///< coordinate along `along`
   };
-  Place place(glm::dvec3 p) const {
-    return {glm::dot(normal, p), glm::dot(across, p), glm::dot(along, p)};
-  }
+  Place place(glm::dvec3 p) const { return {glm::dot(normal, p), glm::dot(across, p), glm::dot(along, p)}; }
   /// Returns h / nu with the Fresnel parameter nu (run/fresnel_transition.hpp) of a place beyond the edge:
   /// sqrt(lambda d2 (d1 + d2) / (2 d1)). The distances are those along the ray to the projection of the place
   /// on the plane through apex and edge.

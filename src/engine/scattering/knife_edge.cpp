@@ -26,8 +26,8 @@ Complex fresnel_series(double x) {
   return sum;
 }
 
-/// (1/2 - C(x)) + i (1/2 - S(x)) for x >= 1.5: (1 + i) / 2 erfc(sqrt(pi) / 2 (1 - i) x), by the continued
-/// fraction of erfc (Abramowitz and Stegun 7.1.14, even part), evaluated with Lentz's method.
+/// (1/2 - C(x)) + i (1/2 - S(x)) for x >= 1.5. This is (1 + i) / 2 erfc(sqrt(pi) / 2 (1 - i) x). The even
+/// part of the continued fraction of erfc (Abramowitz and Stegun 7.1.14) is evaluated with Lentz's method.
 Complex fresnel_complement(double x) {
   constexpr double tiny = 1e-300;
   const double square = std::numbers::pi * x * x;
@@ -48,8 +48,7 @@ Complex fresnel_complement(double x) {
 Complex fresnel_remainder(double nu) {
   constexpr double series_to = 1.5;
   const double x = std::abs(nu);
-  const Complex remainder =
-      x < series_to ? Complex(0.5, 0.5) - fresnel_series(x) : fresnel_complement(x);
+  const Complex remainder = x < series_to ? Complex(0.5, 0.5) - fresnel_series(x) : fresnel_complement(x);
   return nu >= 0 ? remainder : Complex(1, 1) - remainder;
 }
 
@@ -70,9 +69,8 @@ class TwoWayTable {
     const double place = (nu - first) / step, cell = std::floor(place), t = place - cell;
     const Node &a = node_[std::size_t(cell)], &b = node_[std::size_t(cell) + 1];
     const double difference = b.value - a.value;
-    return a.value +
-           t * (a.slope + t * (3 * difference - 2 * a.slope - b.slope +
-                               t * (a.slope + b.slope - 2 * difference)));
+    return a.value + t * (a.slope + t * (3 * difference - 2 * a.slope - b.slope +
+                                         t * (a.slope + b.slope - 2 * difference)));
   }
 
  private:

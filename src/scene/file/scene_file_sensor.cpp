@@ -283,8 +283,9 @@ TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
                              "of the width of the narrowest beam.",
                   .ranges = {{.lo = 1e-4, .hi = 10}}}),
            field("shadow", &S::shadow,
-                 {.meaning = "Borders of shadows: \"sharp\" for geometric shadows, \"fresnel\" for energies that "
-                             "diffraction at silhouette edges weights on both sides of the border.",
+                 {.meaning =
+                      "Borders of shadows: \"sharp\" for geometric shadows, \"fresnel\" for energies that "
+                      "diffraction at silhouette edges weights on both sides of the border.",
                   .choices = {"sharp", "fresnel"}}),
            field("cone_tolerance", &S::cone_tolerance,
                  {.meaning = "Largest relative error in the height of an ideal beam, whose cones are "

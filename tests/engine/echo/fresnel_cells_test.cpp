@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests Fresnel weights at shadow borders: values of the intensity behind a half-plane, the border of a screen in
-// front of a rough seabed against closed forms and against a numerical Fresnel-Kirchhoff integral, and laws of the
-// cells.
+// Tests Fresnel weights at shadow borders: values of the intensity behind a half-plane, and laws of the
+// cells. A screen in front of a rough seabed is compared with closed forms and with a numerical
+// Fresnel-Kirchhoff integral.
 #include "engine/echo/fresnel_cells.hpp"
 
 #include <fmt/format.h>
@@ -37,7 +37,8 @@ TEST(KnifeEdge, HasTheTwoWayLevelsOfTheFormula) {
   EXPECT_EQ(knife_edge_intensity(0), 0.25);
 }
 
-// The oracle integrates cos and sin of pi t^2 / 2 from nu to a bound, beyond which an asymptotic series holds.
+// The oracle integrates cos and sin of pi t^2 / 2 from nu to a bound, beyond which an asymptotic series
+// holds.
 TEST(KnifeEdge, AgreesWithQuadratureOfTheFresnelIntegrals) {
   using Rule = boost::math::quadrature::gauss<double, 30>;
   for (const double nu : {-9.7, -4.3, -1.5, -0.8, 0.3, 1.4999, 1.5001, 2.5, 4.0, 11.3}) {
@@ -78,23 +79,19 @@ struct ScreenScene {
   /// `top_m`: height of the screen's horizontal edge. `half_width_m`: of the screen.
   explicit ScreenScene(double top_m = screen_top_m, double half_width_m = 100, double tilt = 0) {
     const auto on_seabed = [](double x, double y) { return glm::dvec3(x, y, -seabed_below_m); };
-    const auto on_screen = [&](double y, double z) {
-      return glm::dvec3(screen_range_m, y, z + tilt * y);
-    };
+    const auto on_screen = [&](double y, double z) { return glm::dvec3(screen_range_m, y, z + tilt * y); };
     const double low = -seabed_below_m;
-    mesh = test::mesh_of({{on_seabed(-200, -200), on_seabed(200, -200), on_seabed(200, 200)},
-                          {on_seabed(-200, -200), on_seabed(200, 200), on_seabed(-200, 200)},
-                          {on_screen(-half_width_m, low), on_screen(half_width_m, low),
-                           on_screen(half_width_m, top_m)},
-                          {on_screen(-half_width_m, low), on_screen(half_width_m, top_m),
-                           on_screen(-half_width_m, top_m)}});
+    mesh = test::mesh_of(
+        {{on_seabed(-200, -200), on_seabed(200, -200), on_seabed(200, 200)},
+         {on_seabed(-200, -200), on_seabed(200, 200), on_seabed(-200, 200)},
+         {on_screen(-half_width_m, low), on_screen(half_width_m, low), on_screen(half_width_m, top_m)},
+         {on_screen(-half_width_m, low), on_screen(half_width_m, top_m), on_screen(-half_width_m, top_m)}});
     mesh.component = {0, 0, 1, 1};
     tree = std::make_unique<SceneTree>(mesh);
   }
   History history(double sector = sector_rad, int columns = 1) const {
     AngularGrid grid;
-    for (int k = 0; k <= columns; ++k)
-      grid.azimuth_edges_rad.push_back(sector * (double(k) / columns - 0.5));
+    for (int k = 0; k <= columns; ++k) grid.azimuth_edges_rad.push_back(sector * (double(k) / columns - 0.5));
     for (int k = 0; k <= 14; ++k) grid.elevation_edges_rad.push_back(-0.9 + 0.7 * k / 14);
     TubeSet set;
     set.reach = 60 * 0x1p20;
@@ -146,8 +143,8 @@ struct BehindScreen {
   }
 };
 
-/// One-way intensity behind the screen relative to free field, as the Fresnel-Kirchhoff integral over the aperture
-/// above the edge. Path lengths are exact. A taper far from the edge ends the aperture.
+/// One-way intensity behind the screen relative to free field, as the Fresnel-Kirchhoff integral over the
+/// aperture above the edge. Path lengths are exact. A taper far from the edge ends the aperture.
 double kirchhoff_intensity(const BehindScreen& at, double wavelength_m) {
   const double k = 2 * std::numbers::pi / wavelength_m, range = std::hypot(at.d1 + at.d2, at.h),
                unit = std::sqrt(wavelength_m * at.d1 * at.d2 / (2 * (at.d1 + at.d2)));
@@ -191,9 +188,8 @@ TEST(FresnelCells, AgreeWithTheClosedFormBehindAHalfPlane) {
   const ScreenScene scene;
   const History history = scene.history();
   for (const double wavelength_m : {0.0025, 0.01}) {
-    const std::vector<double> expected = expected_of(about_border, [&](const BehindScreen& at) {
-      return two_way_knife_edge(at.parameter(wavelength_m));
-    });
+    const std::vector<double> expected = expected_of(
+        about_border, [&](const BehindScreen& at) { return two_way_knife_edge(at.parameter(wavelength_m)); });
     const std::vector<double> found =
         scene.weighted(history, scene.cells(history, wavelength_m), about_border);
     double sum = 0, expected_sum = 0, worst = 0;
@@ -207,8 +203,9 @@ TEST(FresnelCells, AgreeWithTheClosedFormBehindAHalfPlane) {
     }
     EXPECT_LT(worst, 0.01) << wavelength_m;
     EXPECT_NEAR(sum, expected_sum, 2e-5 * expected_sum) << wavelength_m;
-    fmt::print("wavelength {} m: largest error of a bin {:.2e} of the energy without screen, of the sum {:.1e}\n",
-               wavelength_m, worst, sum / expected_sum - 1);
+    fmt::print(
+        "wavelength {} m: largest error of a bin {:.2e} of the energy without screen, of the sum {:.1e}\n",
+        wavelength_m, worst, sum / expected_sum - 1);
   }
 }
 
@@ -300,8 +297,7 @@ TEST(FresnelCells, AreAbsentWithoutShadows) {
   TubeSet set;
   set.reach = 60 * 0x1p20;
   append_tubes(set, grid);
-  EXPECT_TRUE(
-      shadow_edges(scene.mesh, TubeEngine(scene.mesh, tree, 0x1p-20, options).trace(set)).empty());
+  EXPECT_TRUE(shadow_edges(scene.mesh, TubeEngine(scene.mesh, tree, 0x1p-20, options).trace(set)).empty());
 }
 
 TEST(FresnelZones, SplitKeepsTheAreaOfAPolygon) {
