@@ -388,8 +388,8 @@ std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRe
       if (refracted && !separate) add(those(is_single), add_mixed_eigenrays);
       if (const auto fresnel = those([&](std::size_t s) { return has_fresnel_borders(sensor(s)); });
           !fresnel.empty()) {
-        add(fresnel, add_fresnel_borders);
-        plan.back().needs_corner_names = true;
+        add(fresnel, separate ? add_fresnel_pair_borders : add_fresnel_borders);
+        plan.back().needs_corner_names = !separate;
       }
     }
   }

@@ -12,15 +12,38 @@
 namespace tubefoot {
 namespace {
 
-/// Returns the properties of cells as those of facets, for echo models and labels.
-FacetMesh mesh_of_cells(const FacetMesh& mesh, const FresnelCells& cells) {
-  FacetMesh own;
+FresnelSurface surface_of(const Transmission& transmission) {
+  const TransmissionSurface& surface_mesh = transmission.surface_mesh();
+  return {surface_mesh.mesh(), surface_mesh.tree(), transmission.request().visibility,
+          transmission.scene().grid.unit_m(),
+          [terrains = transmission.scene().description.terrains.size()](std::uint16_t component) {
+            return component < terrains;
+          }};
+}
+
+double wavelength_m(const Transmission& transmission, std::size_t sensor) {
+  return transmission.survey().sensors[sensor].sound_speed_m_s /
+         (1000 * transmission.sensor(sensor).frequency_khz(transmission.number()));
+}
+
+/// Adds the echo of cells and its labels. `history`: that of the cells.
+template <class CellHistory>
+void add_cells(const Transmission& transmission, std::size_t s, const FresnelCellList& cells,
+               const CellHistory& history, PingSums& sums) {
+  if (cells.facet.empty()) return;
+  const FacetMesh& mesh = transmission.surface_mesh().mesh();
+  FacetMesh own;  // the properties of cells as those of facets
   own.facets.resize(cells.facet.size());
   for (const FacetId facet : cells.facet) {
     own.material.push_back(mesh.material[facet]);
     own.component.push_back(mesh.component[facet]);
   }
-  return own;
+  SensorModel model(transmission, transmission.surface_mesh(), s);
+  model.model.material = own.material;
+  model.model.path.facet_factor = cells.factor;
+  sums.with_echo(transmission, history, s, model.model,
+                 [&](const Echo& echo) { sums.add(transmission, s, 1, echo.energy, echo.nonzero); });
+  add_labels(transmission, s, model.model, own, history, sums);
 }
 
 }  // namespace
@@ -29,28 +52,29 @@ bool has_fresnel_borders(const Sensor& sensor) { return sensor.description().sha
 
 void add_fresnel_borders(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
   const History& history = traced(transmission, sums);
-  const TransmissionSurface& surface_mesh = transmission.surface_mesh();
-  const std::size_t terrains = transmission.scene().description.terrains.size();
-  const FresnelSurface surface{surface_mesh.mesh(), surface_mesh.tree(), transmission.request().visibility,
-                               [&](std::uint16_t component) { return component < terrains; }};
   sums.as_echo([&] {
+    const FresnelSurface surface = surface_of(transmission);
     const std::vector<ShadowEdge> edges = shadow_edges(surface.mesh, history);
-    if (edges.empty()) return;
     for (const std::size_t s : plan.sensors) {
       if (sums.chosen(s).pings == 0) continue;
-      const double wavelength_m = transmission.survey().sensors[s].sound_speed_m_s /
-                                  (1000 * transmission.sensor(s).frequency_khz(transmission.number()));
-      const FresnelCells cells = fresnel_cells(surface, history, edges, wavelength_m);
-      if (cells.facet.empty()) continue;
-      const FacetMesh mesh = mesh_of_cells(surface.mesh, cells);
-      SensorModel model(transmission, surface_mesh, s);
-      model.model.material = mesh.material;
-      model.model.path.facet_factor = cells.factor;
-      sums.with_echo(transmission, cells.history, s, model.model,
-                     [&](const Echo& echo) { sums.add(transmission, s, 1, echo.energy, echo.nonzero); });
-      add_labels(transmission, s, model.model, mesh, cells.history, sums);
+      const FresnelCells cells = fresnel_cells(surface, history, edges, wavelength_m(transmission, s));
+      add_cells(transmission, s, cells, cells.history, sums);
     }
   });
+}
+
+void add_fresnel_pair_borders(const EchoContribution& plan, const Transmission& transmission,
+                              PingSums& sums) {
+  const FresnelSurface surface = surface_of(transmission);
+  for (const std::size_t s : plan.sensors) {
+    if (sums.chosen(s).pings == 0) continue;
+    sums.as_echo([&] {
+      const FresnelPairCells cells =
+          fresnel_pair_cells(surface, transmission.tubes(), transmission.receive_tubes(transmission.first()),
+                             wavelength_m(transmission, s));
+      add_cells(transmission, s, cells, cells.history, sums);
+    });
+  }
 }
 
 }  // namespace tubefoot

@@ -13,5 +13,7 @@ bool has_fresnel_borders(const Sensor& sensor);
 
 /// Adds the change of the energies near shadow borders. The plan must set `needs_corner_names`.
 void add_fresnel_borders(const EchoContribution& plan, const Transmission& transmission, PingSums& sums);
+/// The same for separate receivers. The plan need not set `needs_corner_names`.
+void add_fresnel_pair_borders(const EchoContribution& plan, const Transmission& transmission, PingSums& sums);
 
 }  // namespace tubefoot

@@ -61,7 +61,8 @@ void check_two_apexes(const BistaticHistory& history, const ReceiveBeams& beams,
   const bool fans = !beams.fan_of_transmit_tube.empty() || !beams.fan_of_receive_tube.empty();
   if (fans && (beams.fan_of_transmit_tube.size() != sent || beams.fan_of_receive_tube.size() != received))
     refuse("fans must be given for all transmit and all receive tubes, or for none");
-  if (!model.path.facet_factor.empty()) refuse("apparent facets belong to one apex, not to two");
+  if (!model.path.facet_factor.empty() && !history.bistatic.empty())
+    refuse("factors of facets cannot be combined with facets at two apparent positions");
   if (!history.bistatic.empty() && history.bistatic.size() != history.shared.facets.size())
     refuse("the bistatic facets of the history belong to other facets");
   if (!(how.path_tolerance > 0))

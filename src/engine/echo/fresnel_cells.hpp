@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
+#include "engine/echo/fresnel_strips.hpp"
 #include "engine/echo/shadow_edges.hpp"
-#include "geometry/search/scene_tree.hpp"
-#include "geometry/visibility/visibility.hpp"
+#include "engine/visibility/bistatic_history.hpp"
+#include "engine/visibility/history.hpp"
 
 // Weights of the energies near shadow borders, shadow = "fresnel" (docs/energies.md). Cells with constant
 // factors approximate the change that diffraction causes. integrate_echo() integrates their echo as that of
@@ -19,40 +18,46 @@ namespace tubefoot {
 /// energy over several cells is of second order.
 constexpr double fresnel_cell_step = 0.04;
 
-/// Parts of facets with a factor each. The echo of the cells, added to that of the visible footprints, is the
-/// echo with Fresnel weights.
-struct FresnelCells {
-  /// One footprint per cell, whose `facet` is the number of the cell, without measures. `tubes` is empty.
-  History history;
+/// Properties of cells, which are parts of facets. The echo of the cells, added to that of the visible
+/// surface, is the echo with Fresnel weights.
+struct FresnelCellList {
   std::vector<FacetId> facet;  ///< by cell: the facet of the mesh on which it lies
-  /// By cell: the mean of I(nu)^2 - 1 on the insonified side of a border, and of I(nu)^2 in the shadow. I is
-  /// knife_edge_intensity().
+  /// By cell: the mean of the weight, minus 1 where the surface is visible. The weight is the product of the
+  /// intensities of both legs (knife_edge_intensity()).
   std::vector<double> factor;
 };
 
-/// The surface that one apex sees, for fresnel_cells().
-struct FresnelSurface {
-  const FacetMesh& mesh;
-  const SceneTree& tree;
-  const VisibilityOptions& options;
-  /// Whether a component is a terrain, whose hills cast shadows on the terrain itself.
-  std::function<bool(std::uint16_t component)> is_terrain;
+/// Cells for equal transmit and receive legs.
+struct FresnelCells : FresnelCellList {
+  /// One footprint per cell, whose `facet` is the number of the cell, without measures. `tubes` is empty.
+  History history;
+};
+
+/// Cells for separate apexes.
+struct FresnelPairCells : FresnelCellList {
+  /// One shared facet per cell, whose `facet` is the number of the cell.
+  BistaticHistory history;
 };
 
 /// Returns the cells of a history for equal transmit and receive legs. `edges`: shadow_edges() of the
 /// history.
 ///
-/// Insonified side: nu is that of the edge of a component with the smallest |nu|. The factors of different
-/// components are multiplied. An edge acts on places that lie behind it by at least one wavelength. Their
-/// projections on the plane of apex and edge lie behind the edge itself.
+/// Insonified side: the parameter nu is that of the edge of a component with the smallest |nu|. The factors
+/// of different components are multiplied. An edge acts on places that lie behind it by at least one
+/// wavelength. Their projections on the plane of apex and edge lie behind the edge itself.
 ///
 /// Hidden side: the surface is traced again, in the strip behind each edge, without the component that casts
-/// the shadow. Only some facets of a terrain are omitted: those in front of the edge, and those of which the
-/// apex sees the other side. Places behind two components receive no energy.
+/// the shadow (HiddenStrips). Places behind two components receive no energy.
 ///
-/// The result does not depend on the threads. `edge_step`: see fresnel_cell_step.
+/// The result does not depend on the threads. `cell_step`: see fresnel_cell_step.
 FresnelCells fresnel_cells(const FresnelSurface& surface, const History& history,
                            std::span<const ShadowEdge> edges, double wavelength_m,
                            double cell_step = fresnel_cell_step);
+
+/// Returns the cells for a separate receiver. Each leg has its own edges and parameters, and the factors of
+/// both legs are multiplied. A place that both legs see around the same component receives energy, too.
+FresnelPairCells fresnel_pair_cells(const FresnelSurface& surface, const TubeSet& transmit,
+                                    const TubeSet& receive, double wavelength_m,
+                                    double cell_step = fresnel_cell_step);
 
 }  // namespace tubefoot

@@ -80,8 +80,9 @@ void split(const FresnelPolygon& polygon, const CutPlane& plane, FresnelPolygon&
   if (in_plane) outside.clear();
 }
 
-FresnelZone::FresnelZone(const ShadowEdge& edge, double wavelength_m, double reach_m)
-    : edge_(&edge), wavelength_m_(wavelength_m) {
+FresnelZone::FresnelZone(const ShadowEdge& edge, double wavelength_m, double reach_m, glm::dvec3 apex_m,
+                         int leg)
+    : edge_(&edge), wavelength_m_(wavelength_m), apex_m_(apex_m), leg_(leg) {
   const double nearest = edge.distance_m + wavelength_m, farthest = std::max(reach_m, 2 * nearest);
   double most_oblique = 0;
   for (const glm::dvec3& end : {edge.first_m, edge.last_m})
@@ -106,6 +107,7 @@ FresnelZone::FresnelZone(const ShadowEdge& edge, double wavelength_m, double rea
     planes_[hidden][2] = {edge.across, nearest};
     planes_[hidden][3] = {sign * edge.normal, 0};
     planes_[hidden][4] = {glm::normalize(slope_[hidden] * edge.across - sign * edge.normal), 0};
+    for (CutPlane& plane : planes_[hidden]) plane.offset_m += glm::dot(plane.normal, apex_m);
   }
 }
 
@@ -119,8 +121,8 @@ bool FresnelZone::holds(glm::dvec3 p, bool hidden) const {
 }
 
 double FresnelZone::parameter(glm::dvec3 p) const {
-  const ShadowEdge::Place place = edge_->place(p);
-  return place.h / scale_m(place);
+  const ShadowEdge::Place at = place(p);
+  return at.h / scale_m(at);
 }
 
 void FresnelDivision::lit(const FresnelPolygon& polygon, std::span<const std::uint32_t> candidates,
@@ -130,15 +132,16 @@ void FresnelDivision::lit(const FresnelPolygon& polygon, std::span<const std::ui
   cut(polygon, candidates, {});
 }
 
-void FresnelDivision::hidden(const FresnelPolygon& polygon, std::uint32_t own,
+void FresnelDivision::hidden(const FresnelPolygon& polygon, std::span<const std::uint32_t> own,
                              std::span<const std::uint32_t> candidates, const Take& take) {
   candidates_ = candidates;
   take_ = &take;
   FresnelPolygon rest = polygon, inside, outside;
-  for (const CutPlane& plane : zones_[own].planes(true)) {
-    split(rest, plane, inside, outside);
-    std::swap(rest, inside);
-  }
+  for (const std::uint32_t zone : own)
+    for (const CutPlane& plane : zones_[zone].planes(true)) {
+      split(rest, plane, inside, outside);
+      std::swap(rest, inside);
+    }
   if (!rest.empty()) cut(rest, candidates, {{}, own});
 }
 
@@ -149,7 +152,9 @@ void FresnelDivision::cut(const FresnelPolygon& polygon, std::span<const std::ui
   FresnelPolygon rest = polygon;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const FresnelZone& zone = zones_[candidates[k]];
-    if (active.own != none && zone.edge().component == zones_[active.own].edge().component) continue;
+    if (std::ranges::any_of(active.own,
+                            [&](std::uint32_t own) { return zones_[own].group() == zone.group(); }))
+      continue;
     const auto is_outside = [&](const CutPlane& plane) {
       return std::ranges::all_of(rest, [&](const glm::dvec3& p) { return plane.side(p) <= 0; });
     };
@@ -163,7 +168,7 @@ void FresnelDivision::cut(const FresnelPolygon& polygon, std::span<const std::ui
     }
     active.lit.push_back(candidates[k]);
   }
-  if (active.own != none || !active.lit.empty()) divide(rest, std::move(active), 0);
+  if (!active.own.empty() || !active.lit.empty()) divide(rest, std::move(active), 0);
 }
 
 void FresnelDivision::divide(const FresnelPolygon& polygon, Active active, int depth) {
@@ -178,13 +183,13 @@ void FresnelDivision::divide(const FresnelPolygon& polygon, Active active, int d
   const auto examine = [&](std::uint32_t number, bool hidden) {
     const FresnelZone& zone = zones_[number];
     const double limit = hidden ? knife_edge_shadow_limit : -knife_edge_lit_limit;
-    const ShadowEdge::Place at = zone.edge().place(middle);
+    const ShadowEdge::Place at = zone.place(middle);
     const LinearScale linear = tangent(zone, at);
     const double edge_m = zone.edge().distance_m;
     Range nu, q, turn;
     double worst = 0;
     for (const glm::dvec3& p : polygon) {
-      const ShadowEdge::Place place = zone.edge().place(p);
+      const ShadowEdge::Place place = zone.place(p);
       const double scale = zone.scale_m(place), parameter = place.h / scale;
       nu.add(parameter);
       q.add(place.q);
@@ -200,6 +205,7 @@ void FresnelDivision::divide(const FresnelPolygon& polygon, Active active, int d
       plane = std::log(beyond) > turned
                   ? CutPlane{zone.edge().across, edge_m + (q.low - edge_m) * std::sqrt(beyond)}
                   : CutPlane{zone.edge().along - (turn.low + turned / 2) * zone.edge().across, 0};
+      plane.offset_m += glm::dot(plane.normal, zone.apex_m());
       widest = curved;
       is_divided = true;
     } else if (nu.length() > widest) {
@@ -208,14 +214,16 @@ void FresnelDivision::divide(const FresnelPolygon& polygon, Active active, int d
       plane = {zone.edge().normal -
                    between * (linear.rate_q * zone.edge().across + linear.rate_t * zone.edge().along),
                between * linear.value};
+      plane.offset_m += glm::dot(plane.normal, zone.apex_m());
       widest = nu.length();
       is_divided = true;
     }
     return true;
   };
-  if (active.own != none && !examine(active.own, true)) return;
+  for (const std::uint32_t own : active.own)
+    if (!examine(own, true)) return;
   std::erase_if(active.lit, [&](std::uint32_t number) { return !examine(number, false); });
-  if (active.own == none && active.lit.empty()) return;
+  if (active.own.empty() && active.lit.empty()) return;
   if (!is_divided || depth >= most_divisions) return finish(polygon, active);
   FresnelPolygon inside, outside;
   split(polygon, plane, inside, outside);
@@ -225,16 +233,18 @@ void FresnelDivision::divide(const FresnelPolygon& polygon, Active active, int d
 }
 
 double FresnelDivision::weight(glm::dvec3 p, const Active& active) const {
-  double weight = active.own == none ? 1 : two_way_knife_edge(std::max(zones_[active.own].parameter(p), 0.0));
+  double weight = 1;
+  for (const std::uint32_t own : active.own)
+    weight *= truncated_knife_edge_intensity(std::max(zones_[own].parameter(p), 0.0));
   for (std::size_t k = 0; k < active.lit.size();) {
-    // Edges of one component follow each other.
-    const std::uint16_t component = zones_[active.lit[k]].edge().component;
+    // Zones of one group follow each other.
+    const auto group = zones_[active.lit[k]].group();
     double nearest = -std::numeric_limits<double>::infinity();
-    for (; k < active.lit.size() && zones_[active.lit[k]].edge().component == component; ++k)
+    for (; k < active.lit.size() && zones_[active.lit[k]].group() == group; ++k)
       nearest = std::max(nearest, std::min(zones_[active.lit[k]].parameter(p), 0.0));
-    weight *= two_way_knife_edge(nearest);
+    weight *= truncated_knife_edge_intensity(nearest);
   }
-  return weight;
+  return legs_ == 1 ? weight : weight * weight;
 }
 
 /// Passes on a cell with the mean of its weight, by the midpoints of the edges of its triangles. This rule is
@@ -257,15 +267,15 @@ void FresnelDivision::finish(const FresnelPolygon& polygon, const Active& active
   if (!(area > 0)) return;
   const double mean = sum / densities;
   centre /= area;
-  if (active.own == none) return (*take_)(polygon, mean - 1);
-  const FresnelZone& own = zones_[active.own];
-  const double nearest = own.parameter(centre);
-  for (const std::uint32_t other : candidates_) {
-    const FresnelZone& zone = zones_[other];
-    if (other == active.own || zone.edge().component != own.edge().component || !zone.holds(centre, true))
-      continue;
-    const double parameter = zone.parameter(centre);
-    if (parameter < nearest || (parameter == nearest && other < active.own)) return;
+  if (active.own.empty()) return (*take_)(polygon, mean - 1);
+  for (const std::uint32_t own : active.own) {
+    const double nearest = zones_[own].parameter(centre);
+    for (const std::uint32_t other : candidates_) {
+      const FresnelZone& zone = zones_[other];
+      if (other == own || zone.group() != zones_[own].group() || !zone.holds(centre, true)) continue;
+      const double parameter = zone.parameter(centre);
+      if (parameter < nearest || (parameter == nearest && other < own)) return;
+    }
   }
   (*take_)(polygon, mean);
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <glm/vec3.hpp>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/echo/shadow_edges.hpp"
@@ -29,16 +30,22 @@ void split(const FresnelPolygon& polygon, const CutPlane& plane, FresnelPolygon&
 /// The regions on both sides of one edge's shadow border in which the edge changes energies.
 class FresnelZone {
  public:
-  /// `reach_m`: distance from the apex beyond which no place lies.
-  FresnelZone(const ShadowEdge& edge, double wavelength_m, double reach_m);
+  /// `reach_m`: distance from the apex of the edge beyond which no place lies. `apex_m`: this apex, relative
+  /// to the origin of places. `leg`: 0 for the apex of the transmit leg, 1 for that of the receive leg.
+  FresnelZone(const ShadowEdge& edge, double wavelength_m, double reach_m, glm::dvec3 apex_m = glm::dvec3(0),
+              int leg = 0);
 
   /// Planes whose half-spaces intersect in the region of hidden or of insonified places.
   std::span<const CutPlane> planes(bool hidden) const { return {planes_[hidden ? 1 : 0], 5}; }
-  /// Corner directions of the region. They are the ends of the edge, and those at its outer border.
+  /// Corner directions of the region from the apex: the ends of the edge, and those at its outer border.
   std::vector<glm::dvec3> corners(bool hidden) const;
   bool holds(glm::dvec3 p, bool hidden) const;
 
   const ShadowEdge& edge() const { return *edge_; }
+  /// Edges of one group belong to one leg and one component.
+  std::pair<int, std::uint16_t> group() const { return {leg_, edge_->component}; }
+  glm::dvec3 apex_m() const { return apex_m_; }
+  ShadowEdge::Place place(glm::dvec3 p) const { return edge_->place(p - apex_m_); }
   /// Returns the Fresnel parameter of a place beyond the edge.
   double parameter(glm::dvec3 p) const;
   /// Returns h / nu of a place.
@@ -49,6 +56,8 @@ class FresnelZone {
  private:
   const ShadowEdge* edge_;
   double wavelength_m_;
+  glm::dvec3 apex_m_;
+  int leg_;
   glm::dvec3 first_m_, last_m_;  ///< ends of the edge, which may lie outside of the tubes
   double slope_[2];              ///< h / q at the outer borders of both regions
   CutPlane planes_[2][5];
@@ -57,25 +66,26 @@ class FresnelZone {
 /// Divides polygons into cells in which the parameters of all relevant edges are almost constant.
 class FresnelDivision {
  public:
-  /// `zones` must outlive the object.
-  FresnelDivision(std::span<const FresnelZone> zones, double step) : zones_(zones), step_(step) {}
+  /// `zones` must outlive the object. `legs`: number of legs on which each zone acts. It is 2 if both legs
+  /// have one apex.
+  FresnelDivision(std::span<const FresnelZone> zones, double step, int legs)
+      : zones_(zones), step_(step), legs_(legs) {}
 
   using Take = std::function<void(const FresnelPolygon& cell, double factor)>;
-  /// Calls take(cell, mean of I^2 - 1) for the cells of a visible polygon. `candidates`: the zones that may
-  /// contain a part of it.
+  /// Calls take(cell, mean of the weight minus 1) for the cells of a visible polygon. `candidates`: the zones
+  /// that may contain a part of it, by group.
   void lit(const FresnelPolygon& polygon, std::span<const std::uint32_t> candidates, const Take& take);
-  /// Calls take(cell, mean of I^2) for the cells of a polygon that the component of zone `own` hides. Omits
-  /// cells for which another edge of this component has a smaller parameter.
-  void hidden(const FresnelPolygon& polygon, std::uint32_t own, std::span<const std::uint32_t> candidates,
-              const Take& take);
+  /// Calls take(cell, mean of the weight) for the cells of a polygon that zones `own` of different legs hide.
+  /// Omits cells for which another zone of the same group has a smaller parameter.
+  void hidden(const FresnelPolygon& polygon, std::span<const std::uint32_t> own,
+              std::span<const std::uint32_t> candidates, const Take& take);
 
  private:
-  /// Edges that act on a polygon, and for a hidden polygon the edge of its shadow.
+  /// Zones that act on a polygon: outside of their shadows, and in their shadows.
   struct Active {
     std::vector<std::uint32_t> lit;
-    std::uint32_t own = none;
+    std::span<const std::uint32_t> own;
   };
-  static constexpr std::uint32_t none = 0xffffffffu;
 
   void cut(const FresnelPolygon& polygon, std::span<const std::uint32_t> candidates, Active active);
   void divide(const FresnelPolygon& polygon, Active active, int depth);
@@ -84,6 +94,7 @@ class FresnelDivision {
 
   std::span<const FresnelZone> zones_;
   double step_;
+  int legs_;
   std::span<const std::uint32_t> candidates_;
   const Take* take_ = nullptr;
 };

@@ -52,17 +52,17 @@ Complex fresnel_remainder(double nu) {
   return nu >= 0 ? remainder : Complex(1, 1) - remainder;
 }
 
-/// Cubic Hermite interpolation of the squared intensity. The interpolation error is below h^4 / 384 times the
+/// Cubic Hermite interpolation of the intensity. The interpolation error is below h^4 / 384 times the
 /// fourth derivative, which is below 1e5.
-class TwoWayTable {
+class IntensityTable {
  public:
-  TwoWayTable() {
+  IntensityTable() {
     for (int k = 0; k <= cells; ++k) {
       const double nu = first + k * step;
       const Complex remainder = fresnel_remainder(nu);
       const double intensity = std::norm(remainder) / 2, phase = std::numbers::pi / 2 * nu * nu,
                    slope = -remainder.real() * std::cos(phase) - remainder.imag() * std::sin(phase);
-      node_[std::size_t(k)] = {intensity * intensity, 2 * intensity * slope * step};
+      node_[std::size_t(k)] = {intensity, slope * step};
     }
   }
   double at(double nu) const {
@@ -86,8 +86,8 @@ class TwoWayTable {
 
 double knife_edge_intensity(double nu) { return std::norm(fresnel_remainder(nu)) / 2; }
 
-double two_way_knife_edge(double nu) {
-  static const TwoWayTable table;
+double truncated_knife_edge_intensity(double nu) {
+  static const IntensityTable table;
   if (nu < knife_edge_lit_limit) return 1;
   if (nu > knife_edge_shadow_limit) return 0;
   return table.at(nu);

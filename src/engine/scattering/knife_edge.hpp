@@ -14,10 +14,10 @@ namespace tubefoot {
 /// with the Fresnel integrals C and S. The relative error is below 1e-12 for |nu| <= 100.
 double knife_edge_intensity(double nu);
 
-/// Returns the square of knife_edge_intensity(), for equal transmit and receive legs, from a table. The
-/// absolute error is below 1e-8 for knife_edge_lit_limit <= nu <= knife_edge_shadow_limit. Outside of these
-/// limits, which contain all weights of shadow = "fresnel", the result is 1 or 0.
-double two_way_knife_edge(double nu);
+/// Returns knife_edge_intensity() from a table. The absolute error is below 1e-8 for knife_edge_lit_limit <=
+/// nu
+/// <= knife_edge_shadow_limit. Outside of these limits, the result is 1 or 0.
+double truncated_knife_edge_intensity(double nu);
 
 /// The largest parameter of a place in the shadow that receives energy. There, the two-way intensity is 50 dB
 /// below that without the half-plane.

@@ -25,6 +25,9 @@
 namespace tubefoot {
 namespace {
 
+/// Weight of equal transmit and receive legs.
+double two_way_knife_edge(double nu) { return std::pow(truncated_knife_edge_intensity(nu), 2); }
+
 double decibels(double energy) { return 10 * std::log10(energy); }
 
 // The values are those of the formula with C and S of tables.
@@ -102,8 +105,9 @@ struct ScreenScene {
   }
   FresnelCells cells(const History& history, double wavelength_m, double step = fresnel_cell_step) const {
     const VisibilityOptions options;
-    return fresnel_cells({mesh, *tree, options, [](std::uint16_t component) { return component == 0; }},
-                         history, shadow_edges(mesh, history), wavelength_m, step);
+    return fresnel_cells(
+        {mesh, *tree, options, 0x1p-20, [](std::uint16_t component) { return component == 0; }}, history,
+        shadow_edges(mesh, history), wavelength_m, step);
   }
   std::vector<double> sharp(const History& history, const RangeSamples& samples) const {
     const std::vector<double> mu{screen_mu};
@@ -285,6 +289,81 @@ TEST(FresnelCells, TendToSharpShadowsAndKeepEnergiesPositive) {
       for (const double factor : cells.factor) ASSERT_TRUE(factor > -1 && factor < 0.9);
     }
   }
+}
+
+/// Energies of a separate receiver, with the cells of both legs if there is a wavelength.
+std::vector<double> received_apart(const ScreenScene& scene, const TubeSet& transmit, const TubeSet& receive,
+                                   const RangeSamples& samples, double wavelength_m) {
+  const VisibilityOptions options;
+  const std::vector<double> mu{screen_mu};
+  const std::vector<std::uint32_t> beams(receive.tubes.size(), 0);
+  std::vector<double> energy =
+      integrate_echo(trace_bistatic(scene.mesh, *scene.tree, 0x1p-20, options, transmit, receive), {1, beams},
+                     samples, {mu, scene.mesh.material, 0, nullptr})
+          .energy;
+  if (wavelength_m == 0) return energy;
+  const FresnelPairCells cells = fresnel_pair_cells(
+      {scene.mesh, *scene.tree, options, 0x1p-20, [](std::uint16_t component) { return component == 0; }},
+      transmit, receive, wavelength_m);
+  const std::vector<std::uint16_t> material(cells.facet.size(), 0);
+  EchoModel model{mu, material, 0, nullptr};
+  model.path.facet_factor = cells.factor;
+  const std::vector<double> change = integrate_echo(cells.history, {1, beams}, samples, model).energy;
+  for (std::size_t k = 0; k < energy.size(); ++k) energy[k] += change[k];
+  return energy;
+}
+
+TEST(FresnelPairCells, OfOneApexAreThoseOfEqualLegs) {
+  const ScreenScene scene(screen_top_m, 0.8, 0.1);
+  constexpr double wavelength_m = 0.01;
+  const History history = scene.history(0.3, 2);
+  const std::vector<double> one = scene.weighted(history, scene.cells(history, wavelength_m), about_border),
+                            two = received_apart(scene, history.tubes, history.tubes, about_border,
+                                                 wavelength_m);
+  double sum = 0;
+  for (const double energy : one) sum += energy;
+  for (std::size_t k = 0; k < one.size(); ++k) EXPECT_NEAR(one[k], two[k], 3e-3 * one[k] + 1e-6 * sum) << k;
+}
+
+// The receiver is above the transmitter, so that each leg has a shadow border of its own.
+TEST(FresnelPairCells, AgreeWithTheClosedFormsOfBothLegs) {
+  const ScreenScene scene;
+  constexpr double wavelength_m = 0.01, above_m = 1.5;
+  const TubeSet transmit = scene.history().tubes;
+  TubeSet receive = transmit;
+  receive.apex.z += std::int32_t(above_m * 0x1p20);
+  const RangeSamples samples{12.5, 0.05, 150};
+  const auto parameter = [&](double x, double z) {
+    const double d1 = std::hypot(screen_range_m, screen_top_m - z);
+    const glm::dvec2 along = glm::dvec2(screen_range_m, screen_top_m - z) / d1, place(x, -seabed_below_m - z);
+    const double h = along.y * place.x - along.x * place.y, d = glm::dot(along, place);
+    return h * std::sqrt(2 * d1 / (wavelength_m * (d - d1) * d));
+  };
+  std::vector<double> expected(std::size_t(samples.count));
+  constexpr double step_m = 1e-4;
+  for (double x = screen_range_m + 0.05; x < 24; x += step_m) {
+    const double tx = std::hypot(x, seabed_below_m), rx = std::hypot(x, seabed_below_m + above_m),
+                 place = ((tx + rx) / 2 - samples.first_m) / samples.step_m;
+    if (!(place >= 0 && place < samples.count)) continue;
+    expected[std::size_t(place)] += screen_mu * sector_rad * x * step_m * seabed_below_m *
+                                    (seabed_below_m + above_m) / std::pow(tx * rx, 3) *
+                                    truncated_knife_edge_intensity(parameter(x, 0)) *
+                                    truncated_knife_edge_intensity(parameter(x, above_m));
+  }
+  const std::vector<double> found = received_apart(scene, transmit, receive, samples, wavelength_m);
+  const double largest = *std::ranges::max_element(expected);
+  double sum = 0, expected_sum = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    EXPECT_NEAR(found[k], expected[k], 0.015 * largest) << k;
+    sum += found[k];
+    expected_sum += expected[k];
+  }
+  EXPECT_NEAR(sum, expected_sum, 1e-3 * expected_sum);
+  // Without the cells of one leg, or of both, energies differ.
+  const std::vector<double> sharp = received_apart(scene, transmit, receive, samples, 0);
+  double change = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) change += std::abs(found[k] - sharp[k]);
+  EXPECT_GT(change, 0.1 * sum);
 }
 
 TEST(FresnelCells, AreAbsentWithoutShadows) {
