@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fuzzes CSV tables: trajectories, sound-speed profiles and casts, beam patterns, and scattering models. A
-// reader may only reject a table by InputError.
+// Fuzzes CSV tables: trajectories, sound-speed profiles and casts, layers of volume scattering, beam patterns,
+// and scattering models. A reader may only reject a table by InputError.
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
@@ -11,6 +11,7 @@
 #include "scene/description/scene_description.hpp"
 #include "scene/scene_water.hpp"
 #include "scene/surfaces/scattering.hpp"
+#include "scene/volume_layers.hpp"
 #include "scene/waypoint_file.hpp"
 #include "sensors/model/pattern_file.hpp"
 
@@ -48,6 +49,15 @@ void water(const Path& file, const char* profile, const char* formula) {
     if (!std::isfinite(loss)) finding("no absorption");
 }
 
+void volume_layers(const Path& file) {
+  WaterDescription description;
+  description.volume_scattering_file = file;
+  const VolumeScattering read = load_volume_scattering(description, 3, true);
+  check(read);
+  if (read.s_v_per_m.back() != 0) finding("scattering above the surface");
+  if (const auto warning = short_layers_warning(description, read, 3, -20)) check_message(shown(*warning));
+}
+
 void pattern(const Path& file) {
   const PatternTable read = read_pattern_file(file);
   for (double angle_rad = -3.2; angle_rad < 3.2; angle_rad += 0.1)
@@ -78,7 +88,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace tubefoot;
   const fuzz::TimeLimit limit;
   fuzz::Bytes bytes(data, size);
-  const std::uint32_t kind = bytes.below(7);
+  const std::uint32_t kind = bytes.below(8);
   const auto file = fuzz::scratch_file("t.csv", bytes.rest());
   fuzz::may_refuse([&] {
     switch (kind) {
@@ -94,6 +104,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         return fuzz::pattern(file);
       case 5:
         return fuzz::scattering(file);
+      case 7:
+        return fuzz::volume_layers(file);
       default:
         return fuzz::trajectory(file, 1.5);
     }
