@@ -300,14 +300,6 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      {},
      "diffraction at shadow borders is limited to the direct path: set shadow = \"sharp\", or leave out "
      "the mirrors and [paths]"},
-    {},
-     "diffraction at shadow borders needs a receiver at the transmitter: set shadow = \"sharp\", or "
-     "leave out 'receiver_arm_m'"},
-    {},
-     "diffraction at shadow borders needs one pose per ping: set shadow = \"sharp\", or stop_and_hop = "
-     "true"
-}
-,
     {two_receivers,
      fresnel_borders,
      {},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests shadow = "fresnel" of sensors: what changes and what does not, with patterns, labels, selections,
-// terrains and moving objects, and the statements about uncertified energies.
+// terrains and moving objects. Tests the statements about uncertified energies.
 #include "run/fresnel_borders.hpp"
 
 #include <fmt/format.h>

@@ -66,8 +66,8 @@ class FresnelZones {
 };
 
 /// The strips behind the shadow edges of one group, and the facets that may lie in them. The component that
-/// casts the shadows is omitted. If this component is a terrain, only some of its facets are omitted: those
-/// in front of an edge, and those of which the apex sees the other side.
+/// casts the shadows is omitted. If this component is a terrain, only some of its facets are omitted. They lie
+/// in front of an edge, or the apex sees their other side.
 struct HiddenStrips {
   TubeSet windows;
   /// By window: its tube of the leg and its zone.

@@ -18,7 +18,7 @@ namespace tubefoot {
 namespace {
 
 /// Facets per task. The results do not depend on this number.
-constexpr std::size_t facets_per_task = 32;
+constexpr std::size_t bistatic_facets_per_task = 32;
 
 /// Quadrature of single facets. One object per thread.
 class FacetEcho {
@@ -127,14 +127,15 @@ void integrate_two_apexes(const CommonVisibility& visibility, const ReceiveBeams
     return integrate_whole(visibility, beams, samples, model, how.binning, sink);
   const std::vector<double> borders = sample_borders_m(samples);
   const std::size_t facets = visibility.end() - visibility.first();
-  std::vector<std::vector<Part<double>>> parts((facets + facets_per_task - 1) / facets_per_task);
+  std::vector<std::vector<Part<double>>> parts((facets + bistatic_facets_per_task - 1) /
+                                               bistatic_facets_per_task);
   tbb::enumerable_thread_specific<FacetEcho> threads(
       [&] { return FacetEcho(visibility, beams, borders, model, how.path_tolerance); });
   Steps steps("facets", facets);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t task) {
     FacetEcho& facet_echo = threads.local();
-    const std::size_t begin = visibility.first() + task * facets_per_task,
-                      end = std::min(begin + facets_per_task, visibility.end());
+    const std::size_t begin = visibility.first() + task * bistatic_facets_per_task,
+                      end = std::min(begin + bistatic_facets_per_task, visibility.end());
     for (std::size_t number = begin; number < end; ++number) {
       facet_echo.add(number, parts[task]);
       steps.done();
