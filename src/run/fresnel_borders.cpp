@@ -12,7 +12,7 @@
 namespace tubefoot {
 namespace {
 
-FresnelSurface surface_of(const Transmission& transmission) {
+FresnelSurface fresnel_surface_of(const Transmission& transmission) {
   const TransmissionSurface& surface_mesh = transmission.surface_mesh();
   return {surface_mesh.mesh(), surface_mesh.tree(), transmission.request().visibility,
           transmission.scene().grid.unit_m(),
@@ -21,7 +21,7 @@ FresnelSurface surface_of(const Transmission& transmission) {
           }};
 }
 
-double wavelength_m(const Transmission& transmission, std::size_t sensor) {
+double fresnel_wavelength_m(const Transmission& transmission, std::size_t sensor) {
   return transmission.survey().sensors[sensor].sound_speed_m_s /
          (1000 * transmission.sensor(sensor).frequency_khz(transmission.number()));
 }
@@ -53,11 +53,12 @@ bool has_fresnel_borders(const Sensor& sensor) { return sensor.description().sha
 void add_fresnel_borders(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
   const History& history = traced(transmission, sums);
   sums.as_echo([&] {
-    const FresnelSurface surface = surface_of(transmission);
+    const FresnelSurface surface = fresnel_surface_of(transmission);
     const std::vector<ShadowEdge> edges = shadow_edges(surface.mesh, history);
     for (const std::size_t s : plan.sensors) {
       if (sums.chosen(s).pings == 0) continue;
-      const FresnelCells cells = fresnel_cells(surface, history, edges, wavelength_m(transmission, s));
+      const FresnelCells cells =
+          fresnel_cells(surface, history, edges, fresnel_wavelength_m(transmission, s));
       add_cells(transmission, s, cells, cells.history, sums);
     }
   });
@@ -65,13 +66,13 @@ void add_fresnel_borders(const EchoContribution& plan, const Transmission& trans
 
 void add_fresnel_pair_borders(const EchoContribution& plan, const Transmission& transmission,
                               PingSums& sums) {
-  const FresnelSurface surface = surface_of(transmission);
+  const FresnelSurface surface = fresnel_surface_of(transmission);
   for (const std::size_t s : plan.sensors) {
     if (sums.chosen(s).pings == 0) continue;
     sums.as_echo([&] {
       const FresnelPairCells cells =
           fresnel_pair_cells(surface, transmission.tubes(), transmission.receive_tubes(transmission.first()),
-                             wavelength_m(transmission, s));
+                             fresnel_wavelength_m(transmission, s));
       add_cells(transmission, s, cells, cells.history, sums);
     });
   }

@@ -25,7 +25,7 @@ struct LinearScale {
 };
 
 /// Range of a coordinate over the corners of a polygon.
-struct Range {
+struct CornerRange {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   void add(double value) {
     low = std::min(low, value);
@@ -186,7 +186,7 @@ void FresnelDivision::divide(const FresnelPolygon& polygon, Active active, int d
     const ShadowEdge::Place at = zone.place(middle);
     const LinearScale linear = tangent(zone, at);
     const double edge_m = zone.edge().distance_m;
-    Range nu, q, turn;
+    CornerRange nu, q, turn;
     double worst = 0;
     for (const glm::dvec3& p : polygon) {
       const ShadowEdge::Place place = zone.place(p);

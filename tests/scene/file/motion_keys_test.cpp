@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests the keys of carriers that move during a ping, and of stabilised beams.
+// Tests the keys of carriers that move during a ping, of stabilised beams, and of shadow borders.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,6 +45,15 @@ TEST(MotionKeys, WithoutEffectAreErrors) {
   EXPECT_THAT(scene_error(folder, swath_with("stabilisation = [\"heave\"]\n")), HasSubstr("\"pitch\""));
   EXPECT_THAT(scene_error(folder, swath_with("stop_and_hop = false\nmotion_step_beams = 0\n")),
               HasSubstr("'motion_step_beams'"));
+}
+
+TEST(ShadowKey, IsSharpOrFresnel) {
+  const TestFolder folder;
+  EXPECT_EQ(read_scene(folder, swath_with("")).sensors.front().shadow, "sharp");
+  EXPECT_EQ(read_scene(folder, swath_with("shadow = \"fresnel\"\n")).sensors.front().shadow, "fresnel");
+  EXPECT_THAT(scene_error(folder, swath_with("shadow = \"soft\"\n")),
+              testing::AllOf(testing::StartsWith("scene.toml:12:"), HasSubstr("\"sharp\""),
+                             HasSubstr("\"fresnel\"")));
 }
 
 }  // namespace

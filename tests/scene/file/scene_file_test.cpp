@@ -196,6 +196,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(camera.first_ping_s, 1.5);
   EXPECT_EQ(camera.pings, 7);
   EXPECT_EQ(camera.ping_interval_s, 0.25);
+  EXPECT_EQ(camera.shadow, "fresnel");
   EXPECT_EQ(camera.cone_tolerance, 1e-6);
   const auto& didson = camera.kind.as<DidsonDescription>();
   EXPECT_EQ(didson.frequency_khz, 1100);
