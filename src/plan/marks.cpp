@@ -115,7 +115,8 @@ SceneMarks marks_of(const Survey& survey, std::span<const SeabedPlacement> place
   const std::size_t terrains = scene.description.terrains.size();
   for (std::size_t i = terrains; i < scene.report.components.size(); ++i) {
     const ComponentReport& object = scene.report.components[i];
-    if (object.facets == 0) continue;
+    const MovingObject* const sea = moving_sea_surface_of(scene);
+    if (object.facets == 0 || (sea != nullptr && sea->component == i)) continue;  // drawn as a line
     const bool buried = i - terrains < placements.size() && placements[i - terrains].is_buried;
     marks.objects.push_back({object.name, i, {object.lo_m, object.hi_m}, buried});
   }

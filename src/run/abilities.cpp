@@ -39,6 +39,7 @@ constexpr std::array<std::string_view, features> names{"refraction",
                                                        "volume scattering",
                                                        "targets in the water",
                                                        "Fresnel shadow borders",
+                                                       "moving sea surface",
                                                        "--reference",
                                                        "double arithmetic",
                                                        "fast binning",
@@ -215,6 +216,24 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      own_engine,
      {},
      "a custom engine computes all energies itself: use a built-in engine, or leave out the volume scattering"},
+    {sea_waves,
+     scatterings,
+     {},
+     "in the second scattering, tubefoot treats the sea surface as a plane: set scatterings = 1, or "
+     "remove 'size_m' of [sea_surface]"},
+    {sea_waves,
+     coarsening,
+     {},
+     "--coarsen cannot merge facets that move with facets at rest: leave out --coarsen, or 'size_m' of "
+     "[sea_surface]"},
+    {sea_waves,
+     gradient,
+     {},
+     "derivatives refer to vertices at rest: leave out --gradient, or 'size_m' of [sea_surface]"},
+    {sea_waves,
+     refine,
+     {},
+     "a file of refined facets contains facets at rest: leave out 'size_m' of [sea_surface]"},
     {reference, coarsening, {}, "this output refers to the facets of the scene: leave out --coarsen"},
     {fast_binning,
      coarsening,
@@ -393,7 +412,9 @@ std::vector<Found> found_in(const Survey& survey, std::optional<std::size_t> onl
                                  d.materials[*material].name)});
   if (d.paths.scatterings > 1)
     found.push_back({scatterings, d.paths.place, "[paths] has several scatterings"});
-  if (!scene.moving.empty()) {
+  if (moving_sea_surface_of(scene) != nullptr)
+    found.push_back({sea_waves, d.sea_surface->place, "the sea surface has facets that move as waves"});
+  if (!scene.moving.empty() && !scene.moving.front().waves) {
     const ObjectDescription& object = d.objects[scene.moving.front().component - d.terrains.size()];
     found.push_back({moving_objects, object.trajectory_place, fmt::format("object '{}' moves", object.name)});
   }

@@ -39,6 +39,7 @@ enum class Feature : unsigned char {
   volume,             ///< scattering in the water
   water_targets,      ///< targets in the water
   fresnel_borders,    ///< a sensor with shadow = "fresnel"
+  sea_waves,          ///< a sea surface with facets, which moves as waves
   // features of a run
   reference,
   double_arithmetic,

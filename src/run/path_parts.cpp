@@ -27,8 +27,9 @@ class PathSeabed {
  public:
   PathSeabed(const Transmission& transmission, std::size_t s, const PathEnds& ends)
       : transmission_(transmission) {
-    if (!transmission.scene().water->refracts()) return;
-    lying_.emplace(lying_surface_of(transmission));
+    const bool refracts = transmission.scene().water->refracts();
+    if (refracts || has_path_surface(transmission.scene())) lying_.emplace(path_surface_of(transmission));
+    if (!refracts) return;
     water_.emplace(path_water(transmission, s, ends.transmit.reach * transmission.scene().grid.unit_m()));
   }
   const TransmissionSurface& operator*() const { return lying_ ? *lying_ : transmission_.surface_mesh(); }
@@ -73,9 +74,10 @@ void add_paths_of(const Transmission& transmission, std::size_t s, const PathSet
   const SensorModel model(transmission, *seabed, s);
   std::optional<RaySurface> rays;
   if (transmission.request().engine == Engine::ray)
-    settings.sampled = SampledPaths{seabed.water() != nullptr ? nullptr : &*rays.emplace(transmission),
-                                    transmission.scene().grid, rays_of(transmission),
-                                    sensor.beam_of_tube(transmission.number()), guide_of(transmission)};
+    settings.sampled =
+        SampledPaths{seabed.water() != nullptr ? nullptr : &*rays.emplace(transmission, *seabed),
+                     transmission.scene().grid, rays_of(transmission),
+                     sensor.beam_of_tube(transmission.number()), guide_of(transmission)};
   const auto trace_by = [&](const FacetMesh& mesh, const EchoModel& by, const PathSettings& how,
                             const PathWater* water) {
     return path_echo(mesh, (*seabed).tree(), transmission.scene().grid.unit_m(),

@@ -39,8 +39,9 @@ std::optional<PathSettings> path_settings(const Scene& scene, double frequency_k
             ? scene.water->profile().at(scene.water->surface_height_m() - d.sea_surface->height_m)
             : scene.sound_speed_m_s;
     const double wave_number = 2000 * std::numbers::pi * frequency_khz / speed;
-    settings.mirrors.surface = SeaSurface{scene.surface_height(), std::pow(10, -d.sea_surface->loss_db / 10),
-                                          std::pow(2 * wave_number * d.sea_surface->rms_roughness_m, 2)};
+    settings.mirrors.surface =
+        SeaSurface{scene.surface_height(), std::pow(10, -d.sea_surface->loss_db / 10),
+                   std::pow(2 * wave_number * d.sea_surface->rms_roughness_m.value_or(0), 2)};
   }
   return settings;
 }
@@ -83,7 +84,8 @@ void add_looks(const Transmission& transmission, std::size_t s, const PathSettin
     for (const TubeSet& tubes : apexes) looks.push_back({all_round(tubes.apex, tubes.reach), beam_rad});
     return;
   }
-  const RefinedMesh mirrors = mirrors_about(transmission, apexes.front().reach * unit_m);
+  RefinedMesh mirrors = mirrors_about(transmission, apexes.front().reach * unit_m);
+  drop_sea_surface(scene, mirrors.mesh);
   const SceneTree tree(mirrors.mesh, SceneTree::HeightFieldSearch::ignored);
   const ImageFinder finder(mirrors.mesh, tree, transmission.request().visibility, settings.mirrors,
                            settings.least(), settings.most_images);

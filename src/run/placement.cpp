@@ -149,7 +149,9 @@ std::vector<SeabedPlacement> placements(const Survey& survey) {
                            : survey.loaded_scene->has_surface_per_transmission() ? 30
                                                                                  : 300;
   Seabed seabed(*survey.loaded_scene);
-  for (std::size_t i = terrains; i < scene.report.components.size(); ++i) {
+  const MovingObject* const sea = moving_sea_surface_of(scene);
+  const std::size_t end = sea == nullptr ? scene.report.components.size() : sea->component;
+  for (std::size_t i = terrains; i < end; ++i) {
     const ComponentReport& object = scene.report.components[i];
     Heights heights;
     for (const glm::dvec3& place_m : places_of(scene, i, most)) {

@@ -25,6 +25,11 @@ bool SensorPlaces::is_terrain(std::uint16_t component) const {
   return component < loaded_scene_.scene.description.terrains.size();
 }
 
+bool SensorPlaces::is_sea(std::uint16_t component) const {
+  const MovingObject* const sea = moving_sea_surface_of(loaded_scene_.scene);
+  return sea != nullptr && sea->component == component;
+}
+
 void SensorPlaces::refuse_on_facet(const Column& column, const PingPlace& where) const {
   const auto& [place, ping, time_s, at_m, what] = where;
   const Scene& scene = loaded_scene_.scene;
@@ -52,6 +57,16 @@ void SensorPlaces::refuse_below(const VerticalCrossings& crossings, const PingPl
                   at_m.y, at_m.z));
 }
 
+void SensorPlaces::refuse_above_sea(const VerticalCrossings& crossings, const PingPlace& where) const {
+  if (crossings.below == 0) return;
+  throw InputError(
+      where.place,
+      fmt::format("{} is {:.3g} m above the waves of the sea surface at ping {} (t = {:.3f} s, east {:.2f}, "
+                  "north {:.2f}, up {:.2f} m): lower its trajectory or lever arm below the troughs",
+                  where.what, crossings.highest_below * loaded_scene_.scene.grid.unit_m(), where.ping,
+                  where.time_s, where.at_m.x, where.at_m.y, where.at_m.z));
+}
+
 void SensorPlaces::refuse_on_facet(const PingPlace& where) { refuse_on_facet(column(where), where); }
 
 double SensorPlaces::check(const PingPlace& where, std::set<std::uint16_t>& inside) {
@@ -64,6 +79,8 @@ double SensorPlaces::check(const PingPlace& where, std::set<std::uint16_t>& insi
     if (is_terrain(c.component)) {
       refuse_below(c, where);
       if (c.below > 0) altitude_m = std::fmin(altitude_m, c.highest_below * scene.grid.unit_m());
+    } else if (is_sea(c.component)) {
+      refuse_above_sea(c, where);
     } else if (c.above % 2 == 1 && inside.insert(c.component).second) {
       scene.report.warnings.push_back(fmt::format(
           "{}: {} is inside object '{}' at ping {} (t = {:.3f} s), so it sees the object from the inside",
@@ -107,7 +124,10 @@ void SensorPlaces::refuse_hidden(const ElementPlaces& elements) {
       refuse_on_facet(lying, where);
       for (const VerticalCrossings& c : vertical_crossings(lying.surface_mesh.mesh(), lying.near,
                                                            loaded_scene_.scene.grid.snap(where.at_m)))
-        if (is_terrain(c.component)) refuse_below(c, where);
+        if (is_terrain(c.component))
+          refuse_below(c, where);
+        else if (is_sea(c.component))
+          refuse_above_sea(c, where);
       refuse_enclosed(where);
     }
   };

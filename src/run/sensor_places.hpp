@@ -47,9 +47,10 @@ class SensorPlaces {
   /// visible side, hides nothing and returns nothing. This is not the limit of the echoes at neighbouring
   /// positions.
   void refuse_on_facet(const PingPlace& where);
-  /// Checks a position on a facet in the same way, and throws InputError for a position below the terrain. A
-  /// position inside an object may be the sensor's own housing, and causes a warning, once for each element
-  /// of `inside`. Returns the altitude above the terrain, or NaN without terrain.
+  /// Checks a position on a facet in the same way. Throws InputError for a position below the terrain or
+  /// above the waves of the sea surface. A position inside an object may be the sensor's own housing, and
+  /// causes a warning, once for each element of `inside`. Returns the altitude above the terrain, or NaN
+  /// without terrain.
   double check(const PingPlace& where, std::set<std::uint16_t>& inside);
   /// Throws InputError for elements that lie on a facet, below the terrain, or inside a closed object
   /// (ClosedShells). The error names the transmitter, or else the first such receiver.
@@ -63,8 +64,10 @@ class SensorPlaces {
   Column column(const PingPlace& where);
   void refuse_on_facet(const Column& column, const PingPlace& where) const;
   void refuse_below(const VerticalCrossings& crossings, const PingPlace& where) const;
+  void refuse_above_sea(const VerticalCrossings& crossings, const PingPlace& where) const;
   void refuse_enclosed(const PingPlace& where);
   bool is_terrain(std::uint16_t component) const;
+  bool is_sea(std::uint16_t component) const;
 
   LoadedScene& loaded_scene_;
   SceneBelow below_;

@@ -315,7 +315,7 @@ void check_division(const Scene& scene, const Sensor& sensor, const Trajectory& 
                     "use fewer pings",
                     description.name, sensor.transmissions(), limits::sensor_transmissions));
   for (const MovingObject& object : scene.moving)
-    if (&scene.trajectories[object.trajectory] == &trajectory)
+    if (!object.waves && &scene.trajectories[object.trajectory] == &trajectory)
       throw InputError(
           description.place,
           fmt::format(

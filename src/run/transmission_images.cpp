@@ -27,8 +27,9 @@ TransmissionImages::TransmissionImages(const Transmission& transmission, std::si
     water_.emplace(path_water(transmission, s, ends_.transmit.reach * grid.unit_m()));
   if (water_) water_->limits.weights = weights;
   // In refracting water, images make apparent surfaces of their own.
-  if (water_ || (weights && transmission.loaded_scene().has_surface_per_transmission()))
-    lying_.emplace(lying_surface_of(transmission, weights));
+  if (water_ || has_path_surface(transmission.scene()) ||
+      (weights && transmission.loaded_scene().has_surface_per_transmission()))
+    lying_.emplace(path_surface_of(transmission, weights));
   VisibilityOptions options = transmission.request().visibility;
   options.open_water = open_water;
   try {

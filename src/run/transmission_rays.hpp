@@ -19,9 +19,12 @@ RayGuide guide_of(const Transmission& transmission);
 /// The surface of a transmission, prepared for rays.
 class RaySurface {
  public:
-  explicit RaySurface(const Transmission& transmission) : loaded_scene_(transmission.loaded_scene()) {
-    if (!transmission.surface_mesh().is_of_loaded_scene())
-      own_.emplace(transmission.surface_mesh().mesh(), transmission.scene().grid);
+  explicit RaySurface(const Transmission& transmission)
+      : RaySurface(transmission, transmission.surface_mesh()) {}
+  /// Prepares another surface of the transmission.
+  RaySurface(const Transmission& transmission, const TransmissionSurface& surface)
+      : loaded_scene_(transmission.loaded_scene()) {
+    if (!surface.is_of_loaded_scene()) own_.emplace(surface.mesh(), transmission.scene().grid);
   }
   const RayScene& operator*() const { return own_ ? *own_ : loaded_scene_.rays(); }
 

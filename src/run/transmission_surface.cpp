@@ -256,26 +256,69 @@ RefinedMesh mirrors_about(const Transmission& transmission, double distance_m) {
 
 namespace {
 
+/// Returns the numbers of facets and of vertices of the sea surface at the end of a mesh.
+std::array<std::size_t, 2> sea_surface_sizes(const Scene& scene, const FacetMesh& mesh) {
+  const MovingObject* const sea = moving_sea_surface_of(scene);
+  if (sea == nullptr || mesh.component.empty() || mesh.component.back() != sea->component) return {0, 0};
+  return {sea->shape.facets.size(), sea->points_m.size()};
+}
+
 bool reaches_above_water(const Scene& scene, const FacetMesh& mesh) {
   if (!scene.description.sea_surface) return false;
   const std::int32_t height = scene.surface_height();
-  return std::ranges::any_of(mesh.vertices, [=](GridPoint v) { return v.z > height; });
+  const std::span<const GridPoint> vertices(mesh.vertices);
+  return std::ranges::any_of(vertices.first(vertices.size() - sea_surface_sizes(scene, mesh)[1]),
+                             [=](GridPoint v) { return v.z > height; });
+}
+
+/// Appends the last facets of a mesh, which share no vertex with the others, to another mesh.
+void append_last(const FacetMesh& from, std::size_t facets, std::size_t vertices, FacetMesh& to) {
+  const std::size_t first_facet = from.facets.size() - facets, first_vertex = from.vertices.size() - vertices;
+  const auto shift = static_cast<VertexId>(to.vertices.size() - first_vertex);  // modulo 2^32
+  to.vertices.insert(to.vertices.end(), from.vertices.begin() + static_cast<std::ptrdiff_t>(first_vertex),
+                     from.vertices.end());
+  for (std::size_t f = first_facet; f < from.facets.size(); ++f) {
+    const auto& [a, b, c] = from.facets[f];
+    to.facets.push_back({a + shift, b + shift, c + shift});
+    to.material.push_back(from.material[f]);
+    to.component.push_back(from.component[f]);
+  }
 }
 
 }  // namespace
+
+void drop_sea_surface(const Scene& scene, FacetMesh& mesh) {
+  const auto [facets, vertices] = sea_surface_sizes(scene, mesh);
+  mesh.facets.resize(mesh.facets.size() - facets);
+  mesh.material.resize(mesh.facets.size());
+  mesh.component.resize(mesh.facets.size());
+  mesh.vertices.resize(mesh.vertices.size() - vertices);
+}
+
+bool has_path_surface(const Scene& scene) { return moving_sea_surface_of(scene) != nullptr; }
 
 bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent,
                     std::vector<PartWeights>* weights) {
   if (!reaches_above_water(scene, mesh)) return false;
   const std::int32_t height = scene.surface_height();
   std::vector<std::array<PartCorner, 3>> corners;
-  MeshPart wet = in_front_of(MirrorPlane::horizontal(height), mesh, all_facets(mesh),
-                             weights == nullptr ? nullptr : &corners);
+  const auto [sea_facets, sea_vertices] = sea_surface_sizes(scene, mesh);
+  std::vector<FacetId> others = all_facets(mesh);
+  others.resize(others.size() - sea_facets);
+  MeshPart wet =
+      in_front_of(MirrorPlane::horizontal(height), mesh, others, weights == nullptr ? nullptr : &corners);
+  append_last(mesh, sea_facets, sea_vertices, wet.mesh);
+  std::vector<PartWeights> of_sea;
+  for (std::size_t f = mesh.facets.size() - sea_facets; f < mesh.facets.size(); ++f) {
+    wet.origin.push_back(static_cast<FacetId>(f));
+    if (weights != nullptr) of_sea.push_back((*weights)[f]);
+  }
   mesh = std::move(wet.mesh);
   if (weights != nullptr) {
     std::vector<PartWeights> parts(corners.size());
     for (std::size_t f = 0; f < parts.size(); ++f)
       parts[f] = weights_of(corners[f], (*weights)[wet.origin[f]]);
+    parts.insert(parts.end(), of_sea.begin(), of_sea.end());
     *weights = std::move(parts);
   }
   if (!parent.empty()) {
@@ -311,6 +354,20 @@ TransmissionSurface lying_surface_of(const Transmission& transmission, bool weig
   for (const PathLook& look : of_paths)
     looks.push_back({&look.tubes, 0, transmission.sample_length_m(), nullptr, look.beam_rad});
   return TransmissionSurface(loaded_scene, relief_seen_by(transmission, looks, weights));
+}
+
+TransmissionSurface path_surface_of(const Transmission& transmission, bool weights) {
+  TransmissionSurface surface = lying_surface_of(transmission, weights);
+  const Scene& scene = transmission.scene();
+  if (!has_path_surface(scene)) return surface;
+  RefinedMesh dry = surface.refined() != nullptr
+                        ? *surface.refined()
+                        : RefinedMesh{surface.mesh(), all_facets(surface.mesh()), {}};
+  if (weights && dry.weights.empty()) dry.weights.assign(dry.mesh.facets.size(), all_of_it);
+  drop_sea_surface(scene, dry.mesh);
+  dry.parent.resize(dry.mesh.facets.size());
+  if (weights) dry.weights.resize(dry.mesh.facets.size(), all_of_it);
+  return TransmissionSurface(transmission.loaded_scene(), std::move(dry));
 }
 
 TransmissionSurface surface_at(const LoadedScene& loaded_scene, double time_s) {

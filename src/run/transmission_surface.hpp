@@ -75,14 +75,22 @@ class TransmissionSurface {
 TransmissionSurface surface_mesh_of(const Transmission& transmission, bool weights = false);
 /// Makes the surface of a transmission at its true position, also in refracting water.
 TransmissionSurface lying_surface_of(const Transmission& transmission, bool weights = false);
+/// Makes the surface that paths via mirrors meet: the one of lying_surface_of(), without the facets of the
+/// sea surface. The mirror is their mean plane, which they cross.
+TransmissionSurface path_surface_of(const Transmission& transmission, bool weights = false);
+/// Returns whether path_surface_of() differs from the surface of a transmission.
+bool has_path_surface(const Scene& scene);
+/// Removes the facets of the sea surface, which are the last of a mesh. Does nothing for a scene without
+/// them.
+void drop_sea_surface(const Scene& scene, FacetMesh& mesh);
 /// Returns the relief in the view of a transmission. Throws InputError if there are too many facets.
 RefinedMesh relief_seen_by(const Transmission& transmission, std::span<const Look> looks,
                            bool weights = false);
 /// Returns the mirrors within a distance of a transmission, with their relief, and the moving objects. Throws
 /// the errors of relief_seen_by().
 RefinedMesh mirrors_about(const Transmission& transmission, double distance_m);
-/// Removes the parts of a mesh above the water of a scene with [sea_surface]. Adapts `parent`, by facet, and
-/// the optional `weights`. Returns false if the whole mesh was in the water.
+/// Removes the parts of a mesh above the height of [sea_surface], except the facets of the sea surface.
+/// Adapts `parent`, by facet, and the optional `weights`. Returns false if the whole mesh was in the water.
 bool cut_at_surface(const Scene& scene, FacetMesh& mesh, std::vector<FacetId>& parent,
                     std::vector<PartWeights>* weights = nullptr);
 /// Returns the surface above and below a position, with moving objects at a time. Throws the errors of

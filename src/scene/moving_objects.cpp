@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Places the facets of objects that move on trajectories.
+// Places the facets of objects that move on trajectories, and of the sea surface.
 
 #include "scene/moving_objects.hpp"
 
@@ -26,7 +26,29 @@ std::int32_t sum_on_grid(std::int32_t origin, double offset_m, const WorldGrid& 
   return static_cast<std::int32_t>(sum);
 }
 
+void place_waves(const MovingObject& sea, const WorldGrid& grid, double time_s, GridPoint* vertex) {
+  const std::vector<double> heights_m = sea.waves->heights_m(time_s);
+  for (std::size_t k = 0; k < heights_m.size(); ++k)
+    *vertex++ = grid.snap(sea.points_m[k] + glm::dvec3(0, 0, heights_m[k]));
+}
+
 }  // namespace
+
+MovingObject moving_sea_surface(const ComponentMesh& mesh, std::shared_ptr<const WaveLattice> waves,
+                                std::uint16_t component, std::uint16_t material) {
+  MovingObject sea;
+  sea.component = component;
+  sea.waves = std::move(waves);
+  sea.points_m = mesh.points_m;
+  for (const auto& [a, b, c] : mesh.triangles) sea.shape.facets.push_back({a, b, c});
+  sea.shape.material.assign(sea.shape.facets.size(), material);
+  sea.shape.component.assign(sea.shape.facets.size(), component);
+  return sea;
+}
+
+const MovingObject* moving_sea_surface_of(const Scene& scene) {
+  return scene.moving.empty() || !scene.moving.back().waves ? nullptr : &scene.moving.back();
+}
 
 MovingObject moving_object(const ComponentMesh& mesh, const WorldGrid& grid, std::uint16_t component,
                            std::uint16_t material, MeshReport& report) {
@@ -92,8 +114,21 @@ void place_moving(const Scene& scene, double time_s, FacetMesh& mesh) {
   std::size_t vertex = mesh.vertices.size();
   for (const MovingObject& object : scene.moving) vertex -= object.points_m.size();
   for (const MovingObject& object : scene.moving) {
-    const Trajectory& trajectory = scene.trajectories[object.trajectory];
     const ObjectDescription& described = description_of(scene, object);
+    const auto leaves_grid = [&](const GridRangeError& error) {
+      return InputError(described.place,
+                        fmt::format("object '{}' leaves the grid of the scene at {:.9g} s: {}; reduce "
+                                    "'grid_exponent' in [run]",
+                                    described.name, time_s, error.what()));
+    };
+    if (object.waves) try {
+        place_waves(object, scene.grid, time_s, &mesh.vertices[vertex]);
+        vertex += object.points_m.size();
+        continue;
+      } catch (const GridRangeError& error) {
+        throw leaves_grid(error);
+      }
+    const Trajectory& trajectory = scene.trajectories[object.trajectory];
     if (!trajectory.holds(time_s))
       throw InputError(
           described.trajectory_place,
@@ -111,10 +146,7 @@ void place_moving(const Scene& scene, double time_s, FacetMesh& mesh) {
                                    sum_on_grid(origin.z, offset_m.z, scene.grid)};
       }
     } catch (const GridRangeError& error) {
-      throw InputError(described.place,
-                       fmt::format("object '{}' leaves the grid of the scene at {:.9g} s: {}; reduce "
-                                   "'grid_exponent' in [run]",
-                                   described.name, time_s, error.what()));
+      throw leaves_grid(error);
     }
   }
 }

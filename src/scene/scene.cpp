@@ -35,6 +35,7 @@
 #include "scene/surfaces/reflectivity.hpp"
 #include "scene/surfaces/relief.hpp"
 #include "scene/surfaces/scattering.hpp"
+#include "scene/surfaces/sea_surface.hpp"
 #include "scene/surfaces/smooth_materials.hpp"
 #include "scene/terrain_height.hpp"
 #include "scene/tracks.hpp"
@@ -213,12 +214,14 @@ void warn_about(Scene& scene) {
                     mesh.duplicate_facets));
   }
   if (const auto& surface = scene.description.sea_surface) {
-    const auto above =
-        std::count_if(scene.mesh.facets.begin(), scene.mesh.facets.end(), [&](const auto& facet) {
-          return std::any_of(facet.begin(), facet.end(), [&](VertexId v) {
-            return scene.grid.to_metres(scene.mesh.vertices[v]).z > surface->height_m;
-          });
-        });
+    const MovingObject* const waves = moving_sea_surface_of(scene);
+    const auto end = scene.mesh.facets.end() -
+                     (waves == nullptr ? 0 : static_cast<std::ptrdiff_t>(waves->shape.facets.size()));
+    const auto above = std::count_if(scene.mesh.facets.begin(), end, [&](const auto& facet) {
+      return std::any_of(facet.begin(), facet.end(), [&](VertexId v) {
+        return scene.grid.to_metres(scene.mesh.vertices[v]).z > surface->height_m;
+      });
+    });
     if (above > 0) {
       warnings.push_back(fmt::format(
           "{} facets reach above the sea surface: they end there, and the part above returns no echoes",
@@ -350,6 +353,10 @@ class Loader {
         poses.push_back(scaled_for_carrier(objects.back(), object));
         continue;
       }
+      if (is_sea_surface(description_, poses.size())) {
+        poses.emplace_back();
+        continue;
+      }
       poses.push_back(place_object(
           objects.back(), object, frame_.value_or(LocalFrame()),
           [&](double east_m, double north_m) {
@@ -386,6 +393,7 @@ class Loader {
       report_.components.back().names = std::move(names[i]);
       report_.components.back().pose = poses[i];
       if (!o.trajectory.empty()) add_motion(o, poses[i]);
+      if (is_sea_surface(description_, i)) add_waves();
       if (is_curved(o)) report_.components.back().fineness = facet_fineness(description_, o);
     }
   }
@@ -451,6 +459,39 @@ class Loader {
     for (const glm::dvec3& p : points_m) extent.add(report.pose.position_m + report.pose.attitude * p);
     report.lo_m = extent.lo_m;
     report.hi_m = extent.hi_m;
+  }
+
+  /// Adds the waves of the sea surface, which is the component that was added last.
+  void add_waves() {
+    const SeaSurfaceDescription& sea = *description_.sea_surface;
+    const SeaSurfaceWaves waves = sea_surface_waves(description_, report_.warnings);
+    MovingObject& moving = moving_.emplace_back();
+    moving.component = static_cast<std::uint16_t>(components_.size() - 1);
+    moving.waves = waves.heights;
+    moving.lowest_m = sea.height_m - waves.bound_m;
+    Extent& box = parts_.back().box;
+    box.lo_m.z -= waves.bound_m;
+    box.hi_m.z += waves.bound_m;
+    first_ping_s_ = std::numeric_limits<double>::infinity();
+    for (const SensorDescription& sensor : description_.sensors) {
+      const std::size_t s = trajectory_of(sensor);
+      first_ping_s_ = std::min(
+          first_ping_s_, PingTimes(sensor, trajectories_[s], description_.trajectories[s].name).first_s());
+    }
+    ComponentReport& report = report_.components.back();
+    const std::vector<double> heights_m = waves.heights->heights_m(first_ping_s_);
+    const auto [lowest, highest] = std::ranges::minmax(heights_m);
+    report.lo_m.z = sea.height_m + lowest;
+    report.hi_m.z = sea.height_m + highest;
+    constexpr double troughs = 4;  // of a Gaussian sea, about one place in 30000 is lower
+    for (std::size_t i = 0; i < description_.terrains.size(); ++i)
+      if (const ComponentReport& terrain = report_.components[i];
+          terrain.hi_m.z <= sea.height_m &&
+          terrain.hi_m.z > sea.height_m - troughs * waves.standard_deviation_m)
+        report_.warnings.push_back(fmt::format(
+            "terrain '{}' reaches to {:.3g} m below the mean sea surface, above the troughs of the waves: it "
+            "hides the sea surface there",
+            terrain.name, sea.height_m - terrain.hi_m.z));
   }
 
   Extent extent_of_terrains(std::span<const ComponentMesh> terrains) const {
@@ -546,6 +587,12 @@ class Loader {
       given_m2.push_back(area_m2(c.mesh.points_m, c.mesh.triangles));
       if (i >= components_.size() - moving_.size()) {
         const MovingObject& known = moving_[i - (components_.size() - moving_.size())];
+        if (known.waves) {
+          scene.moving.push_back(moving_sea_surface(c.mesh, known.waves, known.component, c.material));
+          scene.moving.back().lowest_m = known.lowest_m;
+          c.mesh = {};
+          continue;
+        }
         MovingObject object = moving_object(c.mesh, scene.grid, known.component, c.material, of_moving);
         object.trajectory = known.trajectory;
         object.on_carrier = known.on_carrier;
@@ -571,6 +618,7 @@ class Loader {
       report.facets = is_tiled(i) ? report.facets_in_file : last - first;
       if (components_[i].is_file)
         report.kept_outside_halfedge = facets_outside_halfedge(scene.mesh, first, last);
+      if (is_sea_surface(description_, i - description_.terrains.size())) break;  // waves enlarge its area
       const SnappedArea area{report.name, given_m2[i], area_m2(scene.mesh, scene.grid, first, last)};
       if (area.is_changed())
         report_.warnings.push_back(
@@ -594,9 +642,12 @@ class Loader {
 
 Scene load_scene(const SceneDescription& description) {
   const auto rests = [](const ObjectDescription& object) { return object.trajectory.empty(); };
-  if (std::ranges::is_partitioned(description.objects, rests)) return Loader(description).load();
+  const bool has_waves = description.sea_surface && description.sea_surface->has_facets();
+  if (!has_waves && std::ranges::is_partitioned(description.objects, rests))
+    return Loader(description).load();
   SceneDescription in_order = description;
   std::ranges::stable_partition(in_order.objects, rests);
+  if (has_waves) in_order = with_sea_surface(std::move(in_order));
   return Loader(in_order).load();
 }
 

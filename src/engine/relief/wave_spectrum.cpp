@@ -22,8 +22,8 @@ void require_above_0(double value, const char* message) {
   if (!(value > 0 && std::isfinite(value))) throw std::invalid_argument(message);
 }
 
-/// Returns the integral of a smooth function of the logarithm of x, by Gauss quadrature with five nodes in
-/// panels of a thirtieth of a natural unit.
+/// Returns the integral of a function that is smooth in the logarithm of x. Gauss quadrature has five nodes
+/// per panel of a thirtieth of a natural unit.
 template <class Function>
 Real integral_over_logarithm(Real lo, Real hi, const Function& function) {
   if (!(hi > lo)) return 0;

@@ -18,9 +18,9 @@ class WaveSpectrum {
   /// std::invalid_argument for a wind speed that is not above 0.
   static WaveSpectrum pierson_moskowitz(double wind_speed_m_s);
   /// Returns the spectrum of a sea that grows along a fetch (JONSWAP; Hasselmann et al., Dtsch. Hydrogr. Z.
-  /// Suppl. A8(12), 1973): alpha = 0.076 (U^2 / (g F))^0.22, wp = 22 (g^2 / (U F))^(1/3), peak = 3.3, width =
-  /// 0.07 below and 0.09 above wp. U is the wind speed at 10 m. Throws std::invalid_argument unless both
-  /// values are above 0.
+  /// Suppl. A8(12), 1973): alpha = 0.076 (U^2 / (g F))^0.22, wp = 22 (g^2 / (U F))^(1/3), peak = 3.3. The
+  /// width is 0.07 below wp and 0.09 above. U is the wind speed at 10 m. Throws std::invalid_argument unless
+  /// both values are above 0.
   static WaveSpectrum jonswap(double wind_speed_m_s, double fetch_m);
 
   /// Returns S(w) for w > 0.
@@ -29,8 +29,8 @@ class WaveSpectrum {
   /// Returns the variance [m^2] of the height that waves of the frequencies from `lo` to `hi` cause. hi may
   /// be infinite, lo may be 0. Without a raised peak, it has a closed form.
   double variance_m2(double lo_rad_s, double hi_rad_s) const;
-  /// Returns the mean-square slope of these waves, over both horizontal axes: the integral of k^2 S. hi is
-  /// finite, because the integral grows as its logarithm.
+  /// Returns the mean-square slope of these waves, over both horizontal axes: the integral of k^2 S. It grows
+  /// as the logarithm of hi, which must be finite.
   double slope_variance(double lo_rad_s, double hi_rad_s) const;
   /// Returns four standard deviations of the height.
   double significant_height_m() const;

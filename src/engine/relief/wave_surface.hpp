@@ -21,8 +21,8 @@ struct WaveDirections {
 
 /// A linear sea surface on deep water,
 ///     height(x, y, t) = sum of a cos(k (x sin d + y cos d) - w t + p),
-/// with x east, y north and compass directions d. Each component stands for a cell of the spectrum, in
-/// frequency and direction, and has its energy: a^2 / 2 is the integral over the cell. The phase p, and the
+/// with x east, y north and compass directions d. Each component stands for a cell of the spectrum in
+/// frequency and direction. The integral over the cell is a^2 / 2. The phase p, and the
 /// place of frequency and direction in the cell, are random numbers of the seed and the numbers of the cell.
 /// A finer `shortest_m` adds components to the same sea. The surface is not periodic.
 class WaveSurface {

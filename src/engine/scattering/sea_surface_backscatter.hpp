@@ -3,9 +3,9 @@
 
 #include "engine/scattering/scattering_model.hpp"
 
-// Backscattering of the sea surface from below at high frequencies (APL-UW TR 9407, High-Frequency Ocean
-// Environmental Acoustic Models Handbook, 1994, section II). docs/notes/sea-surface.md lists the equations,
-// their sources and how they were verified.
+// Backscattering of the sea surface from below, 10 to 100 kHz (APL-UW TR 9407, High-Frequency Ocean
+// Environmental Acoustic Models Handbook, 1994). The note docs/notes/sea-surface.md lists the equations,
+// their sources and their verification.
 namespace tubefoot {
 
 /// Wind speed 10 m above the sea, and acoustic frequency.

@@ -280,7 +280,8 @@ void resolve(std::string& name, SourcePlace& place, const TomlTable& table, std:
 
 void check_scene(SceneEntries& all, const TomlSection<SensorDescription>& sensors, const fs::path& file) {
   const SourcePlace whole{file.string()};
-  if (all.terrains.empty() && all.objects.empty()) {
+  const bool has_sea = !all.sea_surface.empty() && all.sea_surface.front().description.has_facets();
+  if (all.terrains.empty() && all.objects.empty() && !has_sea) {
     throw InputError(whole, "the scene has no terrain and no object: add [[terrain]] or [[objects]]");
   }
   if (all.sensors.empty()) throw InputError(whole, "the scene has no sensor: add [[sensors]]");
@@ -306,6 +307,8 @@ void check_scene(SceneEntries& all, const TomlSection<SensorDescription>& sensor
     resolve_material(entry);
     if (entry.description.material_map) check_materials(*entry.description.material_map, materials);
   }
+  for (auto& entry : all.sea_surface)
+    if (!entry.description.material.empty()) resolve_material(entry);
   const Names trajectories = unique_names(all.trajectories, trajectory_section());
   for (auto& [object, table] : all.objects) {
     if (object.trajectory.empty()) continue;

@@ -20,23 +20,99 @@ void check_paths(const PathsDescription& paths, const TomlTable& table) {
                                      *paths.only_order, paths.order));
 }
 
+void check_sea_surface(const SeaSurfaceDescription& sea, const TomlTable& table) {
+  if (!sea.has_facets()) {
+    for (const std::string_view key :
+         {"centre_m", "cell_m", "wind_speed_m_s", "wind_direction_deg", "spectrum", "fetch_m", "spreading",
+          "seed", "material", "scattering_khz"})
+      if (table.has(key))
+        throw InputError(
+            table.place_of(key),
+            fmt::format("'{}' applies only to a sea surface with facets: add 'size_m', or remove "
+                        "'{}'",
+                        key, key));
+    return;
+  }
+  if (!table.has("wind_speed_m_s"))
+    throw InputError(table.place_of("wind_speed_m_s"),
+                     "a sea surface with facets ('size_m') needs the key 'wind_speed_m_s'");
+  const bool grows = sea.spectrum == "jonswap";
+  if (grows && !table.has("fetch_m"))
+    throw InputError(table.place_of("spectrum"), "spectrum = \"jonswap\" needs the key 'fetch_m'");
+  if (!grows && table.has("fetch_m"))
+    throw InputError(table.place_of("fetch_m"),
+                     fmt::format("'fetch_m' belongs to spectrum = \"jonswap\", but this sea surface has "
+                                 "spectrum = \"{}\"",
+                                 sea.spectrum));
+  if (table.has("scattering_khz") && table.has("material"))
+    throw InputError(table.place_of("scattering_khz"),
+                     "'scattering_khz' belongs to the scattering model of the sea surface, which 'material' "
+                     "replaces: remove one of them");
+}
+
 }  // namespace
 
 const TomlSection<SeaSurfaceDescription>& sea_surface_section() {
   using S = SeaSurfaceDescription;
+  constexpr ValueRange cell{.lo = 0.05, .hi = 1000}, wind{.lo = 0.5, .hi = 30},
+      fetch{.lo = 100, .hi = 10000000}, kilohertz{.lo = 0.1, .hi = 10000};
   static const auto section =
       TomlSection<S>("[sea_surface]",
                      "Horizontal mirror above the scene. All sonars must be below this mirror. Without this "
-                     "section, the sea surface reflects no sound.")
-          .keys({field("height_m", &S::height_m,
-                       {.meaning = "Height (z) of the sea surface.", .ranges = {coordinate}}),
-                 field("loss_db", &S::loss_db,
-                       {.meaning = "Loss per reflection.", .ranges = {{.lo = 0, .hi = 120}}}),
-                 field("rms_roughness_m", &S::rms_roughness_m,
-                       {.meaning =
-                            "Standard deviation sigma of the surface height. In addition to the loss, "
-                            "roughness multiplies the intensity by exp(-(2 k sigma sin(grazing angle))^2).",
-                        .ranges = {{.lo = 0, .hi = 10}}})});
+                     "section, the sea surface reflects no sound. With `size_m`, the sea surface also has "
+                     "facets that move as waves and scatter sound.")
+          .keys(
+              {field("height_m", &S::height_m,
+                     {.meaning = "Height (z) of the sea surface, and mean height of its waves.",
+                      .ranges = {coordinate}}),
+               field("loss_db", &S::loss_db,
+                     {.meaning = "Loss per reflection.", .ranges = {{.lo = 0, .hi = 120}}}),
+               field("rms_roughness_m", &S::rms_roughness_m,
+                     {.meaning =
+                          "Standard deviation sigma of the surface height. In addition to the loss, "
+                          "roughness multiplies the intensity by exp(-(2 k sigma sin(grazing angle))^2).",
+                      .ranges = {{.lo = 0, .hi = 10}},
+                      .default_value = "0; with `size_m`, that of the waves"}),
+               field("size_m", &S::size_m,
+                     {.meaning = "Extent of the facets: east, north. Without this key, there are none.",
+                      .ranges = {size, size}}),
+               field("centre_m", &S::centre_m,
+                     {.meaning = "Centre of the facets: east, north.", .ranges = {coordinate, coordinate}}),
+               field("cell_m", &S::cell_m,
+                     {.meaning = "Largest side of a cell of two facets. The facets show waves of four cells "
+                                 "or longer.",
+                      .ranges = {cell}}),
+               field("wind_speed_m_s", &S::wind_speed_m_s,
+                     {.meaning = "Wind speed 10 m above the sea. Required with `size_m`.",
+                      .ranges = {wind},
+                      .default_value = "required with `size_m`"}),
+               field("wind_direction_deg", &S::wind_direction_deg,
+                     {.meaning = "Compass direction from which the wind blows.", .ranges = {heading}}),
+               field(
+                   "spectrum", &S::spectrum,
+                   {.meaning = "Spectrum of the waves: pierson-moskowitz for a fully developed sea, jonswap "
+                               "for a sea that grows along `fetch_m`.",
+                    .choices = {"pierson-moskowitz", "jonswap"}}),
+               field("fetch_m", &S::fetch_m,
+                     {.meaning = "jonswap: distance along which the wind blows over the water.",
+                      .ranges = {fetch},
+                      .default_value = "required with jonswap"}),
+               field("spreading", &S::spreading,
+                     {.meaning = "Exponent s of the directions of the waves: their energy is proportional to "
+                                 "cos^2s of half the angle from the wind.",
+                      .ranges = {{.lo = 0, .hi = 100}}}),
+               field("seed", &S::seed, {.meaning = "Seed of the waves.", .ranges = {not_negative}}),
+               field("material", &S::material,
+                     {.meaning = "Material of the facets. Without this key, they scatter as the sea surface "
+                                 "at this wind speed (APL-UW TR 9407).",
+                      .default_value = "the sea surface"}),
+               field(
+                   "scattering_khz", &S::scattering_khz,
+                   {.meaning = "Frequency of the scattering model of the sea surface, 10 to 100 kHz without "
+                               "a warning.",
+                    .ranges = {kilohertz},
+                    .default_value = "that of the first sensor"})})
+          .check(check_sea_surface);
   return section;
 }
 

@@ -20,6 +20,7 @@
 #include "files/input_registry.hpp"
 #include "geometry/numbers/scalars.hpp"
 #include "scene/description/scene_description.hpp"
+#include "scene/surfaces/sea_surface.hpp"
 
 namespace tubefoot {
 namespace {
@@ -139,10 +140,14 @@ std::vector<std::shared_ptr<const ScatteringModel>> load_scattering(const SceneD
       continue;
     }
     try {
-      models.push_back(std::make_shared<const ScatteringModel>(make_model(m)));
+      models.push_back(std::make_shared<const ScatteringModel>(
+          m.model == sea_surface_model ? sea_surface_scattering(scene, warnings) : make_model(m)));
     } catch (const std::invalid_argument& e) {
       throw InputError(m.place, fmt::format("material '{}': {}", m.name, e.what()));
     }
+    // The model of the sea surface is measured for transmitter and receiver at one place. Its albedo follows
+    // from the rule for separate receivers, which does not apply to narrow specular lobes.
+    if (m.model == sea_surface_model) continue;
     const ScatteringModel::Albedo most = models.back()->largest_albedo();
     if (most.value + mirrored > 1 + 1e-9) {
       const std::string what = fmt::format(

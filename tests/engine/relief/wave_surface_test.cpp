@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests wave spectra against closed forms and published wave heights, and their realisations against the
+// Tests wave spectra against closed forms and published wave heights. Tests their realisations against the
 // integrals of the spectrum and the dispersion of waves on deep water.
 #include "engine/relief/wave_surface.hpp"
 
@@ -58,8 +58,8 @@ TEST(WaveSpectrum, HasTheWaveHeightOfPiersonAndMoskowitz) {
   EXPECT_NEAR(WaveSpectrum::pierson_moskowitz(10 / 1.026).significant_height_m() * g / 100, 0.21, 0.001);
 }
 
-// Goda's approximation of the same spectrum by its height (Random Seas and Design of Maritime Structures,
-// 1985): alpha g^2 / wp^4 = b H^2, b = 0.0624 / (0.230 + 0.0336 peak - 0.185 / (1.9 + peak)).
+// Goda (Random Seas and Design of Maritime Structures, 1985) approximates the same spectrum by its height H.
+// There, the constant b = alpha g^2 / (wp^4 H^2) depends on the peak alone.
 TEST(WaveSpectrum, GrowsWithTheFetchAsJonswap) {
   const double wind = 12, peak = 3.3, b = 0.0624 / (0.230 + 0.0336 * peak - 0.185 / (1.9 + peak));
   for (const double fetch_m : {2e4, 1e5}) {

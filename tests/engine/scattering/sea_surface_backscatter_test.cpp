@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests the backscattering of the sea surface: against values from an evaluation of the equations in another
-// language, limits of the equations, and the law that resolved and unresolved slopes together are those of
-// the sea.
+// Tests the backscattering of the sea surface against values of a program in another language and against
+// limits of the equations. Resolved and unresolved slopes together are those of the sea.
 #include "engine/scattering/sea_surface_backscatter.hpp"
 
 #include <gmock/gmock.h>
@@ -71,8 +70,8 @@ TEST(SeaSurfaceBackscatter, IsSpecularAtNormalIncidence) {
   EXPECT_EQ(parts.small_scale, 0);
 }
 
-// If slopes of variance r are in the facets of a mesh, and the model has the rest, then the mean over the
-// facets is the model with all slopes. Facets at slope (p, q) have the area sqrt(1 + p^2 + q^2) per plan.
+// The facets of a mesh have slopes of variance r, and the model has the rest. The mean over the facets is
+// then the model with all slopes. Facets at slope (p, q) have the area sqrt(1 + p^2 + q^2) per plan.
 TEST(SeaSurfaceBackscatter, LosesTheSlopesThatFacetsShow) {
   const double wind = 9, all = sea_surface_slope_variance(wind);
   for (const double resolved : {0.3 * all, 0.7 * all})

@@ -22,6 +22,7 @@ namespace tubefoot {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::Optional;
 using testing::StartsWith;
 
@@ -354,7 +355,9 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\nsector_absorptions_db_per_km = "  // multibeam_sectors_test.cpp
                            "\naltitude_step_m = \nlook_at_m = \ndisplay_gain_db = "  // track_keys_test.cpp
                            "\nscan_deg = \nstep_deg = \nbeam_horizontal_deg = \nbeam_vertical_deg = "
-                           "\nstep_interval_s = \nbeam_angles_deg = ";  // robot_sonar_keys_test.cpp
+                           "\nstep_interval_s = \nbeam_angles_deg = "  // robot_sonar_keys_test.cpp
+                           "\nwind_speed_m_s = \nwind_direction_deg = \nspectrum = \nfetch_m = "
+                           "\nspreading = \nscattering_khz = ";  // SeaSurfaceWithFacetsHasKeysOfItsOwn
   for (const SceneKey& key : scene_file_keys()) {
     // Not all keys of a beam pattern can be combined: beam_pattern_keys_test.cpp reads them.
     if (key.section == "[[sensors]]" && key.kind.empty() &&
@@ -362,6 +365,48 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
       continue;
     EXPECT_NE(text.find("\n" + key.name + " = "), std::string::npos) << key.section << " " << key.name;
   }
+}
+
+TEST(SceneFile, SeaSurfaceWithFacetsHasKeysOfItsOwn) {
+  const TestFolder folder;
+  const auto sea = [&](const std::string& keys) {
+    return *read_scene(folder, std::string(smallest_scene) + "[sea_surface]\n" + keys).sea_surface;
+  };
+  const SeaSurfaceDescription flat = sea("height_m = 9\n");
+  EXPECT_FALSE(flat.has_facets());
+  EXPECT_FALSE(flat.rms_roughness_m);
+  const SeaSurfaceDescription waves =
+      sea("height_m = 9\nsize_m = [40, 50]\ncentre_m = [1, -2]\ncell_m = 0.25\nwind_speed_m_s = 7\n"
+          "wind_direction_deg = 225\nspectrum = \"jonswap\"\nfetch_m = 8000\nspreading = 4\nseed = 12\n"
+          "material = \"sand\"\n");
+  EXPECT_TRUE(waves.has_facets());
+  EXPECT_THAT(waves.size_m, Optional(ElementsAre(40, 50)));
+  EXPECT_THAT(waves.centre_m, ElementsAre(1, -2));
+  EXPECT_EQ(waves.cell_m, 0.25);
+  EXPECT_EQ(waves.wind_speed_m_s, 7);
+  EXPECT_EQ(waves.wind_direction_deg, 225);
+  EXPECT_EQ(waves.spectrum, "jonswap");
+  EXPECT_EQ(waves.fetch_m, 8000);
+  EXPECT_EQ(waves.spreading, 4);
+  EXPECT_EQ(waves.seed, 12u);
+  EXPECT_EQ(waves.material, "sand");
+  EXPECT_EQ(sea("size_m = [4, 5]\nwind_speed_m_s = 7\nscattering_khz = 38\n").scattering_khz, 38);
+
+  const auto error = [&](const std::string& keys) {
+    return scene_error(folder, std::string(smallest_scene) + "[sea_surface]\n" + keys);
+  };
+  EXPECT_THAT(error("wind_speed_m_s = 7\n"),
+              HasSubstr("13:18: 'wind_speed_m_s' applies only to a sea surface "
+                        "with facets: add 'size_m'"));
+  EXPECT_THAT(error("size_m = [4, 5]\n"), HasSubstr("needs the key 'wind_speed_m_s'"));
+  EXPECT_THAT(error("size_m = [4, 5]\nwind_speed_m_s = 7\nspectrum = \"jonswap\"\n"),
+              HasSubstr("15:12: spectrum = \"jonswap\" needs the key 'fetch_m'"));
+  EXPECT_THAT(error("size_m = [4, 5]\nwind_speed_m_s = 7\nfetch_m = 800\n"),
+              HasSubstr("15:11: 'fetch_m' belongs to spectrum = \"jonswap\""));
+  EXPECT_THAT(error("size_m = [4, 5]\nwind_speed_m_s = 7\nmaterial = \"sand\"\nscattering_khz = 30\n"),
+              HasSubstr("which 'material' replaces"));
+  EXPECT_THAT(error("size_m = [4, 5]\nwind_speed_m_s = 7\nmaterial = \"send\"\n"),
+              HasSubstr("did you mean \"sand\"?"));
 }
 
 TEST(SceneFile, PlacesTellWhereThingsStand) {
