@@ -112,6 +112,7 @@ FIGURES = [
                  wrecks_coverage=("coverage", 720)),
     *pictures_of(run("robot/scene.toml", "robot"), "robot", robot_scan=("scan-0000", 760), robot_ahead=("ahead-0000", 760)),
     *pictures_of(run("swimmer/scene.toml", "swimmer"), "swimmer", swimmer_camera=("camera-sequence", 1000)),
+    *pictures_of(run("sea-surface/scene.toml", "sea-surface"), "sea-surface", sea_surface_sonar=("sonar-sequence", 1200)),
     *pictures_of(run("crosstalk/scene.toml", "crosstalk"), "crosstalk", crosstalk_side_lobes=("side-lobes-0000", 600),
                  crosstalk_ideal=("ideal-0000", 600)),
     *pictures_of(run("channel/camera.toml", "ghosts"), "ghosts", channel_camera=("camera-0000", 640)),
