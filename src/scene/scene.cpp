@@ -18,7 +18,6 @@
 #include "files/memory_at_hand.hpp"
 #include "scene/extent.hpp"
 #include "scene/file/scene_file_ranges.hpp"
-#include "scene/idle_relief.hpp"
 #include "scene/meshes/mesh_file.hpp"
 #include "scene/meshes/mesh_materials.hpp"
 #include "scene/meshes/primitives.hpp"
@@ -30,6 +29,7 @@
 #include "scene/rasters/raster.hpp"
 #include "scene/rasters/terrain.hpp"
 #include "scene/scene_placement.hpp"
+#include "scene/scene_warnings.hpp"
 #include "scene/snapped_areas.hpp"
 #include "scene/surfaces/material_map.hpp"
 #include "scene/surfaces/reflectivity.hpp"
@@ -198,51 +198,6 @@ WorldGrid grid_for(const SceneDescription& description, const std::vector<Part>&
   }
 }
 
-void warn_about(Scene& scene) {
-  const MeshReport& mesh = scene.report.mesh;
-  std::vector<std::string>& warnings = scene.report.warnings;
-  if (scene.mesh.facets.empty() && scene.tiled.empty())
-    warnings.push_back("the scene has no facets, so nothing returns echoes");
-  if (mesh.degenerate_facets > 0) {
-    warnings.push_back(
-        fmt::format("{} facets have no area on the grid: they remain in the mesh, but return no echoes",
-                    mesh.degenerate_facets));
-  }
-  if (mesh.duplicate_facets > 0) {
-    warnings.push_back(
-        fmt::format("{} facets coincide with an earlier facet: only the earlier facet returns echoes",
-                    mesh.duplicate_facets));
-  }
-  if (const auto& surface = scene.description.sea_surface) {
-    const MovingObject* const waves = moving_sea_surface_of(scene);
-    const auto end = scene.mesh.facets.end() -
-                     (waves == nullptr ? 0 : static_cast<std::ptrdiff_t>(waves->shape.facets.size()));
-    const auto above = std::count_if(scene.mesh.facets.begin(), end, [&](const auto& facet) {
-      return std::any_of(facet.begin(), facet.end(), [&](VertexId v) {
-        return scene.grid.to_metres(scene.mesh.vertices[v]).z > surface->height_m;
-      });
-    });
-    if (above > 0) {
-      warnings.push_back(fmt::format(
-          "{} facets reach above the sea surface: they end there, and the part above returns no echoes",
-          above));
-    }
-    for (std::size_t i = 0; i < scene.tiled.size(); ++i)
-      if (scene.tiled[i].tiles && scene.tiled[i].tiles->hi_m().z > surface->height_m)
-        warnings.push_back(fmt::format(
-            "'{}' reaches above the sea surface: it ends there, and the part above returns no echoes",
-            scene.report.components[i].name));
-  }
-  constexpr double kCoarse_m = 1e-3;
-  if (scene.grid.unit_m() > kCoarse_m && !scene.description.run.grid_exponent) {
-    warnings.push_back(
-        fmt::format("the scene is so large that its grid has a unit of {:.3g} m; tubefoot moved vertices by "
-                    "up to {:.3g} m",
-                    scene.grid.unit_m(),
-                    scene.tiled.empty() ? mesh.largest_snap_m : std::sqrt(0.75) * scene.grid.unit_m()));
-  }
-}
-
 class Loader {
  public:
   explicit Loader(const SceneDescription& description) : description_(description) {
@@ -316,15 +271,7 @@ class Loader {
     scene.relief = std::move(relief);
     build_mesh(scene);
     scene.report = std::move(report_);
-    warn_about(scene);
-    double lowest_m = std::numeric_limits<double>::infinity();
-    for (const ComponentReport& component : scene.report.components)
-      lowest_m = std::min(lowest_m, component.lo_m.z);
-    if (const auto warning =
-            short_layers_warning(description_.water, scene.volume, surface_height_m(), lowest_m))
-      scene.report.warnings.push_back(*warning);
-    for (std::string& idle : idle_relief_warnings(scene)) scene.report.warnings.push_back(std::move(idle));
-    if (const auto warning = scale_warning(scene.frame)) scene.report.warnings.push_back(*warning);
+    add_warnings(scene, surface_height_m());
     return scene;
   }
 

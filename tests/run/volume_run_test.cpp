@@ -48,8 +48,8 @@ struct VolumeRun : testing::Test {
 TEST_F(VolumeRun, WaterAboveTheSeabedHasTheClosedForm) {
   const std::vector<double> volume = reverberation(folder, "volume_scattering_db = -60\n");
   const double beta = 0.05 * std::log(10) / 10;
-  // The three beams of a side cover 0 to 60 degrees from nadir; the solid angle of a beam in front of the
-  // seabed is the width times the difference of the sines of its unobstructed angles.
+  // The three beams of a side cover 0 to 60 degrees from nadir. The unobstructed solid angle of a beam is the
+  // width times the difference of the sines of its unobstructed angles.
   for (std::size_t beam = 0; beam < 6; ++beam)
     for (std::size_t k = 0; k < 60; ++k) {
       const double inner = 20 * std::abs(double(beam) - 2.5) - 10, outer = inner + 20;
@@ -67,13 +67,13 @@ TEST_F(VolumeRun, WaterAboveTheSeabedHasTheClosedForm) {
     }
 }
 
-TEST_F(VolumeRun, WaterBehindAWallIsSilent) {
+TEST_F(VolumeRun, WaterBehindAWallReturnsNothing) {
   const std::string wall =
       "[[objects]]\nname = \"wall\"\nshape = \"box\"\nmaterial = \"sand\"\nsize_m = [1, 60, 30]\n"
       "position_m = [8, 0, 10]\n";
   const std::vector<double> free = reverberation(folder, "volume_scattering_db = -60\n"),
                             behind = reverberation(folder, "volume_scattering_db = -60\n", {}, wall);
-  double silent = 0;
+  double beside = 0;
   for (std::size_t k = 0; k < 60; ++k) {
     const double range = 2 + 0.5 * double(k);
     // The outermost beam of one side meets the wall at 7.5 m to 11.7 m.
@@ -83,10 +83,10 @@ TEST_F(VolumeRun, WaterBehindAWallIsSilent) {
     }
     if (range > 11.7) {
       EXPECT_EQ(own, 0);
-      silent += other;
+      beside += other;
     }
   }
-  EXPECT_GT(silent, 0);
+  EXPECT_GT(beside, 0);
 }
 
 TEST_F(VolumeRun, AllEnginesAndBinningsHaveTheSameReverberation) {

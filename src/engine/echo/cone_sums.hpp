@@ -19,8 +19,8 @@ namespace tubefoot {
 ///
 ///     s_v (Omega_k (F_k+1 - F_k) + integral of (F(R) - F_k) dOmega over the polygon's part in sample k).
 ///
-/// F is a primitive of r^-2 e^(-2 beta r), and Omega_k is the solid angle of the polygon's part beyond sample
-/// k, weighted by the patterns. Hence two integrals over the parts of polygons in each sample suffice: the
+/// F is a primitive of r^-2 e^(-2 beta r). Omega_k is the solid angle of the polygon's part beyond sample k,
+/// weighted by the patterns. Hence two integrals over the parts of polygons in each sample suffice: the
 /// solid angle, and that of F(R) - F_k.
 class ConeSums {
  public:

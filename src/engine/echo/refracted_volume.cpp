@@ -11,8 +11,8 @@
 #include "engine/water/timed_ray.hpp"
 #include "geometry/steps/stop.hpp"
 
-// Volume reverberation along refracted rays. In each strip of elevation, the reverberation of isovelocity
-// water with s_v = 1 is multiplied, per range sample, by the ratio of the two integrals over range.
+// Volume reverberation along refracted rays. Each strip of elevation has the reverberation of isovelocity
+// water with s_v = 1, times a factor per range sample. The factor is the ratio of the integrals over range.
 
 namespace tubefoot {
 namespace {

@@ -9,8 +9,8 @@
 
 namespace tubefoot {
 
-/// Returns the volume reverberation that a sensor receives: the echo of the water in front of all surfaces, in
-/// J/m^2 for 1 J/sr at 1 m. With the distances r from the apex and the unobstructed solid angle Omega(r),
+/// Returns the volume reverberation that a sensor receives, in J/m^2 for 1 J/sr at 1 m. It is the echo of the
+/// water in front of all surfaces. With the distances r from the apex and the unobstructed solid angle Omega(r),
 /// weighted by the beam patterns, a range sample receives
 ///
 ///     integral of s_v Omega(r) r^-2 e^(-2 beta r) dr.

@@ -17,12 +17,12 @@
 // The unobstructed water of a tube as a sum of cones from the apex to polygons, for doubles and for balls.
 //
 // Along a direction, the water scatters from the apex to the first surface at the range R. Let h(R) be the
-// integral of a function of range from 0 to R. If layers meet at the ranges R_1 < R_2 < ... < R, the integral
-// with the coefficients s_0, s_1, ..., s_n of these layers is
+// integral of a function of range from 0 to R. Let layers with the coefficients s_0, s_1, ..., s_n meet at
+// the ranges R_1 < R_2 < ... < R. The integral is then
 //
 //     (s_0 - s_1) h(R_1) + (s_1 - s_2) h(R_2) + ... + s_n h(R).
 //
-// Each term belongs to a polygon in the tube: to a visible polygon of a surface, or to a part of the border
+// Each term belongs to a polygon in the tube. It is a visible polygon of a surface, or a part of the border
 // between two layers. Directions without a surface have a polygon beyond all range samples.
 namespace tubefoot {
 

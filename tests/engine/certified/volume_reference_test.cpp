@@ -124,8 +124,7 @@ TEST(VolumeReference, FanAboveSeabedIsInsideTheBound) {
   for (int k = 0; k < samples.count; ++k) {
     const double r0 = samples.border_m(k), r1 = samples.border_m(k + 1);
     const auto per_azimuth = [&](double azimuth) {
-      // With the sines s of the walls and the range R = H / s of the seabed, the solid angle beyond r is that
-      // of s below H / r.
+      // The walls have sines s, and the seabed the range R = H / s. Beyond r, s is below H / r.
       const double least = sine_at(upper, azimuth), most = sine_at(lower, azimuth);
       const auto primitive = [&](double r) {  // integral of (min(most, H/r) - least) r^-2, from the far end
         const double from = 10 / most, to = 10 / least;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests volume reverberation against closed forms of a fan above a flat seabed (sheet "Volume
-// reverberation"), against sums over rays in random scenes, and by the laws of VolumeRegions.
+// Tests volume reverberation against closed forms of a fan above a flat seabed and against sums over rays in
+// random scenes. Also tests the laws of VolumeRegions.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -103,8 +103,7 @@ TEST(VolumeEcho, AbsorptionMatchesNumericalIntegralOfTheClosedSolidAngle) {
 }
 
 TEST(VolumeEcho, LayerHasItsClosedForm) {
-  // At the range r the layer from 1 m to 2 m below the apex has the solid angle w (1 - 1/r) up to 2 m, and
-  // w / r beyond.
+  // The layer is 1 m to 2 m below the apex. Its solid angle is w (1 - 1/r) up to 2 m, and w / r beyond.
   const History history = wedge_above_seabed(0.01, 3, 500);
   const Echo echo = volume_of(history, {0.25, 0.25, 200}, {{-2, -1}, {0, 1e-7, 0}});
   const auto primitive = [](double r) {
