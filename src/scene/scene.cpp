@@ -24,7 +24,6 @@
 #include "scene/moving_objects.hpp"
 #include "scene/odd_angles.hpp"
 #include "scene/ping_times.hpp"
-#include "scene/rasters/earth_place.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "scene/rasters/raster.hpp"
 #include "scene/rasters/terrain.hpp"
