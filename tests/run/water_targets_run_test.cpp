@@ -91,7 +91,7 @@ TEST(WaterTargetsRun, ATargetReturnsItsClosedFormInOneBin) {
 TEST(WaterTargetsRun, AReferenceHoldsTheClosedForm) {
   const glm::dvec3 place(0.75, 8.5, -1.25);
   for (const std::string sensor :
-       {"", "receiver_arm_m = [1, 0.5, 0.25]\n", "receive_pattern = \"gaussian\"\nreceive_width_deg = 3\n"}) {
+       {"", "receiver_arm_m = [1, 0.5, 0.25]\n", "receive_pattern = \"gaussian\"\nreceive_beam_width_deg = 3\n"}) {
     SCOPED_TRACE(sensor);
     const bool pattern = sensor.starts_with("receive_pattern");
     const double range = glm::length(place),
@@ -410,7 +410,7 @@ TEST(WaterTargetsRun, BadTablesAreErrorsWithTheirLine) {
                       head + "0,0,1.8e6,-30\n5,0,1.8e6,-30\n5,180,1.8e6,-30\n");
   expect_target_error(scene, "fish.csv", "expected a full turn",
                       head + "0,0,1.8e6,-30\n0,10,1.8e6,-30\n0,20,1.8e6,-30\n");
-  expect_target_error(scene, "fish.csv", "expected the column target_strength_db",
+  expect_target_error(scene, "fish.csv:1:", "the column target_strength_db is missing",
                       "elevation_deg,azimuth_deg,frequency_hz\n0,0,1.8e6\n");
   expect_target_error(scene,
                       "scene.toml:15:", "are for 38000 to 38000 Hz, but sensor 'sonar' uses 1.8e+06 Hz",

@@ -24,7 +24,8 @@ enum class Purpose : std::uint32_t {
   surface_mesh = 5,     ///< the field at the scatterer
   surface_texture = 6,  ///< strength of the scatterer
   drawn = 7,            ///< signals drawn from their covariances
-  navigation = 8        ///< noise of recorded positions and attitudes
+  navigation = 8,       ///< noise of recorded positions and attitudes
+  targets = 9           ///< numbers, positions and strengths of targets in the water
 };
 
 /// The random numbers of one range sample, or of one cell of a lattice in space (given by three numbers).

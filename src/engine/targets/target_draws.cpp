@@ -16,9 +16,6 @@
 namespace tubefoot {
 namespace {
 
-/// Random numbers of targets. No other purpose has this number.
-constexpr auto purpose_of_targets = static_cast<Purpose>(9);
-
 /// A box of cells: first cell and end along each axis.
 struct CellBox {
   std::array<std::int32_t, 3> first{}, end{};
@@ -110,10 +107,10 @@ class CellWalk {
     if ((++cells_ & 0xfff) == 0) stop_if_wanted();
     const SampleRandom random(population_.seed, static_cast<std::uint32_t>(cell[0]),
                               static_cast<std::uint32_t>(cell[1]), static_cast<std::uint32_t>(cell[2]));
-    const std::uint32_t count = poisson_quantile(random.uniform_pair(purpose_of_targets)[0], mean_);
+    const std::uint32_t count = poisson_quantile(random.uniform_pair(Purpose::targets)[0], mean_);
     for (std::uint32_t k = 0; k < count; ++k) {
-      const auto [x, y] = random.uniform_pair(purpose_of_targets, 1 + 2 * k);
-      const auto [z, strength] = random.uniform_pair(purpose_of_targets, 2 + 2 * k);
+      const auto [x, y] = random.uniform_pair(Purpose::targets, 1 + 2 * k);
+      const auto [z, strength] = random.uniform_pair(Purpose::targets, 2 + 2 * k);
       const glm::dvec3 at_m{(cell[0] + x) * cell_m_, (cell[1] + y) * cell_m_, (cell[2] + z) * cell_m_};
       if (at_m.x < population_.lo_m.x || at_m.y < population_.lo_m.y || at_m.z < population_.lo_m.z ||
           at_m.x >= population_.hi_m.x || at_m.y >= population_.hi_m.y || at_m.z >= population_.hi_m.z)
