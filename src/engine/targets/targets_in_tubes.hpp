@@ -20,7 +20,7 @@ void each_target_about(const WaterTargets& targets, GridPoint apex, const WorldG
 /// the straight line to the target meets the facet or its border before it ends. A line that touches a
 /// silhouette is therefore blocked.
 ///
-/// Law O2 (occlusion): the result is that of rational arithmetic.
+/// Law X2 (occlusion): the result is that of rational arithmetic.
 bool is_target_in_view(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, GridPoint target);
 
 }  // namespace tubefoot

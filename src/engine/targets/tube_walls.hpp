@@ -12,7 +12,7 @@ namespace tubefoot {
 
 /// The walls of tubes, for the exact decision which tubes contain a point.
 ///
-/// Law O1 (one tube): tubes that partition a sector contain each point of the sector exactly once. This holds
+/// Law X1 (one tube): tubes that partition a sector contain each point of the sector exactly once. This holds
 /// for points on walls and on common rays, too. A point on a wall counts as displaced by an infinitesimal
 /// step to the east. If this step lies in the wall, a step to the north decides, and then one upwards.
 class TubeWalls {
