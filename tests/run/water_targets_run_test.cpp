@@ -160,12 +160,12 @@ TEST(WaterTargetsRun, RefractedRaysGiveTravelTimesAndSpreading) {
         "gradient_per_s = {}\nprofile_bottom_m = 60\nabsorption_db_per_km = {}\n",
         gradient_per_s, water_db_per_km);
   };
-  const glm::dvec3 place(0.75, 11.5, 2.5);
+  const glm::dvec3 place(0.75, 11.5, 1);
   const double range = glm::length(place);
   const Echoes straight = echoes_of(ahead_scene(target_at(place))),
                nearly = echoes_of(ahead_scene(target_at(place), "", water(1e-7)));
   EXPECT_NEAR(nearly.total(), straight.total(), 1e-5 * straight.total());
-  const double g = -8, c1 = 1500 + g * 20, c2 = 1500 + g * 17.5;
+  const double g = -16, c1 = 1500 + g * 20, c2 = 1500 + g * 19;
   const double time_s = std::acosh(1 + g * g * range * range / (2 * c1 * c2)) / std::abs(g);
   const Echoes curved = echoes_of(ahead_scene(target_at(place), "", water(g)));
   const Loudest found = loudest_of(curved);
