@@ -69,7 +69,7 @@ class SensorTargets {
 };
 
 template <class N>
-std::array<N, 3> coordinates(glm::dvec3 v) {
+std::array<N, 3> target_vector(glm::dvec3 v) {
   return {N(v.x), N(v.y), N(v.z)};
 }
 
@@ -118,9 +118,9 @@ void add_straight(const EchoContribution& plan, const Transmission& transmission
                    const glm::dvec3 there = displacement_m(tx.apex(), target.at, unit_m),
                                     back = rx ? displacement_m(rx->apex(), target.at, unit_m) : there;
                    for (const auto& sensor : sensors) {
-                     const TargetLeg<N> out = straight_leg<N>(coordinates<N>(there), sensor->model()),
-                                        in =
-                                            rx ? straight_leg<N>(coordinates<N>(back), sensor->model()) : out;
+                     const TargetLeg<N> out = straight_leg<N>(target_vector<N>(there), sensor->model()),
+                                        in = rx ? straight_leg<N>(target_vector<N>(back), sensor->model())
+                                                : out;
                      const std::optional<TargetBins> bins =
                          rx ? bin_of_half_path(sensor->finder(), 0.5 * (out.range_m + in.range_m))
                             : bin_of_range(sensor->finder(), tx.apex(), target.at, unit_m);

@@ -25,8 +25,8 @@ namespace {
 
 /// Throws InputError for a target that no sound can reach. Uses the crossings of the vertical through the
 /// target, as the checks of sensor positions do.
-void refuse_hidden(const LoadedScene& loaded_scene, SceneBelow& below,
-                   const WaterTargetDescription& described, GridPoint at) {
+void refuse_hidden_target(const LoadedScene& loaded_scene, SceneBelow& below,
+                          const WaterTargetDescription& described, GridPoint at) {
   const Scene& scene = loaded_scene.scene;
   const glm::dvec3 at_m = scene.grid.to_metres(at);
   const double surface_m = sea_surface_height_m(scene.description);
@@ -158,7 +158,7 @@ void check_water_targets(LoadedScene& loaded_scene, const SensorSet& sensor_set)
   SceneBelow below(loaded_scene);
   for (std::size_t k = 0; k < targets->single.size(); ++k) {
     const WaterTargetDescription& described = scene.description.targets[k];
-    refuse_hidden(loaded_scene, below, described, targets->single[k].at);
+    refuse_hidden_target(loaded_scene, below, described, targets->single[k].at);
     if (targets->single[k].table) refuse_other_frequencies(described, *targets->single[k].table, sensor_set);
   }
   refuse_too_many(scene, *targets, sensor_set);

@@ -52,17 +52,17 @@ std::string ahead_scene(const std::string& targets, const std::string& sensor = 
 }
 
 /// sigma e^(-beta (r + s)) / (r s)^2 for the water and the target strength above.
-double closed_form(double r, double s) {
+double target_closed_form(double r, double s) {
   const double beta = water_db_per_km / 1000 * std::log(10) / 10;
   return std::pow(10, target_db / 10) * std::exp(-beta * (r + s)) / std::pow(r * s, 2);
 }
 
-struct Loudest {
+struct TargetBin {
   std::size_t beam = 0, sample = 0, count = 0;
   double energy = 0;
 };
-Loudest loudest_of(const Echoes& echoes, std::size_t ping = 0) {
-  Loudest found;
+TargetBin target_bin_of(const Echoes& echoes, std::size_t ping = 0) {
+  TargetBin found;
   for (std::size_t beam = 0; beam < echoes.beams; ++beam)
     for (std::size_t k = 0; k < echoes.samples; ++k) {
       const double energy = echoes.at(ping, beam, k);
@@ -75,9 +75,9 @@ Loudest loudest_of(const Echoes& echoes, std::size_t ping = 0) {
 
 TEST(WaterTargetsRun, ATargetReturnsItsClosedFormInOneBin) {
   const glm::dvec3 place(0.75, 8.5, -1.25);
-  const double range = glm::length(place), expected = closed_form(range, range);
+  const double range = glm::length(place), expected = target_closed_form(range, range);
   const Echoes echoes = echoes_of(ahead_scene(target_at(place)));
-  const Loudest found = loudest_of(echoes);
+  const TargetBin found = target_bin_of(echoes);
   EXPECT_EQ(found.count, 1u);
   EXPECT_EQ(found.sample, echoes.sample_at(range));
   EXPECT_NEAR(found.energy, expected, 1e-12 * expected);
@@ -90,8 +90,8 @@ TEST(WaterTargetsRun, ATargetReturnsItsClosedFormInOneBin) {
 
 TEST(WaterTargetsRun, AReferenceHoldsTheClosedForm) {
   const glm::dvec3 place(0.75, 8.5, -1.25);
-  for (const std::string sensor :
-       {"", "receiver_arm_m = [1, 0.5, 0.25]\n", "receive_pattern = \"gaussian\"\nreceive_beam_width_deg = 3\n"}) {
+  for (const std::string sensor : {"", "receiver_arm_m = [1, 0.5, 0.25]\n",
+                                   "receive_pattern = \"gaussian\"\nreceive_beam_width_deg = 3\n"}) {
     SCOPED_TRACE(sensor);
     const bool pattern = sensor.starts_with("receive_pattern");
     const double range = glm::length(place),
@@ -100,7 +100,7 @@ TEST(WaterTargetsRun, AReferenceHoldsTheClosedForm) {
                  bounded =
                      echoes_of(ahead_scene(target_at(place), sensor), {"--reference", "--tolerance", "1e-9"});
     ASSERT_EQ(bounded.energy_bound.size(), plain.energy.size());
-    const Loudest found = loudest_of(bounded);
+    const TargetBin found = target_bin_of(bounded);
     EXPECT_GT(found.energy, 0);
     for (std::size_t k = 0; k < plain.energy.size(); ++k)
       EXPECT_NEAR(bounded.energy[k], plain.energy[k], bounded.energy_bound[k] + 1e-13 * plain.energy[k]);
@@ -108,7 +108,7 @@ TEST(WaterTargetsRun, AReferenceHoldsTheClosedForm) {
     EXPECT_GT(bound, 0);
     EXPECT_LT(bound, 1e-9 * found.energy);
     if (!pattern) {
-      EXPECT_NEAR(found.energy, closed_form(range, back), bound + 1e-14 * found.energy);
+      EXPECT_NEAR(found.energy, target_closed_form(range, back), bound + 1e-14 * found.energy);
       EXPECT_EQ(found.sample, plain.sample_at((range + back) / 2));
     }
   }
@@ -127,9 +127,9 @@ TEST(WaterTargetsRun, NeighbouringBeamsShareNoTargetAndLoseNone) {
   // On the walls between the middle beams, and on a common ray of four tubes.
   for (const double y : {7.0, 8.0, 11.5}) {
     targets += target_at({0, y, 0}, "target_strength_db = -30\n", fmt::format("ahead {}", y));
-    expected += closed_form(y, y);
+    expected += target_closed_form(y, y);
   }
-  expected += count * closed_form(10, 10);
+  expected += count * target_closed_form(10, 10);
   EXPECT_NEAR(echoes_of(ahead_scene(targets)).total(), expected, 1e-5 * expected);
 }
 
@@ -168,7 +168,7 @@ TEST(WaterTargetsRun, RefractedRaysGiveTravelTimesAndSpreading) {
   const double g = -16, c1 = 1500 + g * 20, c2 = 1500 + g * 19;
   const double time_s = std::acosh(1 + g * g * range * range / (2 * c1 * c2)) / std::abs(g);
   const Echoes curved = echoes_of(ahead_scene(target_at(place), "", water(g)));
-  const Loudest found = loudest_of(curved);
+  const TargetBin found = target_bin_of(curved);
   EXPECT_EQ(found.count, 1u);
   EXPECT_EQ(found.sample, curved.sample_at(c1 * time_s));
   EXPECT_NE(found.sample, curved.sample_at(range));
@@ -190,7 +190,7 @@ TEST(WaterTargetsRun, AMovingSonarReceivesATargetOnce) {
   };
   const double range = std::hypot(4, 10), expected = 1e-3 / std::pow(range, 4);
   const Echoes moving = echoes_of(scene("stop_and_hop = false\nmotion_step_beams = 0.01\n"));
-  EXPECT_EQ(loudest_of(moving).count, 1u);
+  EXPECT_EQ(target_bin_of(moving).count, 1u);
   EXPECT_NEAR(moving.total(), expected, 1e-3 * expected);
   EXPECT_NEAR(echoes_of(scene("")).total(), expected, 1e-12 * expected);
 }
