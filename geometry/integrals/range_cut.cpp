@@ -241,7 +241,14 @@ struct RangeCutter::Edge {
   double range_at(double y) const { return std::sqrt(range2 + (start + y) * (start + y)); }
 };
 
-RangeCutter::RangeCutter(const RadialIntegral& radial) : radial_(radial) {}
+RangeCutter::RangeCutter(const RadialIntegral& radial, const RadialIntegral* second)
+    : radial_(radial), second_(second) {
+  if (second != nullptr &&
+      !std::ranges::equal(radial.cells(), second->cells(), [](const Cell& a, const Cell& b) {
+        return a.lo == b.lo && a.hi == b.hi && a.sample == b.sample;
+      }))
+    throw std::invalid_argument("two integrands of a cutter need the same cells");
+}
 
 SampleSpan RangeCutter::add(std::span<const glm::dvec3> corners_m, const FacetPlane& plane, double factor,
                             std::span<double> out) {
@@ -249,7 +256,8 @@ SampleSpan RangeCutter::add(std::span<const glm::dvec3> corners_m, const FacetPl
   return add(polygon_, factor, out);
 }
 
-SampleSpan RangeCutter::add(const PlanarPolygon& polygon, double factor, std::span<double> out) {
+SampleSpan RangeCutter::add(const PlanarPolygon& polygon, double factor, std::span<double> out,
+                            std::span<double> second_out) {
   const std::size_t n = polygon.offsets.size();
   if (n < 3) return {};
   nearest_ = nearest_point(polygon);
@@ -266,6 +274,10 @@ SampleSpan RangeCutter::add(const PlanarPolygon& polygon, double factor, std::sp
   const std::size_t end = std::min(last_ + 1, cells.size());
   if (nearest_.range > cells[first_].lo) from_nearest_ = {cells[first_], nearest_.range};
   inside_.assign(end - first_, 0);
+  if (second_ != nullptr) {
+    if (nearest_.range > cells[first_].lo) second_from_nearest_ = {second_->cells()[first_], nearest_.range};
+    second_inside_.assign(end - first_, 0);
+  }
   angle_.assign(end - first_ + 1, 0);
 
   for (std::size_t i = 0; i < n; ++i) {
@@ -291,6 +303,11 @@ SampleSpan RangeCutter::add(const PlanarPolygon& polygon, double factor, std::sp
     // Only the first cell can begin before the nearest point.
     const double whole = nearest_.range > cell.lo ? from_nearest_.over(cell.hi - nearest_.range) : cell.whole;
     out[cell.sample] += factor * (inside_[k - first_] + angle_beyond * whole);
+    if (second_ != nullptr) {
+      const double second_whole = nearest_.range > cell.lo ? second_from_nearest_.over(cell.hi - nearest_.range)
+                                                           : second_->cells()[k].whole;
+      second_out[cell.sample] += factor * (second_inside_[k - first_] + angle_beyond * second_whole);
+    }
     angle_beyond += angle_[k - first_];
   }
   return {cells[first_].sample, cells[end - 1].sample + 1};
@@ -380,10 +397,17 @@ void RangeCutter::integrate_along(const Edge& edge, double direction, std::size_
     integrate_stretches(walk, end - k, ends_.data() + k, step_.data() + k,
                         radial_.cells_from(first + k, end - k), rule_of(rule_[k]), angle.data(),
                         inside.data());
-    for (std::size_t i = 0; k < end; ++i, ++k) {
-      inside_[first + k - first_] += inside[i];
-      angle_[first + k - first_] += angle[i];
+    for (std::size_t i = 0; i < end - k; ++i) {
+      inside_[first + k + i - first_] += inside[i];
+      angle_[first + k + i - first_] += angle[i];
     }
+    if (second_ != nullptr) {
+      integrate_stretches(walk, end - k, ends_.data() + k, step_.data() + k,
+                          second_->cells_from(first + k, end - k), rule_of(rule_[k]), angle.data(),
+                          inside.data());
+      for (std::size_t i = 0; i < end - k; ++i) second_inside_[first + k + i - first_] += inside[i];
+    }
+    k = end;
   }
 }
 
@@ -401,7 +425,9 @@ void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double
   const double height2 = edge.height * edge.height, near_range = nearest_.range;
   const glm::dvec2 from_nearest_point = edge.from - nearest_.offset, along_edge = edge.along,
                    from_foot = edge.from_foot, nearest_from_foot = nearest_from_foot_;
-  double inside = 0, angle = 0;
+  const RadialIntegral::From* const second =
+      second_ == nullptr ? nullptr : from_nearest ? &second_from_nearest_ : &second_->from_front(k);
+  double inside = 0, angle = 0, second_inside = 0;
 
   double y = from, rest = std::abs(to - from);
   while (rest > 0) {
@@ -432,6 +458,10 @@ void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double
         angle += dphi[i / 2][i % 2];
         inside += dphi[i / 2][i % 2] * primitive_increment[i / 2][i % 2];
       }
+      if (second != nullptr) {
+        const std::array<Double2, pairs> second_increment = second->over(range_increment);
+        for (std::size_t i = 0; i < n; ++i) second_inside += dphi[i / 2][i % 2] * second_increment[i / 2][i % 2];
+      }
     };
     // The relative error of n nodes is about (step / (4 distance))^2n. It is 1e-17 at the limits of 3, 4 and
     // 5 nodes, and 4e-15 for the longest steps of 8 nodes.
@@ -447,6 +477,7 @@ void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double
     rest -= step;
   }
   inside_[k - first_] += inside;
+  if (second != nullptr) second_inside_[k - first_] += second_inside;
   angle_[k - first_] += angle;
 }
 

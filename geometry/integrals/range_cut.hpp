@@ -129,7 +129,9 @@ struct SampleSpan {
 /// Law R5 (digits): small polygons far away keep their digits.
 class RangeCutter {
  public:
-  explicit RangeCutter(const RadialIntegral& radial);
+  /// `second`: another integrand on the same cells, which shares the walk along the edges. Throws
+  /// std::invalid_argument if its cells differ.
+  explicit RangeCutter(const RadialIntegral& radial, const RadialIntegral* second = nullptr);
 
   /// Adds factor * (integral of g dA over polygon and sample k) to out[k], for every sample. `corners_m`: a
   /// polygon on `plane`, relative to the apex, with the orientation of visible polygons (footprint.hpp). The
@@ -138,8 +140,10 @@ class RangeCutter {
   SampleSpan add(std::span<const glm::dvec3> corners_m, const FacetPlane& plane, double factor,
                  std::span<double> out);
 
-  /// The same for a polygon in its plane's coordinates.
-  SampleSpan add(const PlanarPolygon& polygon, double factor, std::span<double> out);
+  /// The same for a polygon in its plane's coordinates. `second_out`: sums of the second integrand, if there
+  /// is one.
+  SampleSpan add(const PlanarPolygon& polygon, double factor, std::span<double> out,
+                 std::span<double> second_out = {});
 
  private:
   struct Edge;
@@ -149,13 +153,16 @@ class RangeCutter {
   void integrate(const Edge& edge, std::size_t cell, double from, double to);
 
   const RadialIntegral& radial_;
+  const RadialIntegral* second_;
   PlanarPolygon polygon_;
   NearestPoint nearest_;
   glm::dvec2 nearest_from_foot_{0};
   std::size_t first_ = 0, last_ = 0;   ///< cells that contain the polygon's nearest and farthest points
-  RadialIntegral::From from_nearest_;  ///< integrals in the first cell from the polygon's nearest range on
+  /// integrals in the first cell from the polygon's nearest range on, of both integrands
+  RadialIntegral::From from_nearest_, second_from_nearest_;
   std::vector<double> inside_;  ///< by cell from first_: integral of F dphi over the boundary inside the
                                 ///< cell
+  std::vector<double> second_inside_;  ///< the same for the second integrand
   std::vector<double> angle_;   ///< by cell from first_: angle of the boundary inside; one more element for
                                 ///< the range beyond all cells
   std::vector<double> ends_;    ///< ends of the stretches of the current walk

@@ -395,7 +395,9 @@ std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRe
   }
   if (direct && survey.scene.volume.any()) {
     add(group.sensors, separate ? add_separate_volume : add_volume);
-    plan.back().needs_open_water = true;
+    plan.back().needs_open_water =
+        refracted || separate || !survey.scene.volume.borders_m.empty() ||
+        std::ranges::any_of(group.sensors, [&](std::size_t s) { return sensor(s).has_patterns(); });
   }
   add_targets();
   add(those([&](std::size_t s) { return sensor(s).signals() != nullptr; }), add_signals);

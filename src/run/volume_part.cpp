@@ -53,9 +53,9 @@ void add_volume(const EchoContribution& plan, const Transmission& transmission, 
 }
 
 void add_separate_volume(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
-  const History transmit = transmission.trace(transmission.tubes());
+  const History transmit = transmission.trace(transmission.tubes(), nullptr, false);
   for (const std::size_t s : plan.sensors) {
-    const History receive = transmission.trace(transmission.receive_tubes(s));
+    const History receive = transmission.trace(transmission.receive_tubes(s), nullptr, false);
     const SensorModel model = transmission.model(s);
     const WorldGrid& grid = transmission.scene().grid;
     const glm::dvec3 receiver_m = grid.to_metres(receive.tubes.apex) - grid.to_metres(transmit.tubes.apex);

@@ -22,10 +22,10 @@ struct BallSpace {
   using Polygon = CertifiedPolygon;
 
   static std::vector<Vector> corners(const Polygon& polygon) { return corners_of(polygon); }
-  static Polygon on_same_plane(const Polygon& polygon, const std::vector<Vector>& corners) {
+  static Polygon on_same_plane(const Polygon& polygon, std::span<const Vector> corners) {
     return part_of(polygon, corners);
   }
-  static Polygon on_plane(const glm::dvec3& normal, const Ball& distance, const std::vector<Vector>& corners) {
+  static Polygon on_plane(const glm::dvec3& normal, const Ball& distance, std::span<const Vector> corners) {
     return certified_polygon(normal, distance, corners);
   }
   static int sign(const Ball& x) { return tubefoot::sign(x); }

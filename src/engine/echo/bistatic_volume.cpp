@@ -18,8 +18,16 @@
 namespace tubefoot {
 namespace {
 
-using SpacePolygon = DoubleSpace::Polygon;
 using Directions = std::vector<glm::dvec3>;
+
+/// A polygon with its own corners.
+struct SpacePolygon {
+  FacetPlane plane;
+  Directions corners_m;
+
+  explicit SpacePolygon(const DoubleSpace::Polygon& view)
+      : plane(view.plane), corners_m(view.corners_m.begin(), view.corners_m.end()) {}
+};
 
 /// The water that a receiver sees.
 class ReceivedWater {
@@ -27,8 +35,11 @@ class ReceivedWater {
   explicit ReceivedWater(const History& history) : finder_(history.tubes) {
     std::size_t surface = 0, open = 0;
     for (std::uint32_t tube = 0; tube < history.tubes.tubes.size(); ++tube) {
-      Tube own{tube_content(history, tube, surface, open).surfaces};
-      for (const SpacePolygon& polygon : own.surfaces) own.nearest_m = std::min(own.nearest_m, polygon.plane.distance_m);
+      Tube own;
+      for (const DoubleSpace::Polygon& polygon : tube_content(history, tube, surface, open).surfaces) {
+        own.surfaces.emplace_back(polygon);
+        own.nearest_m = std::min(own.nearest_m, polygon.plane.distance_m);
+      }
       tubes_.push_back(std::move(own));
     }
   }
@@ -168,8 +179,8 @@ void each_small(WaterCell cell, double width_rad, const Take& take) {
   std::tie(one.cone, other.cone) = divided(cell.cone);
   for (const SpacePolygon& polygon : cell.polygons) {
     const auto [inner, outer] = divided(polygon.corners_m);
-    if (!inner.empty()) one.polygons.push_back({polygon.plane, inner});
-    if (!outer.empty()) other.polygons.push_back({polygon.plane, outer});
+    if (!inner.empty()) one.polygons.emplace_back(DoubleSpace::Polygon{polygon.plane, inner});
+    if (!outer.empty()) other.polygons.emplace_back(DoubleSpace::Polygon{polygon.plane, outer});
   }
   if (!one.polygons.empty()) each_small(std::move(one), width_rad, take);
   if (!other.polygons.empty()) each_small(std::move(other), width_rad, take);
@@ -214,7 +225,7 @@ Echo bistatic_volume_echo(const History& transmit, const History& receive, glm::
     stop_if_wanted();
     const TubeContent<DoubleSpace> content = tube_content(transmit, tube, surface, open);
     WaterCell cell{{content.rays.begin(), content.rays.end()}, {}};
-    regions.divide(content, [&](const SpacePolygon& cone, double) { cell.polygons.push_back(cone); });
+    regions.divide(content, [&](const DoubleSpace::Polygon& cone, double) { cell.polygons.emplace_back(cone); });
     each_small(std::move(cell), cell_width_rad, [&](const WaterCell& part) { add_cell(part, tube, rays); });
   }
   return {beams.count, samples.count, rays.energies()};

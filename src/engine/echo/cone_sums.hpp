@@ -32,10 +32,16 @@ class ConeSums {
   ConeSums& operator=(const ConeSums&) = delete;
 
   void add(const DoubleSpace::Polygon& cone, double s_v_per_m, std::uint32_t tube);
+  /// Adds the directions of a beam that no cone covers, for ideal beams and cones with one coefficient. The
+  /// solid angle of all tubes of the beam minus that of the cones is unobstructed. Differences below 1e-11 of
+  /// the solid angle count as rounding.
+  void add_rest(double solid_angle_sr, double s_v_per_m, std::uint32_t beam);
   /// Returns the energies [beam][sample] of all cones and forgets the cones.
   std::vector<double> energies();
 
  private:
+  void add_ideal(double factor, double s_v_per_m, std::uint32_t beam);
+
   const ReceiveBeams& beams_;
   std::vector<double> borders_, extended_;
   std::size_t count_;
@@ -43,9 +49,17 @@ class ConeSums {
   std::vector<double> spreading_;    ///< F_k+1 - F_k
   std::vector<double> solid_angle_;  ///< [beam][sample], times s_v; one more sample beyond the last
   std::vector<double> partial_;      ///< [beam][sample]: integral of s_v (F(R) - F_k)
+  std::vector<double> nearer_solid_angle_;  ///< by beam, times s_v
   PlanarPolygon polygon_;
-  std::shared_ptr<const RadialIntegral> solid_angle_radial_, partial_radial_;
-  std::optional<RangeCutter> solid_angle_cutter_, partial_cutter_;
+  std::shared_ptr<const VolumeRadials> radials_;
+  /// Integrals of solid angles on one side of the samples, made when needed.
+  struct Outside {
+    explicit Outside(double from_m, double to_m);
+    RadialIntegral radial;
+    RangeCutter cutter;
+  };
+  std::optional<RangeCutter> cutter_;
+  std::unique_ptr<Outside> nearer_, beyond_;
   std::optional<PatternIntegrator> solid_angle_patterns_, partial_patterns_;
 };
 

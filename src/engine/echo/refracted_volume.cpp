@@ -115,7 +115,8 @@ class RefractedRay {
 
 /// A part of a cone within a strip.
 struct StripCone {
-  DoubleSpace::Polygon polygon;
+  FacetPlane plane;
+  std::vector<glm::dvec3> corners_m;
   std::uint32_t tube;
 };
 
@@ -140,7 +141,7 @@ Echo refracted_volume_echo(const History& history, const ReceiveBeams& beams, co
         lowest = std::min(lowest, plane.angle(corner));
         highest = std::max(highest, plane.angle(corner));
       }
-      std::vector<glm::dvec3> rest = cone.corners_m;
+      std::vector<glm::dvec3> rest(cone.corners_m.begin(), cone.corners_m.end());
       for (long k = long(std::floor(lowest / width)); !rest.empty() && double(k) * width < highest; ++k) {
         const glm::dvec3 wall = plane.wall(double(k + 1) * width);
         auto [lower, upper] =
@@ -148,7 +149,7 @@ Echo refracted_volume_echo(const History& history, const ReceiveBeams& beams, co
         const long half_turn = std::lround(std::numbers::pi / width);
         const bool behind = 2 * k >= half_turn || 2 * k < -half_turn;
         const long key = behind ? (plane.up ? half_turn : -half_turn) - 1 - k : k;
-        if (!lower.empty()) strips[key].push_back({{cone.plane, std::move(lower)}, tube});
+        if (!lower.empty()) strips[key].push_back({cone.plane, std::move(lower), tube});
         rest = std::move(upper);
       }
     });
@@ -159,7 +160,7 @@ Echo refracted_volume_echo(const History& history, const ReceiveBeams& beams, co
   const double apex_depth_m = water.surface_height_m - model.path.tx.apex_m.z;
   for (const auto& [k, cones] : strips) {
     stop_if_wanted();
-    for (const StripCone& cone : cones) sums.add(cone.polygon, 1, cone.tube);
+    for (const StripCone& cone : cones) sums.add({cone.plane, cone.corners_m}, 1, cone.tube);
     const RefractedRay ray(water, volume, apex_depth_m, std::sin((double(k) + 0.5) * width), last_m);
     const std::vector<double> energy = sums.energies();
     for (int sample = 0; sample < samples.count; ++sample) {

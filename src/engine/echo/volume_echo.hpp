@@ -15,13 +15,17 @@ namespace tubefoot {
 ///
 ///     integral of s_v Omega(r) r^-2 e^(-2 beta r) dr.
 ///
-/// The visible polygons give Omega(r) exactly (VolumeRegions). `history`: footprints and unobstructed regions
-/// (VisibilityOptions::open_water) of one apex in isovelocity water. `volume`: heights in the local frame.
+/// The visible polygons give Omega(r) exactly (VolumeRegions). `history`: footprints of one apex in isovelocity
+/// water, with unobstructed regions (VisibilityOptions::open_water) if needs_open_water(). `volume`: heights in the local frame.
 /// `model`: apex, absorption and patterns; materials are not read. The relative error is about that of rounding
 /// without patterns, and model.pattern_tolerance with patterns. Throws std::invalid_argument for samples that
 /// begin at range 0, where the integral is infinite.
 Echo volume_echo(const History& history, const ReceiveBeams& beams, const RangeSamples& samples,
                  const EchoModel& model, const VolumeScattering& volume);
+
+/// Returns whether volume_echo() needs the unobstructed regions of the history. In uniform water with ideal
+/// beams, the solid angle of the tubes minus that of the visible polygons suffices.
+bool needs_open_water(const VolumeScattering& volume, const BeamPatterns* patterns);
 
 /// Water in which rays are arcs of circles.
 struct RefractingWater {

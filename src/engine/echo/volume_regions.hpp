@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -32,17 +33,17 @@ struct DoubleSpace {
   using Vector = glm::dvec3;
   struct Polygon {
     FacetPlane plane;
-    std::vector<glm::dvec3> corners_m;  ///< with the orientation of visible polygons
+    std::span<const glm::dvec3> corners_m;  ///< with the orientation of visible polygons; not owned
   };
 
-  static std::vector<Vector> corners(const Polygon& polygon) { return polygon.corners_m; }
-  /// Returns a polygon with other corners on the same plane.
-  static Polygon on_same_plane(const Polygon& polygon, const std::vector<Vector>& corners) {
+  static std::span<const Vector> corners(const Polygon& polygon) { return polygon.corners_m; }
+  /// Returns a polygon with other corners on the same plane, which must outlive it.
+  static Polygon on_same_plane(const Polygon& polygon, std::span<const Vector> corners) {
     return {polygon.plane, corners};
   }
   /// Returns a polygon on the plane whose points p have dot(normal, p) = -distance. `normal` is a unit vector
-  /// except for rounding.
-  static Polygon on_plane(const glm::dvec3& normal, double distance, const std::vector<Vector>& corners) {
+  /// except for rounding. The corners must outlive the polygon.
+  static Polygon on_plane(const glm::dvec3& normal, double distance, std::span<const Vector> corners) {
     return {{normal, distance}, corners};
   }
   static int sign(double x) { return (x > 0) - (x < 0); }
@@ -151,18 +152,45 @@ class VolumeRegions {
     }
     return beside_apex && before_border;
   }
+  /// Returns the layer that contains a whole surface, if there is one.
+  std::optional<std::size_t> only_layer(const Polygon& surface) const {
+    std::size_t layer = 0;
+    const auto corners = Space::corners(surface);
+    for (; layer < heights_.size(); ++layer) {
+      bool above = false, below = false;
+      for (const Vector& corner : corners) {
+        const int side = Space::sign(height_of(corner) - heights_[layer]);
+        above = above || side > 0;
+        below = below || side < 0;
+      }
+      if (!above) return layer;
+      if (below) return std::nullopt;
+    }
+    return layer;
+  }
   std::size_t layer_behind(std::size_t border) const { return border < apex_layer_ ? border : border + 1; }
   std::size_t layer_before(std::size_t border) const { return border < apex_layer_ ? border + 1 : border; }
 
   template <class Take>
   void add_surface(const Polygon& surface, const Take& take) const {
+    bool is_added = false;
     const auto add_part = [&](const Corners& part, std::size_t layer) {
-      if (s_v_per_m_[layer] != 0) take(Space::on_same_plane(surface, part), s_v_per_m_[layer]);
+      if (!is_added && s_v_per_m_[layer] != 0)
+        take(Space::on_same_plane(surface, part), s_v_per_m_[layer]);
       const auto [first, end] = std::minmax(layer, apex_layer_);
       for (std::size_t border = first; border < end; ++border)
         if (obstructed_[border]) add_border(border, part, take);
     };
-    Corners above = Space::corners(surface);
+    if (const auto layer = only_layer(surface)) {
+      if (s_v_per_m_[*layer] != 0) take(surface, s_v_per_m_[*layer]);
+      const auto [first, end] = std::minmax(*layer, apex_layer_);
+      if (std::find(obstructed_.begin() + std::ptrdiff_t(first), obstructed_.begin() + std::ptrdiff_t(end),
+                    true) == obstructed_.begin() + std::ptrdiff_t(end))
+        return;
+      is_added = true;
+    }
+    const auto corners = Space::corners(surface);
+    Corners above(corners.begin(), corners.end());
     for (std::size_t i = 0; i < heights_.size() && !above.empty(); ++i) {
       auto [upper, lower] = divided(above, [&](const Vector& p) { return height_of(p) - heights_[i]; });
       if (!lower.empty()) add_part(lower, i);

@@ -20,27 +20,35 @@ RadialIntegral made_lambert(const RangeSamples& samples, double absorption_db_pe
                         [beta](double r) { return lambert_density(TwoWayRange<double>::of(r), beta); });
 }
 
-RadialIntegral made_solid_angle(const RangeSamples& samples, double) {
-  std::vector<double> borders = sample_borders_m(samples);
-  borders.push_back(borders.back() * farthest_over_last);
-  return RadialIntegral(borders, [](double r) { return 1 / (r * r * r); });
-}
-
-RadialIntegral made_volume(const RangeSamples& samples, double absorption_db_per_m) {
+VolumeRadials made_volume(const RangeSamples& samples, double absorption_db_per_m) {
   const double beta = absorption_per_m(absorption_db_per_m);
   const std::vector<double> borders = sample_borders_m(samples);
-  return RadialIntegral(borders, [&](double r) {
+  const auto solid_angle = [](double r) { return 1 / (r * r * r); };
+  const auto partial = [&](double r) {
     return volume_spreading(sample_start_m(borders, r), r, beta) / (r * r * r);
-  });
+  };
+  VolumeRadials radials{RadialIntegral(borders, solid_angle), RadialIntegral(borders, partial)};
+  // Each integrand is split at the cells of the other one until the cells are equal.
+  const auto ends = [](const RadialIntegral& radial) {
+    std::vector<double> ends;
+    for (const RadialIntegral::Cell& cell : radial.cells()) ends.push_back(cell.hi);
+    return ends;
+  };
+  while (ends(radials.solid_angle) != ends(radials.partial)) {
+    radials.solid_angle = RadialIntegral(borders, solid_angle, ends(radials.partial));
+    radials.partial = RadialIntegral(borders, partial, ends(radials.solid_angle));
+  }
+  return radials;
 }
 
 /// Cache of results, the most recently used first.
+template <class Radial>
 class Kept {
  public:
-  using Make = RadialIntegral (*)(const RangeSamples&, double absorption_db_per_m);
+  using Make = Radial (*)(const RangeSamples&, double absorption_db_per_m);
   explicit Kept(Make make) : make_(make) {}
 
-  std::shared_ptr<const RadialIntegral> get(const RangeSamples& samples, double absorption_db_per_m) {
+  std::shared_ptr<const Radial> get(const RangeSamples& samples, double absorption_db_per_m) {
     // Keys are compared by bits, because values that compare equal, such as the two zeros, may give different
     // results.
     const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
@@ -48,7 +56,7 @@ class Kept {
     if (auto found = find(key)) return found;
     // No lock is held during the computation. Two threads with the same request at the same time compute it
     // twice.
-    auto fresh = std::make_shared<const RadialIntegral>(make_(samples, absorption_db_per_m));
+    auto fresh = std::make_shared<const Radial>(make_(samples, absorption_db_per_m));
     put(key, fresh);
     return fresh;
   }
@@ -57,10 +65,10 @@ class Kept {
   using Key = std::tuple<std::uint64_t, std::uint64_t, int, std::uint64_t>;
   struct Entry {
     Key key;
-    std::shared_ptr<const RadialIntegral> radial;
+    std::shared_ptr<const Radial> radial;
   };
 
-  std::shared_ptr<const RadialIntegral> find(const Key& key) {
+  std::shared_ptr<const Radial> find(const Key& key) {
     const std::lock_guard lock(mutex_);
     const auto found = std::ranges::find(entries_, key, &Entry::key);
     if (found == entries_.end()) return nullptr;
@@ -68,7 +76,7 @@ class Kept {
     return found->radial;
   }
 
-  void put(const Key& key, std::shared_ptr<const RadialIntegral> radial) {
+  void put(const Key& key, std::shared_ptr<const Radial> radial) {
     const std::lock_guard lock(mutex_);
     entries_.push_front({key, std::move(radial)});
     std::size_t cells = 0;
@@ -87,18 +95,13 @@ class Kept {
 
 std::shared_ptr<const RadialIntegral> lambert_radial_integral(const RangeSamples& samples,
                                                               double absorption_db_per_m) {
-  static Kept kept(made_lambert);
+  static Kept<RadialIntegral> kept(made_lambert);
   return kept.get(samples, absorption_db_per_m);
 }
 
-std::shared_ptr<const RadialIntegral> solid_angle_radial_integral(const RangeSamples& samples) {
-  static Kept kept(made_solid_angle);
-  return kept.get(samples, 0);
-}
-
-std::shared_ptr<const RadialIntegral> volume_radial_integral(const RangeSamples& samples,
+std::shared_ptr<const VolumeRadials> volume_radial_integrals(const RangeSamples& samples,
                                                              double absorption_db_per_m) {
-  static Kept kept(made_volume);
+  static Kept<VolumeRadials> kept(made_volume);
   return kept.get(samples, absorption_db_per_m);
 }
 

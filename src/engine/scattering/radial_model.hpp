@@ -18,18 +18,20 @@ namespace tubefoot {
 std::shared_ptr<const RadialIntegral> lambert_radial_integral(const RangeSamples& samples,
                                                               double absorption_db_per_m);
 
-/// Returns the part of a facet's solid angle that depends on range alone. On a facet plane at distance D, an
-/// area element has the solid angle D r^-3 dA. The samples are followed by one more, which ends at
-/// `farthest_over_last` times the range of their end.
-std::shared_ptr<const RadialIntegral> solid_angle_radial_integral(const RangeSamples& samples);
-constexpr double farthest_over_last = 1 << 20;
-
-/// Returns the part of the volume reverberation in front of a facet that depends on range alone. In a sample
-/// that begins at r_k, the water in front of an area element returns s_v D g(r) dA, where
+/// The parts of the volume reverberation in front of a facet that depend on range alone, on the same cells. On
+/// a facet plane at distance D, an area element has the solid angle D r^-3 dA. In a sample that begins at r_k,
+/// the water in front of it returns s_v D g(r) dA with
 ///     g(r) = r^-3 (integral of s^-2 e^(-2 beta s) ds from r_k to r).
-/// `samples` must begin above 0.
-std::shared_ptr<const RadialIntegral> volume_radial_integral(const RangeSamples& samples,
+struct VolumeRadials {
+  RadialIntegral solid_angle, partial;
+  const std::vector<RadialIntegral::Cell>& cells() const { return solid_angle.cells(); }
+};
+
+/// Returns both parts. `samples` must begin above 0. Recently used results are cached.
+std::shared_ptr<const VolumeRadials> volume_radial_integrals(const RangeSamples& samples,
                                                              double absorption_db_per_m);
+/// Solid angles beyond the samples extend to this multiple of their end.
+constexpr double farthest_over_last = 1 << 20;
 /// Returns the begin of the sample that contains a range.
 double sample_start_m(std::span<const double> borders_m, double range_m);
 
