@@ -61,6 +61,7 @@ Scene with_tiles(const Scene& scene, const TileChoice& choice) {
              .smooth = scene.smooth,
              .mirror_phase = scene.mirror_phase,
              .water = scene.water,
+             .volume = scene.volume,
              .assumed_water = scene.assumed_water,
              .sound_speed_m_s = scene.sound_speed_m_s,
              .trajectories = scene.trajectories,

@@ -181,6 +181,32 @@ TEST_F(VolumeRun, InvalidKeysAndFilesHaveMessages) {
               HasSubstr("increase 'range_min_m'"));
 }
 
+TEST_F(VolumeRun, TiledTerrainHasTheReverberationOfTheWholeTerrain) {
+  std::string rows = "ncols 40\nnrows 40\nxllcorner -200\nyllcorner -200\ncellsize 10\n";
+  for (int k = 0; k < 1600; ++k) rows += k % 40 == 39 ? "0\n" : "0 ";
+  folder.write("bed.asc", rows);
+  const auto volume = [&](const std::string& load) {
+    const auto scene = [&](const std::string& scattering) {
+      return replaced(fan_scene(still + scattering), "kind = \"flat\"\nmaterial = \"sand\"\nwidth_m = 400\nlength_m = 400",
+                      "kind = \"raster\"\nmaterial = \"sand\"\nfile = \"bed.asc\"\nload = \"" + load + "\"");
+    };
+    const Echoes with = echoes_in(folder, scene("volume_scattering_db = -60\n")), without = echoes_in(folder, scene(""));
+    std::vector<double> difference(with.energy.size());
+    for (std::size_t k = 0; k < difference.size(); ++k) difference[k] = with.energy[k] - without.energy[k];
+    return difference;
+  };
+  const std::vector<double> whole = volume("whole"), tiles = volume("tiles");
+  for (std::size_t k = 0; k < whole.size(); ++k) EXPECT_NEAR(tiles[k], whole[k], 1e-12 * whole[2 * 60]) << "bin " << k;
+  EXPECT_GT(whole[2 * 60], 0);
+}
+
+TEST_F(VolumeRun, SonarWithoutSurfaceReceivesTheWater) {
+  const std::string scene = replaced(fan_scene(still + "volume_scattering_db = -60\n"), "range_max_m = 32", "range_max_m = 8");
+  const auto result = run_program({"check", folder.write("scene.toml", scene).string()});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out + result.err, testing::Not(HasSubstr("receives nothing")));
+}
+
 TEST_F(VolumeRun, LayersThatEndAboveTheSeabedGiveAWarning) {
   folder.write("layers.csv", "depth_m,volume_scattering_db\n0,-60\n6,-50\n");
   const auto output = [&](const std::string& rows) {

@@ -45,11 +45,7 @@ pings = 10
 ping_interval_s = 0.03
 )";
 
-constexpr const char* patterns = R"(
-[sensors.receive]
-pattern = "line"
-aperture_m = 0.1
-)";
+constexpr const char* patterns = "receive_pattern = \"line\"\nreceive_aperture_m = 0.1\n";
 
 }  // namespace
 
