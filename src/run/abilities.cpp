@@ -361,6 +361,11 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      {},
      "energies with diffraction at shadow borders have no derivatives: set shadow = \"sharp\", or leave "
      "out --gradient"},
+    {fresnel_borders,
+     coarsening,
+     {},
+     "merged facets displace silhouette edges by more than the width of the diffraction: leave out "
+     "--coarsen, or set shadow = \"sharp\""},
     {fresnel_borders, view, {}, "the page shows energies with geometric shadows: set shadow = \"sharp\""},
     {fresnel_borders,
      footprints,

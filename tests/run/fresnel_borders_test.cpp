@@ -116,6 +116,13 @@ TEST_F(FresnelBorders, HaveNoReference) {
               HasSubstr("diffraction at shadow borders has no certified bound: set shadow = \"sharp\""));
 }
 
+TEST_F(FresnelBorders, RejectMergedFacets) {
+  const std::string file = folder.write("scene.toml", wall_scene(fresnel)).string();
+  const Outcome outcome = run_program({"run", file, "-o", (folder / "out").string(), "--coarsen", "0.5"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("merged facets displace silhouette edges"));
+}
+
 TEST_F(FresnelBorders, DoNotDependOnThreadsAndSelections) {
   const std::string scene = wall_scene(fresnel);
   const std::vector<double> all = energies(scene, {"--threads", "2"});
