@@ -232,7 +232,9 @@ class TransmissionSignals {
     const std::shared_ptr<const WaterTargets> targets = water_targets_of(transmission_.scene());
     if (targets->empty()) return;
     const auto add = [&](const TubeSet& sent, const TubeSet* received, std::size_t first, std::size_t end) {
-      add_targets_between(*targets, sent, received, [&](const WaterTarget& target) {
+      const std::span<const SignalChannel> channels =
+          std::span(receiver_.channels).subspan(first, end - first);
+      add_targets_between(*targets, sent, received, reach_m(channels), [&](const WaterTarget& target) {
         for (std::size_t channel = first; channel < end; ++channel) {
           const std::size_t from = channel * sum.samples;
           const ReachedSamples reached = add_target_signal(
@@ -260,17 +262,38 @@ class TransmissionSignals {
   }
 
  private:
-  /// Calls use(target) for the targets in the tubes of both ends that both ends see; null: one end.
+  /// Returns the largest distance of a target from the transmitter at which half of the path to a channel is
+  /// no longer than the range of the sensor. Half of a path is no less than the distance from the
+  /// transmitter, minus half of the distances of both elements. An element that moves counts at the times at
+  /// which it sends and at the end of the record.
+  double reach_m(std::span<const SignalChannel> channels) const {
+    const glm::dvec3 transmitter_m = transmission_.pose().position_m;
+    const double pulse_s = model_.waveform.duration_s, end_s = model_.sampling.end_s();
+    double beyond_m = 0;
+    for (const SignalChannel& channel : channels) {
+      double sent_m = glm::distance(transmitter_m, channel.transmit_m),
+             received_m = glm::distance(transmitter_m, channel.receive_m);
+      if (channel.transmit_motion)
+        sent_m = std::max(sent_m, glm::distance(transmitter_m, channel.transmit_motion(pulse_s)));
+      if (channel.receive_motion)
+        for (const double at_s : {std::max(end_s - pulse_s, 0.0), end_s})
+          received_m = std::max(received_m, glm::distance(transmitter_m, channel.receive_motion(at_s)));
+      beyond_m = std::max(beyond_m, (sent_m + received_m) / 2);
+    }
+    return target_reach(transmission_).farthest_m + beyond_m;
+  }
+  /// Calls use(target) for the targets within a reach in the tubes of both ends that both ends see; null: one
+  /// end.
   template <class Use>
   void add_targets_between(const WaterTargets& targets, const TubeSet& sent, const TubeSet* received,
-                           const Use& use) const {
+                           double farthest_m, const Use& use) const {
     const FacetMesh& mesh = transmission_.surface_mesh().mesh();
     const SceneTree& tree = transmission_.surface_mesh().tree();
     const TubeWalls tx(sent);
     std::optional<TubeWalls> rx;
     if (received != nullptr) rx.emplace(*received);
     std::vector<std::uint32_t> found;
-    each_target_in(targets, tx, transmission_.scene().grid, {0, target_reach(transmission_).farthest_m},
+    each_target_in(targets, tx, transmission_.scene().grid, {0, farthest_m},
                    [&](const WaterTarget& target, std::span<const std::uint32_t>) {
                      if (rx) {
                        rx->find(target.at, found);

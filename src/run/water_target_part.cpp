@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "engine/targets/target_echo.hpp"
 #include "engine/targets/targets_in_tubes.hpp"
 #include "geometry/numbers/grid_vector.hpp"
+#include "geometry/steps/stop.hpp"
 #include "run/receiver_pair_rows.hpp"
 #include "run/refraction.hpp"
 #include "run/water_targets.hpp"
@@ -86,6 +88,29 @@ N cross_section_of(const WaterTarget& target, glm::dvec3 from_transmitter, glm::
   }
 }
 
+/// Positions of a receiver that moves during the ping, at the times of both borders of an interval of its
+/// record. Neighbouring intervals compute their common border from the same numbers.
+struct IntervalOfRecord {
+  glm::dvec3 begin_receiver_m{0}, end_receiver_m{0};
+  double end_m = 0;  ///< first border of the next interval
+};
+
+/// Returns the interval of a transmission. Empty for a receiver with one pose per ping.
+std::optional<IntervalOfRecord> interval_of(const Transmission& transmission) {
+  const Sensor& sensor = transmission.sensor(transmission.first());
+  if (!sensor.receiver_moves()) return {};
+  const Scene& scene = transmission.scene();
+  const Trajectory& track = scene.trajectories[scene.sensor_trajectory[transmission.first()]];
+  const std::size_t first = sensor.first_sample(transmission.number()),
+                    end = first + static_cast<std::size_t>(sensor.samples(transmission.number()).count);
+  const auto border_m = [&](std::size_t k) { return sensor.samples().border_m(static_cast<double>(k)); };
+  const auto receiver_at = [&](std::size_t k) {
+    const double time_s = transmission.time_s() + 2 * border_m(k) / transmission.pings().sound_speed_m_s;
+    return sensor.receiver_pose_on(track.at(std::clamp(time_s, track.begin_s(), track.end_s()))).position_m;
+  };
+  return IntervalOfRecord{receiver_at(first), receiver_at(end), border_m(end)};
+}
+
 /// Throws InputError for a single target at the position of an end.
 void refuse_at(const Transmission& transmission, const WaterTargets& targets, GridPoint apex) {
   for (const WaterTarget& target : targets.single)
@@ -105,30 +130,45 @@ void add_straight(const EchoContribution& plan, const Transmission& transmission
   if (transmission.has_separate_receiver()) rx.emplace(transmission.receive_tubes(transmission.first()));
   refuse_at(transmission, targets, tx.apex());
   if (rx) refuse_at(transmission, targets, rx->apex());
+  const std::optional<IntervalOfRecord> interval = interval_of(transmission);
+  std::array<GridPoint, 2> at_borders;
+  if (interval)
+    at_borders = {scene.grid.snap(interval->begin_receiver_m), scene.grid.snap(interval->end_receiver_m)};
   std::vector<std::uint32_t> rx_tubes;
-  each_target_in(targets, tx, scene.grid, target_reach(transmission),
-                 [&](const WaterTarget& target, std::span<const std::uint32_t> tx_tubes) {
-                   if (rx) {
-                     rx->find(target.at, rx_tubes);
-                     if (rx_tubes.empty()) return;
-                   }
-                   if (!is_target_in_view(mesh, tree, tx.apex(), target.at) ||
-                       (rx && !is_target_in_view(mesh, tree, rx->apex(), target.at)))
-                     return;
-                   const glm::dvec3 there = displacement_m(tx.apex(), target.at, unit_m),
-                                    back = rx ? displacement_m(rx->apex(), target.at, unit_m) : there;
-                   for (const auto& sensor : sensors) {
-                     const TargetLeg<N> out = straight_leg<N>(target_vector<N>(there), sensor->model()),
-                                        in = rx ? straight_leg<N>(target_vector<N>(back), sensor->model())
-                                                : out;
-                     const std::optional<TargetBins> bins =
-                         rx ? bin_of_half_path(sensor->finder(), 0.5 * (out.range_m + in.range_m))
-                            : bin_of_range(sensor->finder(), tx.apex(), target.at, unit_m);
-                     if (!bins) continue;
-                     sensor->sum().add(cross_section_of<N>(target, there, back, sensor->frequency_hz()), out,
-                                       in, *bins, tx_tubes, rx_tubes, !rx);
-                   }
-                 });
+  each_target_in(
+      targets, tx, scene.grid, target_reach(transmission),
+      [&](const WaterTarget& target, std::span<const std::uint32_t> tx_tubes) {
+        if (rx) {
+          rx->find(target.at, rx_tubes);
+          if (rx_tubes.empty()) return;
+        }
+        if (!is_target_in_view(mesh, tree, tx.apex(), target.at) ||
+            (rx && !is_target_in_view(mesh, tree, rx->apex(), target.at)))
+          return;
+        const glm::dvec3 there = displacement_m(tx.apex(), target.at, unit_m),
+                         back = rx ? displacement_m(rx->apex(), target.at, unit_m) : there;
+        for (const auto& sensor : sensors) {
+          const TargetLeg<N> out = straight_leg<N>(target_vector<N>(there), sensor->model()),
+                             in = rx ? straight_leg<N>(target_vector<N>(back), sensor->model()) : out;
+          const auto half_path_m = [&](const TargetLeg<N>& leg) -> N {
+            return 0.5 * (out.range_m + leg.range_m);
+          };
+          const auto half_path_from = [&](GridPoint receiver) {
+            return half_path_m(straight_leg<N>(target_vector<N>(displacement_m(receiver, target.at, unit_m)),
+                                               sensor->model()));
+          };
+          const std::optional<TargetBins> bins =
+              interval
+                  ? bin_of_moving_receiver(sensor->finder(), interval->end_m,
+                                           MovingHalfPaths<N>{half_path_from(at_borders[0]), half_path_m(in),
+                                                              half_path_from(at_borders[1])})
+              : rx ? bin_of_half_path(sensor->finder(), half_path_m(in))
+                   : bin_of_range(sensor->finder(), tx.apex(), target.at, unit_m);
+          if (!bins) continue;
+          sensor->sum().add(cross_section_of<N>(target, there, back, sensor->frequency_hz()), out, in, *bins,
+                            tx_tubes, rx_tubes, !rx);
+        }
+      });
   for (const auto& sensor : sensors) sensor->add_to(plan, sums);
 }
 
@@ -188,9 +228,10 @@ void add_to_pair(const EchoContribution& plan, const Transmission& transmission,
   if (has_any) rows.add_to(sums, transmission, s, 1);
 }
 
-/// A ray to a target in stratified water that nothing hides.
+/// A ray between an end and a target in stratified water that nothing hides. By reciprocity, sound travels
+/// along it in both directions, with different spreading.
 struct SeenRay {
-  TargetLeg<double> leg;
+  TargetLeg<double> sent, received;  ///< from the end to the target, and back
   glm::dvec3 arrival{0};             ///< direction of travel at the target
   std::vector<std::uint32_t> tubes;  ///< that contain the apparent position
 };
@@ -199,11 +240,10 @@ struct SeenRay {
 /// apparent facets.
 class RefractedEnd {
  public:
-  /// The arguments must outlive this object, except the tubes. `returns`: whether sound comes back to this
-  /// end.
+  /// The arguments must outlive this object, except the tubes.
   RefractedEnd(const ApparentMap& water, const TubeSet& tubes, const FacetMesh& mesh, const SceneTree& tree,
-               const WorldGrid& grid, bool returns)
-      : water_(water), walls_(tubes), mesh_(mesh), tree_(tree), grid_(grid), returns_(returns) {}
+               const WorldGrid& grid)
+      : water_(water), walls_(tubes), mesh_(mesh), tree_(tree), grid_(grid) {}
 
   GridPoint apex() const { return walls_.apex(); }
   /// Returns the rays to a target: all rays, or the first one to arrive.
@@ -232,11 +272,13 @@ class RefractedEnd {
           widened = point.ray.tube_area_m2_per_sr < point.ray.caustic_area_m2_per_sr
                         ? point.ray.caustic_area_m2_per_sr / point.ray.tube_area_m2_per_sr
                         : 1,
-                   area = returns_ ? water_.return_area_m2_per_sr(at_m, point.ray) * widened
-                                   : point.ray.tube_area_m2_per_sr * widened;
-      if (!(area > 0 && std::isfinite(area) && range_m > 0)) continue;
+                   area = point.ray.tube_area_m2_per_sr * widened,
+                   area_back = water_.return_area_m2_per_sr(at_m, point.ray) * widened;
+      if (!(area > 0 && std::isfinite(area) && area_back > 0 && range_m > 0)) continue;
       const glm::dvec3 direction = glm::normalize(point.at_m - water_.apex_m());
-      ray.leg = {range_m, passed / area, {direction.x, direction.y, direction.z}};
+      const std::array<double, 3> launch{direction.x, direction.y, direction.z};
+      ray.sent = {range_m, passed / area, launch};
+      ray.received = {range_m, passed / area_back, launch};
       seen.push_back(std::move(ray));
     }
     return seen;
@@ -248,7 +290,6 @@ class RefractedEnd {
   const FacetMesh& mesh_;
   const SceneTree& tree_;
   const WorldGrid& grid_;
-  bool returns_;
 };
 
 /// Returns the reach in metres of rays whose travel time corresponds to a range. No path is longer than the
@@ -265,11 +306,26 @@ void add_refracted(const EchoContribution& plan, const Transmission& transmissio
                    std::span<const std::unique_ptr<SensorTargets<double>>> sensors, PingSums& sums) {
   const Scene& scene = transmission.scene();
   const TargetReach reach = refracted_reach(transmission);
+  const std::optional<IntervalOfRecord> interval = interval_of(transmission);
   const auto add = [&](const WaterTarget& target, const SeenRay& out, const SeenRay& in, bool same_ray) {
-    for (const auto& sensor : sensors)
-      if (const auto bins = bin_of_half_path(sensor->finder(), (out.leg.range_m + in.leg.range_m) / 2))
-        sensor->sum().add(target.cross_section(out.arrival, in.arrival, sensor->frequency_hz()), out.leg,
-                          in.leg, *bins, out.tubes, in.tubes, same_ray);
+    const double half_path_m = (out.sent.range_m + in.received.range_m) / 2;
+    // To first order, the displacement of the receiver along the ray shortens the path.
+    const auto half_path_from = [&](glm::dvec3 receiver_m) {
+      const auto& [x, y, z] = in.received.direction;
+      return half_path_m -
+             glm::dot(glm::dvec3(x, y, z), receiver_m - transmission.receiver_pose().position_m) / 2;
+    };
+    for (const auto& sensor : sensors) {
+      const std::optional<TargetBins> bins =
+          interval ? bin_of_moving_receiver(
+                         sensor->finder(), interval->end_m,
+                         MovingHalfPaths<double>{half_path_from(interval->begin_receiver_m), half_path_m,
+                                                 half_path_from(interval->end_receiver_m)})
+                   : bin_of_half_path(sensor->finder(), half_path_m);
+      if (bins)
+        sensor->sum().add(target.cross_section(out.arrival, in.arrival, sensor->frequency_hz()), out.sent,
+                          in.received, *bins, out.tubes, in.tubes, same_ray);
+    }
   };
   if (transmission.has_separate_receiver()) {
     const RefractedPair pair = refracted_pair_of(transmission);
@@ -277,12 +333,13 @@ void add_refracted(const EchoContribution& plan, const Transmission& transmissio
                     &received = pair.apparent.receive.refined.mesh;
     const SceneTree sent_tree(sent, SceneTree::HeightFieldSearch::ignored),
         received_tree(received, SceneTree::HeightFieldSearch::ignored);
-    const RefractedEnd tx(pair.transmit_water, pair.transmit_tubes, sent, sent_tree, scene.grid, false),
-        rx(pair.receive_water, pair.receive_tubes, received, received_tree, scene.grid, true);
+    const RefractedEnd tx(pair.transmit_water, pair.transmit_tubes, sent, sent_tree, scene.grid),
+        rx(pair.receive_water, pair.receive_tubes, received, received_tree, scene.grid);
     refuse_at(transmission, targets, tx.apex());
     refuse_at(transmission, targets, rx.apex());
     each_target_about(targets, tx.apex(), scene.grid, reach,
                       [&](const WaterTarget& target, std::span<const std::uint32_t>) {
+                        stop_if_wanted();
                         const glm::dvec3 at_m = scene.grid.to_metres(target.at);
                         const std::vector<SeenRay> out = tx.rays_to(at_m, false);
                         if (out.empty()) return;
@@ -293,20 +350,15 @@ void add_refracted(const EchoContribution& plan, const Transmission& transmissio
     const TubeSet tubes = transmission.tubes();
     const ApparentMap water = apparent_map_of(transmission.loaded_scene(), transmission.pings(),
                                               transmission.number(), scene.grid.to_metres(tubes.apex));
-    const RefractedEnd tx(water, tubes, transmission.surface_mesh().mesh(),
-                          transmission.surface_mesh().tree(), scene.grid, false),
-        rx(water, tubes, transmission.surface_mesh().mesh(), transmission.surface_mesh().tree(), scene.grid,
-           true);
+    const RefractedEnd end(water, tubes, transmission.surface_mesh().mesh(),
+                           transmission.surface_mesh().tree(), scene.grid);
     refuse_at(transmission, targets, tubes.apex);
     each_target_about(targets, tubes.apex, scene.grid, reach,
                       [&](const WaterTarget& target, std::span<const std::uint32_t>) {
-                        const glm::dvec3 at_m = scene.grid.to_metres(target.at);
-                        const std::vector<SeenRay> out = tx.rays_to(at_m, true);
-                        if (out.empty()) return;
-                        // Both ends see the same rays, in the same order.
-                        const std::vector<SeenRay> in = rx.rays_to(at_m, true);
-                        for (std::size_t i = 0; i < out.size(); ++i)
-                          for (std::size_t k = 0; k < in.size(); ++k) add(target, out[i], in[k], i == k);
+                        stop_if_wanted();
+                        const std::vector<SeenRay> rays = end.rays_to(scene.grid.to_metres(target.at), true);
+                        for (const SeenRay& out : rays)
+                          for (const SeenRay& in : rays) add(target, out, in, &out == &in);
                       });
   }
   for (const auto& sensor : sensors) sensor->add_to(plan, sums);
@@ -342,8 +394,14 @@ TargetReach target_reach(const Transmission& transmission) {
     beyond_m = std::max(beyond_m, transmission.sensor(s).receiver_pair().baseline_m / 2);
   }
   // Half of the path differs from the range of the transmitter by up to half of the distance of the ends.
-  if (transmission.has_separate_receiver())
-    beyond_m += glm::distance(transmission.pose().position_m, transmission.receiver_pose().position_m) / 2;
+  if (transmission.has_separate_receiver()) {
+    const glm::dvec3 transmitter_m = transmission.pose().position_m;
+    double apart_m = glm::distance(transmitter_m, transmission.receiver_pose().position_m);
+    if (const auto interval = interval_of(transmission))
+      apart_m = std::max({apart_m, glm::distance(transmitter_m, interval->begin_receiver_m),
+                          glm::distance(transmitter_m, interval->end_receiver_m)});
+    beyond_m += apart_m / 2;
+  }
   if (beyond_m > 0) beyond_m += transmission.scene().grid.unit_m();
   return {std::max(reach.nearest_m - beyond_m, 0.0), reach.farthest_m + beyond_m};
 }

@@ -23,6 +23,22 @@
 namespace tubefoot {
 namespace {
 
+/// Returns whether the water ends at the sea surface.
+bool ends_at_surface(const Scene& scene) {
+  return has_sea_surface(scene.description) || scene.water->refracts();
+}
+
+/// Throws InputError for a population that begins above the sea surface.
+void refuse_above_surface(const Scene& scene, const TargetPopulationDescription& described) {
+  const double top_depth_m = described.top_depth_m.value_or(0);
+  if (top_depth_m >= 0 || !ends_at_surface(scene)) return;
+  throw InputError(
+      described.place,
+      fmt::format("the box of population '{}' ends {:.3g} m above the sea surface (at {:.6g} m): set "
+                  "'top_depth_m' to 0 or more",
+                  described.name, -top_depth_m, sea_surface_height_m(scene.description)));
+}
+
 /// Throws InputError for a target that no sound can reach. Uses the crossings of the vertical through the
 /// target, as the checks of sensor positions do.
 void refuse_hidden_target(const LoadedScene& loaded_scene, SceneBelow& below,
@@ -30,7 +46,7 @@ void refuse_hidden_target(const LoadedScene& loaded_scene, SceneBelow& below,
   const Scene& scene = loaded_scene.scene;
   const glm::dvec3 at_m = scene.grid.to_metres(at);
   const double surface_m = sea_surface_height_m(scene.description);
-  if ((scene.description.sea_surface || scene.water->refracts()) && at_m.z > surface_m)
+  if (ends_at_surface(scene) && at_m.z > surface_m)
     throw InputError(
         described.place,
         fmt::format("target '{}' is {:.3g} m above the sea surface (at {:.6g} m): lower the third "
@@ -105,6 +121,16 @@ double solid_angle_sr(const TubeSet& tubes) {
   return std::min(sum, 4 * std::numbers::pi);
 }
 
+/// Returns the number of values that the signals of a target have in all channels; 0 for a sensor that
+/// records energies.
+double signal_values_of_target(const Sensor& sensor) {
+  const SignalModel* model = sensor.signals();
+  if (model == nullptr) return 0;
+  const double in_pulse = std::ceil(model->waveform.duration_s * model->sampling.rate_hz) + 1;
+  return std::min(in_pulse, static_cast<double>(model->sampling.samples)) *
+         static_cast<double>(model->array.receivers_m.size());
+}
+
 /// Throws InputError for populations with too many targets. The number in the sector of a transmission is
 /// bounded by the volumes of the sector and of the population.
 void refuse_too_many(const Scene& scene, const WaterTargets& targets, const SensorSet& sensor_set) {
@@ -123,9 +149,14 @@ void refuse_too_many(const Scene& scene, const WaterTargets& targets, const Sens
       const std::size_t transmission = sensor.first_transmission(t);
       const TubeSet tubes =
           sensor.transmit_tubes(pings.transmission_pose(0, transmission), scene.grid, transmission);
-      const double reach_m = sensor.samples().border_m(sensor.samples().count);
+      const bool refracts = scene.water->refracts();
+      // No path is longer than the largest sound speed times its time.
+      double speeds = 1;
+      for (const ProfilePoint& point : scene.water->profile().points())
+        if (refracts) speeds = std::max(speeds, point.sound_speed_m_s / pings.sound_speed_m_s);
+      const double reach_m = speeds * sensor.samples().border_m(sensor.samples().count);
       // Refracted rays reach targets outside of the straight sector, so that all directions are searched.
-      const double angle_sr = scene.water->refracts() ? 4 * std::numbers::pi : solid_angle_sr(tubes);
+      const double angle_sr = refracts ? 4 * std::numbers::pi : solid_angle_sr(tubes);
       const double sector_m3 = angle_sr * reach_m * reach_m * reach_m / 3;
       double expected = 0;
       std::size_t most = 0;
@@ -137,14 +168,28 @@ void refuse_too_many(const Scene& scene, const WaterTargets& targets, const Sens
         expected += in_sector(k);
         if (in_sector(k) > in_sector(most)) most = k;
       }
-      if (!(expected <= most_targets_of_transmission))
+      const double limit = refracts ? most_targets_of_refracted_transmission : most_targets_of_transmission;
+      if (!(expected <= limit))
         throw InputError(
             described[most].place,
             fmt::format(
-                "a transmission of sensor '{}' meets up to {:.3g} targets in the mean, but the limit "
-                "is {:g}: reduce 'density_per_m3', the box, or the range gate of the sensor, or describe "
+                "a transmission of sensor '{}' meets up to {:.3g} targets in the mean, but the limit {}"
+                "is {:g}: reduce 'density_per_m3', the box, or the range gate of the sensor, {}or describe "
                 "the targets by the volume scattering of [water]",
-                sensor.description().name, expected, most_targets_of_transmission));
+                sensor.description().name, expected, refracts ? "in stratified water " : "", limit,
+                refracts ? "set profile = \"constant\", " : ""));
+      const double of_target = signal_values_of_target(sensor);
+      if (!(expected * of_target <= most_target_signal_values))
+        throw InputError(
+            described[most].place,
+            fmt::format(
+                "a ping of sensor '{}' meets up to {:.3g} targets in the mean, whose signals have {:.2g} "
+                "values "
+                "in all channels, but the limit is {:g}: set 'density_per_m3' to {:.2g} or less, or reduce "
+                "the "
+                "box, the range gate, the pulse length or the number of receivers of the sensor",
+                sensor.description().name, expected, expected * of_target, most_target_signal_values,
+                0.95 * described[most].density_per_m3 * most_target_signal_values / (expected * of_target)));
     }
   }
 }
@@ -161,6 +206,8 @@ void check_water_targets(LoadedScene& loaded_scene, const SensorSet& sensor_set)
     refuse_hidden_target(loaded_scene, below, described, targets->single[k].at);
     if (targets->single[k].table) refuse_other_frequencies(described, *targets->single[k].table, sensor_set);
   }
+  for (const TargetPopulationDescription& described : scene.description.target_populations)
+    refuse_above_surface(scene, described);
   refuse_too_many(scene, *targets, sensor_set);
   const SourcePlace& first = scene.description.targets.empty()
                                  ? scene.description.target_populations.front().place

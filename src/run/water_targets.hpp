@@ -14,8 +14,12 @@
 namespace tubefoot {
 
 /// Largest expected number of targets of a population, and of all populations in the sector of a
-/// transmission.
-constexpr double most_targets_of_population = 5e8, most_targets_of_transmission = 1e7;
+/// transmission. In stratified water, each target needs a search for eigenrays.
+constexpr double most_targets_of_population = 5e8, most_targets_of_transmission = 1e7,
+                 most_targets_of_refracted_transmission = 1e5;
+/// Largest expected number of values in the signals of populations in a ping: the number of targets times
+/// that of receivers times that of samples in a pulse.
+constexpr double most_target_signal_values = 1e10;
 
 /// Returns whether the scene has targets in the water.
 bool has_water_targets(const SceneDescription& description);
@@ -27,8 +31,9 @@ std::shared_ptr<const WaterTargets> water_targets_of(const Scene& scene);
 /// Checks the targets before a run, while the loaded scene contains whole bodies. Throws InputError for
 /// - a target on a facet, below the terrain, inside a closed object or above the sea surface; moving objects
 ///   count at the first ping,
+/// - a population whose box ends above the sea surface,
 /// - a table that lacks the frequency of a sensor,
-/// - more than most_targets_of_population or most_targets_of_transmission.
+/// - more targets than the limits above.
 /// Adds a warning to the report of a scene with paths over mirrors, which do not lead to targets.
 void check_water_targets(LoadedScene& loaded_scene, const SensorSet& sensor_set);
 

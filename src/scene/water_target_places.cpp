@@ -10,6 +10,10 @@ double sea_surface_height_m(const SceneDescription& description) {
                                  : description.water.surface_height_m.value_or(0);
 }
 
+bool has_sea_surface(const SceneDescription& description) {
+  return description.sea_surface.has_value() || description.water.surface_height_m.has_value();
+}
+
 glm::dvec3 position_of(const WaterTargetDescription& target, const LocalFrame& frame) {
   const auto [east, north, up] = target.position_m;
   if (!target.position_lat_lon_deg) return {east, north, up};

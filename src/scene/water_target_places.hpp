@@ -14,6 +14,10 @@ namespace tubefoot {
 /// Returns the height from which depths count in the local frame: that of the sea surface.
 double sea_surface_height_m(const SceneDescription& description);
 
+/// Returns whether the scene states the height of the sea surface, so that the water ends there. Otherwise
+/// the water has no surface, unless it refracts sound.
+bool has_sea_surface(const SceneDescription& description);
+
 /// Returns the position of a target in the water in the local frame. Throws InputError at its place if it has
 /// a latitude and longitude, and the frame has no position on Earth.
 glm::dvec3 position_of(const WaterTargetDescription& target, const LocalFrame& frame);

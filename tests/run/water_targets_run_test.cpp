@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <fstream>
@@ -152,6 +153,82 @@ TEST(WaterTargetsRun, ATargetVanishesAtTheSilhouetteOfABox) {
   EXPECT_EQ(energy({1.1, 8, 0}, "receiver_arm_m = [-2, 0, 0]\n"), 0);
 }
 
+// The transmitter sees the target past the box. The line from the receiver meets the box at x = 0.2, y = 4.
+TEST(WaterTargetsRun, ATargetHiddenFromTheSeparateReceiverAloneReturnsNothing) {
+  const std::string box =
+      "[[objects]]\nname = \"box\"\nshape = \"box\"\nsize_m = [1, 1, 2]\nposition_m = [0, 4.5, 0]\n";
+  const glm::dvec3 place(-1.1, 8, 0), receiver(1.5, 0, 0);
+  const auto energy = [&](const std::string& object, const std::string& sensor) {
+    const std::string with = ahead_scene(object + target_at(place), "range_min_m = 7\n" + sensor);
+    return echoes_of(replaced(with, "range_min_m = 5\n", "")).total();
+  };
+  const double range = glm::length(place), back = glm::distance(place, receiver);
+  const std::string arm = "receiver_arm_m = [1.5, 0, 0]\n";
+  EXPECT_NEAR(energy(box, ""), target_closed_form(range, range), 1e-12 * target_closed_form(range, range));
+  EXPECT_NEAR(energy("", arm), target_closed_form(range, back), 1e-12 * target_closed_form(range, back));
+  EXPECT_EQ(energy(box, arm), 0);
+}
+
+/// A ray in water with one vertical gradient of the sound speed, integrated step by step.
+struct GradientRay {
+  double range = 0, height = 0;  ///< horizontal and vertical position
+  double along = 1, up = 0;      ///< direction
+  double length = 0;
+};
+
+/// Water of the sound speed `speed` at height 0 that changes by `per_m` for each metre upwards.
+struct GradientWater {
+  double speed = 1500, per_m = 0;
+
+  /// Follows a ray over a length by the classical Runge-Kutta method. A ray curves by the component of the
+  /// gradient perpendicular to its direction t: dt/ds = -(grad c - (grad c . t) t) / c.
+  GradientRay follow(double height, double elevation, double length) const {
+    using State = std::array<double, 4>;
+    const auto slope = [&](const State& s) {
+      const double by = per_m / (speed + per_m * s[1]);
+      return State{s[2], s[3], by * s[3] * s[2], -by * (1 - s[3] * s[3])};
+    };
+    State at{0, height, std::cos(elevation), std::sin(elevation)};
+    constexpr int steps = 400;
+    const double h = length / steps;
+    for (int k = 0; k < steps; ++k) {
+      const auto moved = [&](const State& by, double share) {
+        State there = at;
+        for (std::size_t i = 0; i < 4; ++i) there[i] += share * by[i];
+        return there;
+      };
+      const State a = slope(at), b = slope(moved(a, h / 2)), c = slope(moved(b, h / 2)),
+                  d = slope(moved(c, h));
+      for (std::size_t i = 0; i < 4; ++i) at[i] += h / 6 * (a[i] + 2 * b[i] + 2 * c[i] + d[i]);
+    }
+    return {at[0], at[1], at[2], at[3], length};
+  }
+  /// Returns the elevation and the length of the ray from a height to a point, by Newton's method.
+  std::array<double, 2> aim(double height, double to_range, double to_height) const {
+    double elevation = std::atan2(to_height - height, to_range),
+           length = std::hypot(to_range, to_height - height);
+    for (int step = 0; step < 30; ++step) {
+      const GradientRay end = follow(height, elevation, length);
+      const double d_range = to_range - end.range, d_height = to_height - end.height;
+      length += d_range * end.along + d_height * end.up;
+      elevation += (-d_range * end.up + d_height * end.along) / length;
+    }
+    return {elevation, length};
+  }
+  /// Returns the area of the ray tube per steradian: neighbouring rays are apart by `across` perpendicular to
+  /// the ray, and by the horizontal range times the difference of azimuths.
+  double area_per_sr(double height, double to_range, double to_height) const {
+    const auto [elevation, length] = aim(height, to_range, to_height);
+    constexpr double step = 1e-4;
+    const GradientRay ray = follow(height, elevation, length),
+                      above = follow(height, elevation + step, length),
+                      below = follow(height, elevation - step, length);
+    const double across =
+        (-(above.range - below.range) * ray.up + (above.height - below.height) * ray.along) / (2 * step);
+    return std::abs(across) * to_range / std::cos(elevation);
+  }
+};
+
 // In water of one gradient, the travel time between two points is acosh(1 + g^2 d^2 / (2 c1 c2)) / g.
 TEST(WaterTargetsRun, RefractedRaysGiveTravelTimesAndSpreading) {
   const auto water = [](double gradient_per_s) {
@@ -172,7 +249,13 @@ TEST(WaterTargetsRun, RefractedRaysGiveTravelTimesAndSpreading) {
   EXPECT_EQ(found.count, 1u);
   EXPECT_EQ(found.sample, curved.sample_at(c1 * time_s));
   EXPECT_NE(found.sample, curved.sample_at(range));
-  EXPECT_NEAR(found.energy, straight.total(), 0.2 * straight.total());
+  // Ray tubes from both ends give the spreading. The differences of rays have an error of 1e-8.
+  const GradientWater between{c1, -g};
+  const double across = std::hypot(place.x, place.y), length = between.aim(0, across, place.z)[1],
+               spread = between.area_per_sr(0, across, place.z) * between.area_per_sr(place.z, across, 0),
+               expected = std::pow(10, target_db / 10 - 2 * water_db_per_km / 1000 * length / 10) / spread;
+  EXPECT_GT(std::abs(expected / straight.total() - 1), 1e-3) << "refraction changes the spreading";
+  EXPECT_NEAR(found.energy, expected, 1e-6 * expected);
   // A separate receiver next to the transmitter receives nearly the same.
   const Echoes beside = echoes_of(ahead_scene(target_at(place), "receiver_arm_m = [0, 0, 1e-5]\n", water(g)));
   EXPECT_NEAR(beside.total(), curved.total(), 1e-4 * curved.total());
@@ -193,6 +276,29 @@ TEST(WaterTargetsRun, AMovingSonarReceivesATargetOnce) {
   EXPECT_EQ(target_bin_of(moving).count, 1u);
   EXPECT_NEAR(moving.total(), expected, 1e-3 * expected);
   EXPECT_NEAR(echoes_of(scene("")).total(), expected, 1e-12 * expected);
+}
+
+// The sonar moves by 0.13 m while a range of 10 m arrives. Each target lies in its own bin.
+TEST(WaterTargetsRun, ASonarThatApproachesReceivesEachTargetOnceAtBordersOfIntervals) {
+  constexpr int count = 250;
+  std::string targets;
+  for (int k = 0; k < count; ++k)
+    targets +=
+        target_at({0.5, 5.5 + 0.035 * k, 0.25}, "target_strength_db = -30\n", fmt::format("fish {}", k));
+  const std::string
+      fixed = fixed_at(0, 0, 0),
+      track = "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 0]\nend_m = [0, 9, 0]\nspeed_m_s = 10\n",
+      sensor = "stop_and_hop = false\nmotion_step_beams = 0.01\n";
+  const auto received = [&](const std::string& water, const std::vector<std::string>& words) {
+    const std::string scene = replaced(ahead_scene(targets, sensor, water), fixed, track);
+    return target_bin_of(echoes_of(replaced(scene, "samples = 100\n", "samples = 1000\n"), words)).count;
+  };
+  EXPECT_EQ(received(still_water(), {}), std::size_t(count));
+  EXPECT_EQ(received(still_water(), {"--reference", "--tolerance", "1e-6"}), std::size_t(count));
+  EXPECT_EQ(received("[water]\nsurface_height_m = 20\nprofile = \"gradient\"\nsound_speed_m_s = 1500\n"
+                     "gradient_per_s = 1\nprofile_bottom_m = 60\n",
+                     {}),
+            std::size_t(count));
 }
 
 TEST(WaterTargetsRun, APopulationIsTheSameForAnyNumberOfThreads) {
@@ -260,6 +366,19 @@ struct WaterTargetSignals : testing::Test {
            "receivers_m = [[0, 0, 0], [0.4, 0, -0.1], [-0.2, 0.3, 0]]\n" +
            sensor;
   }
+  /// Largest change of the signal of each element by a target in a scene with an object.
+  std::vector<double> differences(const std::string& object, glm::dvec3 place, const std::string& sensor) {
+    const ElementSignals with = signals_of(scene(object + target_at(place), sensor, fixed_at(0, 0, 0))),
+                         without = signals_of(scene(object, sensor, fixed_at(0, 0, 0)));
+    std::vector<double> each;
+    for (std::size_t e = 0; e < with.receivers(); ++e) {
+      double most = 0;
+      for (std::size_t k = 0; k < with.samples(); ++k)
+        most = std::max(most, std::abs(with.channel(0, e)[k] - without.channel(0, e)[k]));
+      each.push_back(most);
+    }
+    return each;
+  }
 };
 
 TEST_F(WaterTargetSignals, AreThoseOfPoints) {
@@ -293,21 +412,43 @@ TEST_F(WaterTargetSignals, AreHiddenLikeEnergies) {
       "[[objects]]\nname = \"plate\"\nshape = \"box\"\nsize_m = [0.3, 0.05, 0.3]\nposition_m = [0.25, 2.1, "
       "-1.75]\n";
   const glm::dvec3 place(0.5, 4.25, -3.5);
-  const auto difference = [&](const std::string& sensor) {
-    const ElementSignals with = signals_of(scene(plate + target_at(place), sensor, fixed_at(0, 0, 0))),
-                         without = signals_of(scene(plate, sensor, fixed_at(0, 0, 0)));
-    std::vector<double> each;
-    for (std::size_t e = 0; e < with.receivers(); ++e) {
-      double most = 0;
-      for (std::size_t k = 0; k < with.samples(); ++k)
-        most = std::max(most, std::abs(with.channel(0, e)[k] - without.channel(0, e)[k]));
-      each.push_back(most);
-    }
-    return each;
-  };
-  EXPECT_THAT(difference(""), testing::Each(0));
+  EXPECT_THAT(differences(plate, place, ""), testing::Each(0));
   // The transmitter at the origin does not see the target, whatever a receiver sees.
-  EXPECT_THAT(difference("own_sights = true\n"), testing::Each(0));
+  EXPECT_THAT(differences(plate, place, "own_sights = true\n"), testing::Each(0));
+}
+
+// The plate is on the line from the second element to the target. All elements share the view of the
+// transmitter, or the second element has its own view.
+TEST_F(WaterTargetSignals, AreHiddenFromAnElementAlone) {
+  const std::string plate =
+      "[[objects]]\nname = \"plate\"\nshape = \"box\"\nsize_m = [0.2, 0.05, 0.2]\nposition_m = [0.45, 2.1, "
+      "-1.785]\n";
+  const glm::dvec3 place(0.5, 4.25, -3.5);
+  EXPECT_THAT(differences(plate, place, ""), testing::Each(testing::Gt(0)));
+  EXPECT_THAT(differences(plate, place, "own_sights = true\n"),
+              testing::ElementsAre(testing::Gt(0), 0, testing::Gt(0)));
+}
+
+// The target is farther from the transmitter than the range gate, but half of the path is shorter.
+TEST_F(WaterTargetSignals, OfDistantElementsContainAllTargetsWithinTheRange) {
+  const glm::dvec3 place(-2.5, 8, -8);
+  for (const std::string sensor : {"", "own_sights = true\n"}) {
+    SCOPED_TRACE(sensor);
+    const auto text = [&](const std::string& target) {
+      return replaced(scene(target, sensor, fixed_at(0, 0, 0)), "[[0, 0, 0], [0.4, 0, -0.1], [-0.2, 0.3, 0]]",
+                      "[[0, 2, 0]]");
+    };
+    const ElementSignals with = signals_of(text(target_at(place))), without = signals_of(text("")),
+                         points = point_signals({{place, std::sqrt(1e-3)}}, with.array, with.waveform,
+                                                with.sampling, with.motion, with.sound_speed_m_s);
+    double most = 0, worst = 0;
+    for (std::size_t k = 0; k < with.pressure.size(); ++k) {
+      most = std::max(most, std::abs(points.pressure[k]));
+      worst = std::max(worst, std::abs(with.pressure[k] - without.pressure[k] - points.pressure[k]));
+    }
+    ASSERT_GT(most, 0);
+    EXPECT_LT(worst, 2e-9 * most);
+  }
 }
 
 /// A table for a sonar in the direction of the x axis of the body, 10 dB stronger than to the sides.
@@ -373,6 +514,23 @@ TEST(WaterTargetsRun, TargetsThatNoSoundReachesAreErrors) {
                       "scene.toml:12:", "lies exactly on a facet of 'terrain'");
   expect_target_error(ahead_scene("[sea_surface]\nheight_m = 4\n" + target_at({0, 8, 4.5})),
                       "scene.toml:14:", "target 'fish' is 0.5 m above the sea surface");
+  // [water] may also state the height of the surface.
+  expect_target_error(ahead_scene(target_at({0, 8, 4.5}), "", still_water() + "surface_height_m = 4\n"),
+                      "scene.toml:", "target 'fish' is 0.5 m above the sea surface (at 4 m)");
+}
+
+TEST(WaterTargetsRun, PopulationsAboveTheSeaSurfaceAreErrors) {
+  const std::string school =
+      "[[target_populations]]\nname = \"krill\"\ndensity_per_m3 = 1\nsize_m = [4, 4]\ntop_depth_m = -2\n"
+      "bottom_depth_m = 3\ntarget_strength_db = -80\n";
+  const std::string message =
+      "the box of population 'krill' ends 2 m above the sea surface (at 4 m): set "
+      "'top_depth_m' to 0 or more";
+  expect_target_error(ahead_scene("[sea_surface]\nheight_m = 4\n" + school), "scene.toml:14:", message);
+  expect_target_error(ahead_scene(school, "", still_water() + "surface_height_m = 4\n"),
+                      "scene.toml:", message);
+  // Water without a surface continues above depth 0.
+  EXPECT_NO_THROW(echoes_of(ahead_scene(school)));
 }
 
 std::string population_text(const std::string& density, double size_m) {
@@ -388,6 +546,21 @@ TEST(WaterTargetsRun, TooManyTargetsAreAnErrorBeforeTheRun) {
                       "'density_per_m3'");
   expect_target_error(ahead_scene(population_text("100000", 10)),
                       "scene.toml:12:", "targets in the mean, but the limit is 1e+07");
+  // Eigenrays and signals of targets take longer.
+  const std::string stratified =
+      "[water]\nsurface_height_m = 20\nprofile = \"gradient\"\nsound_speed_m_s = 1500\n"
+      "gradient_per_s = 0.1\nprofile_bottom_m = 60\n";
+  expect_target_error(
+      ahead_scene(replaced(population_text("300", 10), "top_depth_m = -10", "top_depth_m = 5"), "",
+                  stratified),
+      "scene.toml:", "targets in the mean, but the limit in stratified water is 1e+05");
+}
+
+TEST_F(WaterTargetSignals, OfTooManyTargetsAreAnErrorBeforeTheRun) {
+  const std::string text = replaced(scene(population_text("30000", 20), "", fixed_at(0, 0, 0)),
+                                    "sampling_frequency_khz = 20\n", "sampling_frequency_khz = 2000\n");
+  expect_target_error(
+      text, "scene.toml:", "values in all channels, but the limit is 1e+10: set 'density_per_m3' to");
 }
 
 TEST(WaterTargetsRun, TheLimitsAreThoseOfTheirPage) {
@@ -397,6 +570,13 @@ TEST(WaterTargetsRun, TheLimitsAreThoseOfTheirPage) {
               HasSubstr(fmt::format("\n| targets of a population; targets in the sector of a transmission "
                                     "(expected numbers) | {:.0f}; {:.0f} |",
                                     most_targets_of_population, most_targets_of_transmission)));
+  EXPECT_THAT(page,
+              HasSubstr(fmt::format("\n| the same in stratified water, for each transmission | {:.0f} |",
+                                    most_targets_of_refracted_transmission)));
+  EXPECT_THAT(page, HasSubstr(fmt::format(
+                        "\n| values in the signals of populations in a ping: expected targets, times "
+                        "receivers, times samples of a pulse | {:.0f} |",
+                        most_target_signal_values)));
 }
 
 TEST(WaterTargetsRun, BadTablesAreErrorsWithTheirLine) {

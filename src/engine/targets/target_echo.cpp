@@ -130,6 +130,28 @@ std::optional<TargetBins> bin_of_half_path(const SampleFinder& samples, const In
   return TargetBins{first, last + 1, inside && first == last};
 }
 
+std::optional<TargetBins> bin_of_moving_receiver(const SampleFinder& samples, double end_m,
+                                                 const MovingHalfPaths<double>& half_paths) {
+  const std::vector<double>& borders = samples.borders();
+  if (!(half_paths.at_begin_m >= borders.front() && half_paths.at_end_m < end_m)) return {};
+  return bin_of_half_path(samples, std::clamp(half_paths.at_middle_m, borders.front(),
+                                              std::nextafter(borders.back(), borders.front())));
+}
+
+std::optional<TargetBins> bin_of_moving_receiver(const SampleFinder& samples, double end_m,
+                                                 const MovingHalfPaths<Interval>& half_paths) {
+  const std::vector<double>& borders = samples.borders();
+  if (!(half_paths.at_begin_m.hi >= borders.front() && half_paths.at_end_m.lo < end_m)) return {};
+  const auto within = [&](double value) {
+    return std::clamp(value, borders.front(), std::nextafter(borders.back(), borders.front()));
+  };
+  auto bins = bin_of_half_path(
+      samples, Interval(within(half_paths.at_middle_m.lo), within(half_paths.at_middle_m.hi)));
+  if (bins && !(half_paths.at_begin_m.lo >= borders.front() && half_paths.at_end_m.hi < end_m))
+    bins->certain = false;
+  return bins;
+}
+
 template <class N>
 TargetEchoSum<N>::TargetEchoSum(const ReceiveBeams& beams, const SampleFinder& samples,
                                 const EchoModel& model)
