@@ -314,11 +314,14 @@ std::vector<bool> wanted_tubes(const Transmission& transmission, const PingSums&
 
 const History& traced(const Transmission& transmission, PingSums& sums) {
   std::vector<bool> wanted = wanted_tubes(transmission, sums);
-  const bool same = sums.seen && !transmission.loaded_scene().has_surface_per_transmission() &&
+  const bool is_this = sums.seen && sums.seen->group == &transmission.group() &&
+                       sums.seen->number == transmission.number();
+  const bool same = sums.seen &&
+                    (is_this || !transmission.loaded_scene().has_surface_per_transmission()) &&
                     sums.seen->wanted == wanted && sums.seen->history.tubes == transmission.tubes();
   if (!same) {
     sums.seen.reset();
-    PingSums::Seen seen;
+    PingSums::Seen seen{.group = &transmission.group(), .number = transmission.number()};
     seen.history =
         transmission.trace(&seen.candidates, transmission.request().binning != Binning::exact, wanted);
     seen.wanted = std::move(wanted);

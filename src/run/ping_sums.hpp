@@ -65,9 +65,11 @@ class PingSums {
     counts.echo_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
-  /// History of the last transmission on the surface that all transmissions share. A later transmission with
-  /// the same tubes reuses it.
+  /// History of the last transmission. Further parts of this transmission reuse it. So does a later
+  /// transmission with the same tubes, on a surface that all transmissions share.
   struct Seen {
+    const SharedTransmissions* group = nullptr;
+    std::size_t number = 0;
     History history;
     std::size_t candidates = 0;
     std::vector<bool> wanted;

@@ -55,6 +55,7 @@ void add_volume(const EchoContribution& plan, const Transmission& transmission, 
 void add_separate_volume(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
   const History transmit = transmission.trace(transmission.tubes(), nullptr, false);
   for (const std::size_t s : plan.sensors) {
+    if (sums.chosen(s).pings == 0) continue;
     const History receive = transmission.trace(transmission.receive_tubes(s), nullptr, false);
     const SensorModel model = transmission.model(s);
     const WorldGrid& grid = transmission.scene().grid;
@@ -71,6 +72,12 @@ void add_separate_volume(const EchoContribution& plan, const Transmission& trans
 
 void check_volume(const Survey& survey) {
   if (!survey.scene.volume.any()) return;
+  const SceneDescription& d = survey.scene.description;
+  if (d.sea_surface && d.water.surface_height_m && d.sea_surface->height_m != *d.water.surface_height_m)
+    throw InputError(d.water.place,
+                     fmt::format("'surface_height_m' is {} m, but 'height_m' of [sea_surface] is {} m: depths of "
+                                 "layers need one sea surface; give both keys the same value, or remove one",
+                                 *d.water.surface_height_m, d.sea_surface->height_m));
   for (const SensorPings& pings : survey.sensors)
     if (!(pings.sensor->samples().first_m > 0))
       throw InputError(pings.sensor->description().place,

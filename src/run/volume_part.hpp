@@ -11,7 +11,7 @@ void add_volume(const EchoContribution& plan, const Transmission& transmission, 
 void add_separate_volume(const EchoContribution& plan, const Transmission& transmission, PingSums& sums);
 
 /// Throws InputError at the place of a sensor whose range bins begin at the transducer, where the volume
-/// reverberation is infinite.
+/// reverberation is infinite. Also throws at the place of the water if it has two heights of the sea surface.
 void check_volume(const Survey& survey);
 
 }  // namespace tubefoot

@@ -138,6 +138,28 @@ TEST_F(VolumeRun, WeakGradientAndMotionApproachTheCaseAtRestInIsovelocityWater) 
   }
 }
 
+TEST_F(VolumeRun, DividedRecordsReceiveAllOfTheWater) {
+  // At 20 degrees per second the record has many intervals. The sum over beams before the seabed is that at
+  // rest, because the fan is uniform.
+  folder.write("track.csv", "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n"
+                            "0,0,0,10,0,0,-1\n0.1,0,0,10,0,0,1\n");
+  const auto run = [&](const std::string& scattering) {
+    return echoes_in(folder, replaced(fan_scene(still + scattering, "stop_and_hop = false\nmotion_step_beams = 0.005\n"),
+                                      "kind = \"fixed\"\nposition_m = [0, 0, 10]",
+                                      "kind = \"waypoints\"\nfile = \"track.csv\""));
+  };
+  const Echoes with = run("volume_scattering_db = -60\n"), without = run("");
+  const std::vector<double> rest = reverberation(folder, "volume_scattering_db = -60\n");
+  for (std::size_t k = 0; k < 15; ++k) {
+    double moving = 0, standing = 0;
+    for (std::size_t beam = 0; beam < 6; ++beam) {
+      moving += with.energy[beam * 60 + k] - without.energy[beam * 60 + k];
+      standing += rest[beam * 60 + k];
+    }
+    EXPECT_NEAR(moving, standing, 0.02 * standing) << "bin " << k;
+  }
+}
+
 TEST_F(VolumeRun, ReferenceHasBoundsThatContainTheOrdinaryResult) {
   folder.write("layers.csv", "depth_m,volume_scattering_db\n0,-60\n6,-50\n");
   const std::string scene =
@@ -173,8 +195,8 @@ TEST_F(VolumeRun, InvalidKeysAndFilesHaveMessages) {
   EXPECT_THAT(error(still + "volume_scattering_file = \"bad.csv\"\n"), HasSubstr("expected -999 to 0"));
   folder.write("bad.csv", "depth_m,volume_scattering_db\n");
   EXPECT_THAT(error(still + "volume_scattering_file = \"bad.csv\"\n"), HasSubstr("no rows"));
-  EXPECT_THAT(replaced(fan_scene(still + "volume_scattering_db = -60\n"), "range_min_m = 2", "range_min_m = 0"),
-              HasSubstr("range_min_m = 0"));
+  EXPECT_THAT(error(still + "volume_scattering_db = -60\nsurface_height_m = 12\n[sea_surface]\nheight_m = 11\n"),
+              HasSubstr("depths of layers need one sea surface"));
   const std::string at_apex =
       replaced(fan_scene(still + "volume_scattering_db = -60\n"), "range_min_m = 2", "range_min_m = 0");
   EXPECT_THAT(run_program({"check", folder.write("scene.toml", at_apex).string()}).err,

@@ -2,6 +2,7 @@
 #include "engine/certified/volume_reference.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "engine/certified/certified_driver.hpp"
@@ -61,6 +62,17 @@ TubeContent<BallSpace> content_of(const NameContext& context, const TubeVisibili
   return content;
 }
 
+/// Bound of the ranges of all vertices.
+double farthest_m(const FacetMesh& mesh, const History& history) {
+  double farthest = 0;
+  for (const GridPoint& v : mesh.vertices) {
+    const double x = double(v.x) - history.tubes.apex.x, y = double(v.y) - history.tubes.apex.y,
+                 z = double(v.z) - history.tubes.apex.z;
+    farthest = std::max(farthest, x * x + y * y + z * z);
+  }
+  return 1.01 * std::sqrt(farthest) * history.grid_unit_m;
+}
+
 /// Approximate number of cones that share the bins of each beam.
 std::vector<double> cones_of_beams(const History& history, const CertifiedRequest& request,
                                    std::span<const std::uint32_t> beam_of_tube, std::size_t borders,
@@ -87,7 +99,7 @@ CertifiedEcho certify_volume(const FacetMesh& mesh, const SceneTree& tree, const
   CertifiedRequest request(model, samples);
   const std::size_t row = request.row(), beams = ordinary.energy.size() / row;
   std::vector<double> extended = request.borders;
-  extended.push_back(extended.back() * farthest_over_last);
+  extended.push_back(std::max(extended.back() * farthest_over_last, farthest_m(mesh, history)));
   std::vector<Ball> spreading;
   for (std::size_t k = 0; k < row; ++k)
     spreading.push_back(volume_primitive(Ball(request.borders[k + 1]), request.beta_per_m) -

@@ -6,33 +6,23 @@
 #include <vector>
 
 #include "engine/echo/volume_echo.hpp"
+#include "engine/echo/water_cells.hpp"
 #include "engine/scattering/density.hpp"
 #include "engine/scattering/radial_model.hpp"
 #include "geometry/steps/stop.hpp"
 #include "geometry/tubes/tube_finder.hpp"
 
-// Volume reverberation for a separate receiver. The transmit tubes are divided into small cells of
-// directions. In each cell, the density is integrated along the ray of the cell's centre, from one ellipsoid
-// of equal path length to the next.
+// Volume reverberation for a separate receiver. The receive tubes are divided into small cells of directions,
+// each of which belongs to one beam. In a cell, the density is integrated along the ray of its centre, from one
+// ellipsoid of equal path length to the next.
 
 namespace tubefoot {
 namespace {
 
-using Directions = std::vector<glm::dvec3>;
-
-/// A polygon with its own corners.
-struct SpacePolygon {
-  FacetPlane plane;
-  Directions corners_m;
-
-  explicit SpacePolygon(const DoubleSpace::Polygon& view)
-      : plane(view.plane), corners_m(view.corners_m.begin(), view.corners_m.end()) {}
-};
-
-/// The water that a receiver sees.
-class ReceivedWater {
+/// The water that a transmitter insonifies.
+class InsonifiedWater {
  public:
-  explicit ReceivedWater(const History& history) : finder_(history.tubes) {
+  explicit InsonifiedWater(const History& history) : finder_(history.tubes) {
     std::size_t surface = 0, open = 0;
     for (std::uint32_t tube = 0; tube < history.tubes.tubes.size(); ++tube) {
       Tube own;
@@ -44,7 +34,7 @@ class ReceivedWater {
     }
   }
 
-  /// Calls take(tube) for the tubes in which a point relative to the receiver is in front of all surfaces.
+  /// Calls take(tube) for the tubes in which a point relative to the transmitter is in front of all surfaces.
   template <class Take>
   void find(const glm::dvec3& point, double range_m, const Take& take) const {
     finder_.find(point, [&](std::uint32_t tube) {
@@ -71,15 +61,15 @@ class ReceivedWater {
   std::vector<Tube> tubes_;
 };
 
-/// Integrates along rays of the transmitter.
+/// Integrates along rays of the receiver.
 class BistaticRays {
  public:
-  BistaticRays(const History& receive, glm::dvec3 receiver_m, const ReceiveBeams& beams,
+  BistaticRays(const History& transmit, glm::dvec3 receiver_m, const ReceiveBeams& beams,
                const RangeSamples& samples, const EchoModel& model, const VolumeScattering& volume,
                double cell_width_rad)
-      : water_(receive),
+      : water_(transmit),
         cell_width_rad_(cell_width_rad),
-        receiver_m_(receiver_m),
+        transmitter_m_(-receiver_m),
         beams_(beams),
         borders_(sample_borders_m(samples)),
         model_(model),
@@ -87,26 +77,28 @@ class BistaticRays {
         beta_(absorption_per_m(model.absorption_db_per_m)),
         energy_(std::size_t(beams.count) * std::size_t(samples.count)) {
     check(volume);
-    for (double& border : volume_.borders_m) border -= model.path.tx.apex_m.z;
+    for (double& border : volume_.borders_m) border -= model.path.tx.apex_m.z + receiver_m.z;
   }
 
-  /// Adds a solid angle about a direction, between two ranges from the transmitter.
+  /// Adds a solid angle about a direction of a receive tube, between two ranges from the receiver.
   void add(const glm::dvec3& direction, double solid_angle, double from_m, double to_m, std::uint32_t tube) {
-    const double baseline2 = glm::dot(receiver_m_, receiver_m_), along = glm::dot(direction, receiver_m_);
-    const auto half_path = [&](double r) { return (r + glm::length(r * direction - receiver_m_)) / 2; };
+    const double baseline2 = glm::dot(transmitter_m_, transmitter_m_),
+                 along = glm::dot(direction, transmitter_m_);
+    const auto half_path = [&](double r) { return (r + glm::length(r * direction - transmitter_m_)) / 2; };
     // Range on the ellipsoid of a half path.
     const auto range_on = [&](double half) {
       const double across = 4 * half * half - baseline2;
       return across > 0 ? across / (4 * half - 2 * along) : 0.0;
     };
     const double first = half_path(from_m);
-    auto k = std::size_t(std::max<std::ptrdiff_t>(
-        std::ranges::upper_bound(borders_, first) - borders_.begin() - 1, 0));
+    auto k = std::size_t(
+        std::max<std::ptrdiff_t>(std::ranges::upper_bound(borders_, first) - borders_.begin() - 1, 0));
     for (; k + 1 < borders_.size(); ++k) {
-      const double begin = std::max(range_on(borders_[k]), from_m), end = std::min(range_on(borders_[k + 1]), to_m);
+      const double begin = std::max(range_on(borders_[k]), from_m),
+                   end = std::min(range_on(borders_[k + 1]), to_m);
       if (begin >= to_m) return;
       if (!(end > begin)) continue;
-      // Walls of receive tubes and shadows cross the ray. Panels are therefore about as long as cells are
+      // Walls of transmit tubes and shadows cross the ray. Panels are therefore about as long as cells are
       // wide, each with a Gauss-Legendre rule of two nodes.
       const double panels = std::clamp(std::ceil((end - begin) / (2 * cell_width_rad_ * end)), 1.0, 64.0),
                    half = (end - begin) / panels / 2;
@@ -123,68 +115,37 @@ class BistaticRays {
     const auto layer = std::ranges::upper_bound(volume_.borders_m, range_m * direction.z);
     const double s_v = volume_.s_v_per_m[std::size_t(layer - volume_.borders_m.begin())];
     if (s_v == 0) return;
-    const glm::dvec3 from_receiver = range_m * direction - receiver_m_;
-    const double receive_m = glm::length(from_receiver);
-    if (!(receive_m > 0)) return;
-    const double density = s_v * weight * std::exp(-beta_ * (range_m + receive_m)) / (receive_m * receive_m);
-    water_.find(from_receiver, receive_m, [&](std::uint32_t receive_tube) {
-      if (!beams_.in_one_fan(tube, receive_tube)) return;
+    const glm::dvec3 from_transmitter = range_m * direction - transmitter_m_;
+    const double transmit_m = glm::length(from_transmitter);
+    if (!(transmit_m > 0)) return;
+    const double density = s_v * weight * std::exp(-beta_ * (range_m + transmit_m)) / (transmit_m * transmit_m);
+    water_.find(from_transmitter, transmit_m, [&](std::uint32_t transmit_tube) {
+      if (!beams_.in_one_fan(transmit_tube, tube)) return;
       const std::size_t row = borders_.size() - 1;
       if (model_.patterns == nullptr) {
-        energy_[beams_.of_tube[receive_tube] * row + sample] += density;
+        energy_[beams_.of_tube[tube] * row + sample] += density;
         return;
       }
       const BeamPatterns& patterns = *model_.patterns;
-      const double sent = patterns.transmit[patterns.fan_of_tube[receive_tube]].gain(direction);
-      const glm::dvec3 arrival = from_receiver / receive_m;
-      const auto [first, end] = patterns.beams_of_tube[receive_tube];
+      const double sent = patterns.transmit[patterns.fan_of_tube[tube]].gain(from_transmitter / transmit_m);
+      const auto [first, end] = patterns.beams_of_tube[tube];
       for (std::uint32_t beam = first; beam < end; ++beam) {
-        const double gain = sent * patterns.receive[beam].gain(arrival);
+        const double gain = sent * patterns.receive[beam].gain(direction);
         if (patterns.receives(beam, gain)) energy_[beam * row + sample] += gain * density;
       }
     });
   }
 
-  ReceivedWater water_;
+  InsonifiedWater water_;
   double cell_width_rad_;
-  glm::dvec3 receiver_m_;
+  glm::dvec3 transmitter_m_;  ///< relative to the receiver
   const ReceiveBeams& beams_;
   std::vector<double> borders_;
   const EchoModel& model_;
-  VolumeScattering volume_;  ///< heights relative to the transmitter
+  VolumeScattering volume_;  ///< heights relative to the receiver
   double beta_;
   std::vector<double> energy_;
 };
-
-/// A cell of directions and the polygons in it.
-struct WaterCell {
-  Directions cone;
-  std::vector<SpacePolygon> polygons;
-};
-
-/// Calls take(cell) for the parts of a cell that are at most `width_rad` wide.
-template <class Take>
-void each_small(WaterCell cell, double width_rad, const Take& take) {
-  glm::dvec3 wall(0);
-  for (const glm::dvec3& one : cell.cone)
-    for (const glm::dvec3& other : cell.cone) {
-      const glm::dvec3 apart = glm::normalize(one) - glm::normalize(other);
-      if (glm::length(apart) > glm::length(wall)) wall = apart;
-    }
-  if (glm::length(wall) <= width_rad) return take(cell);
-  const auto divided = [&](const Directions& corners) {
-    return VolumeRegions<DoubleSpace>::divided(corners, [&](const glm::dvec3& d) { return glm::dot(wall, d); });
-  };
-  WaterCell one, other;
-  std::tie(one.cone, other.cone) = divided(cell.cone);
-  for (const SpacePolygon& polygon : cell.polygons) {
-    const auto [inner, outer] = divided(polygon.corners_m);
-    if (!inner.empty()) one.polygons.emplace_back(DoubleSpace::Polygon{polygon.plane, inner});
-    if (!outer.empty()) other.polygons.emplace_back(DoubleSpace::Polygon{polygon.plane, outer});
-  }
-  if (!one.polygons.empty()) each_small(std::move(one), width_rad, take);
-  if (!other.polygons.empty()) each_small(std::move(other), width_rad, take);
-}
 
 void add_cell(const WaterCell& cell, std::uint32_t tube, BistaticRays& rays) {
   struct Seen {
@@ -218,15 +179,13 @@ void add_cell(const WaterCell& cell, std::uint32_t tube, BistaticRays& rays) {
 Echo bistatic_volume_echo(const History& transmit, const History& receive, glm::dvec3 receiver_m,
                           const ReceiveBeams& beams, const RangeSamples& samples, const EchoModel& model,
                           const VolumeScattering& volume, double cell_width_rad) {
-  BistaticRays rays(receive, receiver_m, beams, samples, model, volume, cell_width_rad);
+  BistaticRays rays(transmit, receiver_m, beams, samples, model, volume, cell_width_rad);
   VolumeRegions<DoubleSpace> regions({{}, {1}}, 0, samples.border_m(samples.count) + glm::length(receiver_m));
   std::size_t surface = 0, open = 0;
-  for (std::uint32_t tube = 0; tube < transmit.tubes.tubes.size(); ++tube) {
+  for (std::uint32_t tube = 0; tube < receive.tubes.tubes.size(); ++tube) {
     stop_if_wanted();
-    const TubeContent<DoubleSpace> content = tube_content(transmit, tube, surface, open);
-    WaterCell cell{{content.rays.begin(), content.rays.end()}, {}};
-    regions.divide(content, [&](const DoubleSpace::Polygon& cone, double) { cell.polygons.emplace_back(cone); });
-    each_small(std::move(cell), cell_width_rad, [&](const WaterCell& part) { add_cell(part, tube, rays); });
+    each_small(water_cell(tube_content(receive, tube, surface, open), regions), cell_width_rad,
+               [&](const WaterCell& part) { add_cell(part, tube, rays); });
   }
   return {beams.count, samples.count, rays.energies()};
 }

@@ -8,6 +8,7 @@
 
 #include "engine/echo/cone_sums.hpp"
 #include "engine/echo/volume_echo.hpp"
+#include "engine/echo/water_cells.hpp"
 #include "engine/water/timed_ray.hpp"
 #include "geometry/steps/stop.hpp"
 
@@ -17,15 +18,15 @@
 namespace tubefoot {
 namespace {
 
-/// Angles in the vertical plane of a tube, from the horizontal upwards. Directions behind the vertical have
+/// Angles in the vertical plane of a narrow cell, from the horizontal upwards. Directions behind the vertical have
 /// more than a quarter turn.
 struct VerticalPlane {
   glm::dvec3 ahead;  ///< horizontal unit vector
-  bool up = false;   ///< whether the tube points upwards
+  bool up = false;   ///< whether the cell points upwards
 
-  explicit VerticalPlane(const std::array<glm::dvec3, 4>& rays) {
+  explicit VerticalPlane(std::span<const glm::dvec3> rays) {
     glm::dvec3 sum(0);
-    for (const glm::dvec3& ray : rays) sum += ray;
+    for (const glm::dvec3& ray : rays) sum += glm::normalize(ray);
     up = sum.z > 0;
     sum.z = 0;
     ahead = glm::length(sum) > 1e-6 ? glm::normalize(sum) : glm::dvec3(1, 0, 0);
@@ -74,7 +75,7 @@ class RefractedRay {
       }
       nodes_.push_back(node);
     }
-    nodes_.front().relative = nodes_[1].relative;
+    nodes_.front().relative = water.reference_speed_m_s / apex_speed;  // the limit at the apex
   }
 
   /// Ratio of the integrals over a range sample.
@@ -86,7 +87,8 @@ class RefractedRay {
       const auto k = std::size_t(at);
       const double share = at - double(k), weight = 1 / (r * r);
       const double depth = nodes_[k].depth_m + share * (nodes_[k + 1].depth_m - nodes_[k].depth_m);
-      const double relative = nodes_[k].relative + share * (nodes_[k + 1].relative - nodes_[k].relative);
+      const double near = nodes_[k].relative, far = nodes_[k + 1].relative;
+      const double relative = near > 0 && far > 0 ? near * std::pow(far / near, share) : near + share * (far - near);
       sum += weight * relative * coefficient(water_.surface_height_m - depth);
       weights += weight;
     }
@@ -120,6 +122,35 @@ struct StripCone {
   std::uint32_t tube;
 };
 
+/// Cones by the number of their strip.
+using Strips = std::map<long, std::vector<StripCone>>;
+
+/// Divides the polygons of a narrow cell into strips of elevation.
+void add_to_strips(const WaterCell& cell, std::uint32_t tube, double width, Strips& strips) {
+  const VerticalPlane plane(cell.cone);
+  const long half_turn = std::lround(std::numbers::pi / width);
+  for (const SpacePolygon& polygon : cell.polygons) {
+    double lowest = 2 * std::numbers::pi, highest = -2 * std::numbers::pi;
+    for (const glm::dvec3& corner : polygon.corners_m) {
+      lowest = std::min(lowest, plane.angle(corner));
+      highest = std::max(highest, plane.angle(corner));
+    }
+    Directions rest = polygon.corners_m;
+    for (long k = long(std::floor(lowest / width)); !rest.empty() && double(k) * width < highest; ++k) {
+      const glm::dvec3 wall = plane.wall(double(k + 1) * width);
+      auto [lower, upper] =
+          VolumeRegions<DoubleSpace>::divided(rest, [&](const glm::dvec3& d) { return glm::dot(wall, d); });
+      const bool behind = 2 * k >= half_turn || 2 * k < -half_turn;
+      const long key = behind ? (plane.up ? half_turn : -half_turn) - 1 - k : k;
+      if (!lower.empty()) strips[key].push_back({polygon.plane, std::move(lower), tube});
+      rest = std::move(upper);
+    }
+  }
+}
+
+/// Width of cells of directions within which the elevation is that in one vertical plane.
+constexpr double widest_cell_rad = 0.04;
+
 }  // namespace
 
 Echo refracted_volume_echo(const History& history, const ReceiveBeams& beams, const RangeSamples& samples,
@@ -130,29 +161,11 @@ Echo refracted_volume_echo(const History& history, const ReceiveBeams& beams, co
   const double last_m = samples.border_m(samples.count);
   VolumeRegions<DoubleSpace> regions({{}, {1}}, 0, last_m);
   // Strips on both sides of the vertical have the same elevation, and so the same key.
-  std::map<long, std::vector<StripCone>> strips;
+  Strips strips;
   std::size_t surface = 0, open = 0;
   for (std::uint32_t tube = 0; tube < history.tubes.tubes.size(); ++tube) {
-    const TubeContent<DoubleSpace> content = tube_content(history, tube, surface, open);
-    const VerticalPlane plane(content.rays);
-    regions.divide(content, [&](const DoubleSpace::Polygon& cone, double) {
-      double lowest = std::numbers::pi, highest = -2 * std::numbers::pi;
-      for (const glm::dvec3& corner : cone.corners_m) {
-        lowest = std::min(lowest, plane.angle(corner));
-        highest = std::max(highest, plane.angle(corner));
-      }
-      std::vector<glm::dvec3> rest(cone.corners_m.begin(), cone.corners_m.end());
-      for (long k = long(std::floor(lowest / width)); !rest.empty() && double(k) * width < highest; ++k) {
-        const glm::dvec3 wall = plane.wall(double(k + 1) * width);
-        auto [lower, upper] =
-            VolumeRegions<DoubleSpace>::divided(rest, [&](const glm::dvec3& d) { return glm::dot(wall, d); });
-        const long half_turn = std::lround(std::numbers::pi / width);
-        const bool behind = 2 * k >= half_turn || 2 * k < -half_turn;
-        const long key = behind ? (plane.up ? half_turn : -half_turn) - 1 - k : k;
-        if (!lower.empty()) strips[key].push_back({cone.plane, std::move(lower), tube});
-        rest = std::move(upper);
-      }
-    });
+    each_small(water_cell(tube_content(history, tube, surface, open), regions), widest_cell_rad,
+               [&](const WaterCell& cell) { add_to_strips(cell, tube, width, strips); });
   }
   Echo echo{beams.count, samples.count,
             std::vector<double>(std::size_t(beams.count) * std::size_t(samples.count))};

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/echo/volume_echo.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "engine/echo/cone_sums.hpp"
@@ -27,10 +30,10 @@ TubeContent<DoubleSpace> tube_content(const History& history, std::uint32_t tube
       content.surfaces.push_back({{footprint.plane_normal, footprint.plane_distance_m},
                                   part_of(set.corners_m, set.pieces[footprint.first_piece + p])});
   }
-  for (; open < set.open_pieces.size() && set.open_pieces[open].tube == tube; ++open)
-    content.open.push_back([&](const auto& part) {
-      return std::vector<glm::dvec3>(part.begin(), part.end());
-    }(part_of(set.open_directions, set.open_pieces[open])));
+  for (; open < set.open_pieces.size() && set.open_pieces[open].tube == tube; ++open) {
+    const auto part = part_of(set.open_directions, set.open_pieces[open]);
+    content.open.emplace_back(part.begin(), part.end());
+  }
   return content;
 }
 
@@ -43,6 +46,18 @@ double solid_angle_of(const std::array<glm::dvec3, 4>& rays) {
                           1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
   };
   return triangle(rays[0], rays[1], rays[2]) + triangle(rays[0], rays[2], rays[3]);
+}
+
+/// Distance from a height to the nearest layer that scatters.
+double nearest_scattering_m(const VolumeScattering& volume, double height_m) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t layer = 0; layer < volume.s_v_per_m.size(); ++layer) {
+    if (volume.s_v_per_m[layer] == 0) continue;
+    const double below = layer == 0 ? 0 : volume.borders_m[layer - 1] - height_m,
+                 above = layer == volume.borders_m.size() ? 0 : height_m - volume.borders_m[layer];
+    nearest = std::min(nearest, std::max({below, above, 0.0}));
+  }
+  return nearest;
 }
 
 }  // namespace
@@ -69,7 +84,8 @@ Echo volume_echo(const History& history, const ReceiveBeams& beams, const RangeS
       sums.add_rest(solid_angle_sr[beam], s_v_per_m, beam);
     return {beams.count, samples.count, sums.energies()};
   }
-  VolumeRegions<DoubleSpace> regions(volume, model.path.tx.apex_m.z, samples.border_m(samples.count));
+  const double apex_m = model.path.tx.apex_m.z;
+  VolumeRegions<DoubleSpace> regions(volume, apex_m, samples.border_m(samples.count));
   for (std::uint32_t tube = 0; tube < history.tubes.tubes.size(); ++tube) {
     stop_if_wanted();
     regions.divide(tube_content(history, tube, surface, open),
@@ -77,7 +93,13 @@ Echo volume_echo(const History& history, const ReceiveBeams& beams, const RangeS
                      sums.add(cone, s_v_per_m, tube);
                    });
   }
-  return {beams.count, samples.count, sums.energies()};
+  std::vector<double> energy = sums.energies();
+  // In front of the nearest layer that scatters, terms of both signs cancel except for their errors.
+  const double nearest_m = nearest_scattering_m(volume, apex_m);
+  for (int k = 0; k < samples.count && samples.border_m(k + 1) <= nearest_m; ++k)
+    for (int beam = 0; beam < beams.count; ++beam)
+      energy[std::size_t(beam) * std::size_t(samples.count) + std::size_t(k)] = 0;
+  return {beams.count, samples.count, std::move(energy)};
 }
 
 }  // namespace tubefoot

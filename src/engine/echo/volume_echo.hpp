@@ -17,8 +17,9 @@ namespace tubefoot {
 ///
 /// The visible polygons give Omega(r) exactly (VolumeRegions). `history`: footprints of one apex in isovelocity
 /// water, with unobstructed regions (VisibilityOptions::open_water) if needs_open_water(). `volume`: heights in the local frame.
-/// `model`: apex, absorption and patterns; materials are not read. The relative error is about that of rounding
-/// without patterns, and model.pattern_tolerance with patterns. Throws std::invalid_argument for samples that
+/// `model`: apex, absorption and patterns; materials are not read. Without patterns, the error is about that of
+/// rounding. With patterns it is model.pattern_tolerance, relative to the echo if all water had the largest
+/// coefficient. Throws std::invalid_argument for samples that
 /// begin at range 0, where the integral is infinite.
 Echo volume_echo(const History& history, const ReceiveBeams& beams, const RangeSamples& samples,
                  const EchoModel& model, const VolumeScattering& volume);
@@ -47,9 +48,9 @@ Echo refracted_volume_echo(const History& history, const ReceiveBeams& beams, co
                            const RefractingWater& water, double strip_width_rad = 2e-3);
 
 /// The same for a separate receiver in isovelocity water: the water that both ends see, from one ellipsoid of
-/// equal path length to the next. `transmit` and `receive`: histories of the two apexes with unobstructed
-/// regions. `receiver_m` is relative to the transmitter. Sample k contains the half paths from first + k step
-/// on. The directions of the transmitter are divided into cells that are at most `cell_width_rad` wide. The
+/// equal path length to the next. `transmit` and `receive`: histories of the two apexes, the latter with
+/// unobstructed regions. `receiver_m` is relative to the transmitter. Sample k contains the half paths from
+/// first + k step on. The directions of the receiver are divided into cells that are at most `cell_width_rad` wide. The
 /// error decreases with the square of this width.
 Echo bistatic_volume_echo(const History& transmit, const History& receive, glm::dvec3 receiver_m,
                           const ReceiveBeams& beams, const RangeSamples& samples, const EchoModel& model,

@@ -63,6 +63,7 @@ struct TubeContent {
 };
 
 /// Divides the unobstructed water of tubes into cones. All polygons keep the sense of rotation of the tube.
+/// In balls, a corner whose side of a border is undecided counts as a point of the border.
 /// Law W1 (closure): without borders, the cones are the visible polygons and the unobstructed regions. Their
 /// solid angles add up to that of the tube.
 /// Law W2 (layers): borders between layers with equal coefficients change no sum of integrals.
@@ -142,13 +143,13 @@ class VolumeRegions {
 
   static Number height_of(const Vector& corner) { return Space::product({0, 0, 1}, corner); }
 
-  /// Returns whether a part of a surface is between the heights of the apex and of a border.
+  /// Returns whether a part of a surface is between the heights of the apex and of a border, or on the border.
   bool hides(const Polygon& surface, std::size_t border) const {
     const int up = Space::sign(heights_[border]);
     bool beside_apex = false, before_border = false;
     for (const Vector& corner : Space::corners(surface)) {
       beside_apex = beside_apex || Space::sign(height_of(corner)) == up;
-      before_border = before_border || Space::sign(heights_[border] - height_of(corner)) == up;
+      before_border = before_border || Space::sign(heights_[border] - height_of(corner)) != -up;
     }
     return beside_apex && before_border;
   }
@@ -192,7 +193,8 @@ class VolumeRegions {
     const auto corners = Space::corners(surface);
     Corners above(corners.begin(), corners.end());
     for (std::size_t i = 0; i < heights_.size() && !above.empty(); ++i) {
-      auto [upper, lower] = divided(above, [&](const Vector& p) { return height_of(p) - heights_[i]; });
+      // A surface on the border belongs to the lower layer, here and in only_layer().
+      auto [lower, upper] = divided(above, [&](const Vector& p) { return heights_[i] - height_of(p); });
       if (!lower.empty()) add_part(lower, i);
       above = std::move(upper);
     }

@@ -39,7 +39,8 @@ double volume_spreading(double from_m, double to_m, double beta_per_m) {
   for (double lo = from_m; lo < to_m;) {
     const double hi = std::min({to_m, lo * (1 + widest), lo + strongest / (2 * beta_per_m)});
     sum += Rule::integrate([&](double r) { return std::exp(-2 * beta_per_m * r) / (r * r); }, lo, hi);
-    if (!(hi > lo)) break;
+    // The rest is at most e^(-2 beta hi) / hi.
+    if (!(hi > lo) || std::exp(-2 * beta_per_m * hi) / hi < 1e-17 * sum) break;
     lo = hi;
   }
   return sum;

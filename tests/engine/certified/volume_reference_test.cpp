@@ -85,6 +85,32 @@ TEST(VolumeReference, BoundsContainOrdinaryResultsInRandomScenesWithLayers) {
     }
 }
 
+TEST(VolumeReference, SurfaceOnTheBorderOfALayerEndsTheLayer) {
+  for (const double height : {-10.0, 10.0}) {
+    WaterPing ping;
+    const auto at = [&](double x, double y) { return glm::dvec3(x, y, height); };
+    ping.mesh = test::mesh_of({{at(-512, -512), at(512, -512), at(512, 512)},
+                               {at(-512, -512), at(512, 512), at(-512, 512)},
+                               {glm::dvec3(8, -1, height / 2), {9, -1, height / 2}, {9, 1, height / 2}}});
+    ping.unit_m = 0x1p-20;
+    ping.tubes.reach = 1e12;
+    ping.beams = {0};
+    AngularGrid grid;
+    grid.azimuth_edges_rad = {-0.3, 0.3};
+    grid.elevation_edges_rad = height < 0 ? std::vector{-0.7, -0.35} : std::vector{0.35, 0.7};
+    append_tubes(ping.tubes, grid);
+    const WaterPing::Result uniform = ping.run({5, 2, 14}, {{}, {1e-7}}, 1e-7),
+                            layers = ping.run({5, 2, 14},
+                                              {{height}, height > 0 ? std::vector{1e-7, 0.0} : std::vector{0.0, 1e-7}},
+                                              1e-7);
+    for (std::size_t k = 0; k < 14; ++k)
+      EXPECT_NEAR(layers.certified.echo.energy[k], uniform.certified.echo.energy[k],
+                  layers.certified.bound[k] + uniform.certified.bound[k])
+          << "plane at " << height << " m, sample " << k;
+    expect_enclosed(layers, 1e-7, 1e-11);
+  }
+}
+
 TEST(VolumeReference, FanAboveSeabedIsInsideTheBound) {
   // A fan between the depressions 20 and 40 degrees at 10 m above the seabed. The upper and lower walls are
   // planes, so the solid angle at each range follows from one integral over azimuth.

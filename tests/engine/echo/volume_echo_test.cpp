@@ -11,6 +11,7 @@
 #include "engine/echo/volume_regions.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/grid_scenes.hpp"
+#include "fixtures/geometry/metre_meshes.hpp"
 #include "fixtures/world/histories.hpp"
 #include "geometry/numbers/scalars.hpp"
 
@@ -265,6 +266,45 @@ TEST(VolumeEcho, LayersAddUpAndBordersOfEqualLayersChangeNothing) {
   }
 }
 
+/// A tube up or down, in front of a horizontal plate at a height, and a small facet in front of the plate.
+History before_plate(double height_m, bool with_object) {
+  const double unit_m = 1.0 / (1 << 10);
+  FacetMesh mesh;
+  const auto add = [&](double half_m, double z_m) {
+    const auto at = [&](double x, double y) {
+      return test::add_vertex(mesh, {std::int32_t(x / unit_m), std::int32_t(y / unit_m), std::int32_t(z_m / unit_m)});
+    };
+    const VertexId a = at(-half_m, -half_m), b = at(half_m, -half_m), c = at(half_m, half_m), d = at(-half_m, half_m);
+    test::add_facet(mesh, a, b, c);
+    test::add_facet(mesh, a, c, d);
+  };
+  add(100, height_m);
+  if (with_object) add(0.5, height_m / 2);
+  TubeSet set;
+  set.reach = 1e9;
+  const double z = height_m > 0 ? 1 : -1;
+  test::add_pyramid(set, {glm::dvec3(0.3, 0.2, z), {-0.4, 0.3, z}, {-0.3, -0.2, z}, {0.4, -0.3, z}});
+  VisibilityOptions options;
+  options.open_water = true;
+  const SceneTree tree(mesh);
+  return TubeEngine(mesh, tree, unit_m, options).trace(set);
+}
+
+TEST(VolumeEcho, SurfaceOnTheBorderOfALayerEndsTheLayer) {
+  for (const double height : {8.0, -8.0, 8.3125, -8.3125})
+    for (const bool with_object : {false, true}) {
+      SCOPED_TRACE(testing::Message() << "plate at " << height << " m, object " << with_object);
+      const History history = before_plate(height, with_object);
+      const Echo uniform = volume_of(history, {1, 0.5, 30}, {{}, {1e-7}});
+      for (const double behind : {0.0, 5e-7}) {
+        const VolumeScattering layers{{height}, height > 0 ? std::vector{1e-7, behind} : std::vector{behind, 1e-7}};
+        const Echo echo = volume_of(history, {1, 0.5, 30}, layers);
+        for (int k = 0; k < 30; ++k)
+          EXPECT_NEAR(echo.energy[k], uniform.energy[k], 1e-12 * uniform.energy[0]) << "sample " << k;
+      }
+    }
+}
+
 TEST(VolumeEcho, PatternsOfOneGiveTheIdealBeam) {
   const History history = wedge_above_seabed(0.4, 3, 500);
   const VolumeScattering volume{{-2.5, -1}, {0, 1e-7, 3e-8}};
@@ -463,6 +503,45 @@ TEST(VolumeEcho, SeparateReceiverAgreesWithSumsOverVolumeElements) {
     EXPECT_NEAR(echo.energy[bin], expected[bin], 0.01 * expected[bin] + 2e-3 * largest) << "bin " << bin;
 }
 
+TEST(VolumeEcho, NarrowBeamsOfASeparateReceiverDoNotDependOnCells) {
+  // Beams of half a degree, 1 m beside the transmitter.
+  const auto tubes_from = [](glm::dvec3 apex_m) {
+    TubeSet set;
+    set.apex = GridPoint{std::int32_t(apex_m.x * 1024), std::int32_t(apex_m.y * 1024), 0};
+    set.reach = 1e9;
+    AngularGrid grid;
+    for (int k = 0; k <= 24; ++k) grid.azimuth_edges_rad.push_back(1.2 + k * 0.0087);
+    grid.elevation_edges_rad = {-0.01, 0.01};
+    append_tubes(set, grid);
+    return set;
+  };
+  FacetMesh mesh;
+  const VertexId a = test::add_vertex(mesh, {0, -90000, 0}), b = test::add_vertex(mesh, {9000, -90000, 0}),
+                 c = test::add_vertex(mesh, {0, -90000, 9000});
+  test::add_facet(mesh, a, b, c);  // behind both ends
+  VisibilityOptions options;
+  options.open_water = true;
+  const SceneTree tree(mesh);
+  const TubeEngine engine(mesh, tree, 1.0 / 1024, options);
+  const History transmit = engine.trace(tubes_from({0, 0, 0})), receive = engine.trace(tubes_from({1, 0, 0}));
+  std::vector<std::uint32_t> beams(24);
+  for (std::uint32_t k = 0; k < 24; ++k) beams[k] = k;
+  const auto echo = [&](double cell) {
+    return bistatic_volume_echo(transmit, receive, {1, 0, 0}, {24, beams}, {10, 0.5, 4}, {}, {{}, {1e-7}}, cell)
+        .energy;
+  };
+  const std::vector<double> usual = echo(5e-3), fine = echo(5e-4);
+  // The outermost beams lie partly outside of the transmit sector.
+  int inside = 0;
+  for (std::size_t beam = 8; beam < 16; ++beam)
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t bin = 4 * beam + k;
+      EXPECT_NEAR(usual[bin], fine[bin], 0.01 * fine[bin]) << "beam " << beam << ", sample " << k;
+      inside += fine[bin] > 0;
+    }
+  EXPECT_GT(inside, 16);
+}
+
 TEST(VolumeEcho, ReceiverAtTheTransmitterGivesTheEchoOfOneApex) {
   const RandomWater scene(5);
   const History history = scene.trace();
@@ -478,6 +557,32 @@ TEST(VolumeEcho, ReceiverAtTheTransmitterGivesTheEchoOfOneApex) {
   const double largest = *std::ranges::max_element(one.energy);
   for (std::size_t bin = 0; bin < one.energy.size(); ++bin)
     EXPECT_NEAR(two.energy[bin], one.energy[bin], 5e-3 * one.energy[bin] + 5e-4 * largest) << "bin " << bin;
+}
+
+TEST(VolumeEcho, WideTubeToTheNadirHasTheDepthsOfItsDirections) {
+  // 40 degrees along the track, 2 degrees across.
+  History history;
+  history.tubes.reach = 1e9;
+  test::add_pyramid(history.tubes,
+                    {glm::dvec3(0.364, 0.0175, -1), {-0.364, 0.0175, -1}, {-0.364, -0.0175, -1}, {0.364, -0.0175, -1}});
+  for (const std::uint32_t ray : history.tubes.tubes[0]) {
+    const GridPoint& d = history.tubes.rays[ray];
+    history.footprints.open_directions.push_back(glm::normalize(glm::dvec3(double(d.x), double(d.y), double(d.z))));
+  }
+  history.footprints.open_pieces = {{0, 0, 4}};
+  const WaterColumn column{SoundSpeedProfile({{0, 1500}, {1000, 1500 + 1e-6}}), {0.4, 0.4, 0.4}};
+  const VolumeScattering volume{{-20, -12}, {0, 1e-7, 0}};
+  const RangeSamples samples{2, 0.25, 100};
+  EchoModel model;
+  model.absorption_db_per_m = 0.4;
+  const Echo straight = volume_echo(history, {1, single_beam}, samples, model, volume),
+             refracted = refracted_volume_echo(history, {1, single_beam}, samples, model, volume, {column, 0, 1500});
+  const double largest = *std::ranges::max_element(straight.energy);
+  ASSERT_GT(largest, 0);
+  for (int k = 0; k < samples.count; ++k)
+    EXPECT_NEAR(refracted.energy[std::size_t(k)], straight.energy[std::size_t(k)],
+                0.01 * straight.energy[std::size_t(k)] + 2e-3 * largest)
+        << "sample " << k;
 }
 
 TEST(VolumeEcho, RejectsInvalidLayersAndSamplesAtTheApex) {
