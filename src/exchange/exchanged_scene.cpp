@@ -135,7 +135,11 @@ std::vector<std::string> left_out(const Survey& survey, const std::vector<std::s
   note_materials(survey, out);
   if (survey.scene.water->refracts())
     out.push_back("the sound speed profile; rays are straight, with the sound speed at the sonar");
-  if (description.sea_surface) out.push_back("the sea surface and its reflections");
+  if (moving_sea_surface_of(survey.scene) != nullptr)
+    out.push_back(
+        "the motion and the reflections of the sea surface; its facets are those of the first ping");
+  else if (description.sea_surface)
+    out.push_back("the sea surface and its reflections");
   if (description.paths.order > 1 || description.paths.scatterings > 1)
     out.push_back("paths with more than one interaction");
   if (description.georeference) out.push_back("the georeference; positions are in metres in the local frame");

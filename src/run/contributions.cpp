@@ -321,7 +321,9 @@ const History& traced(const Transmission& transmission, PingSums& sums) {
                     sums.seen->wanted == wanted && sums.seen->history.tubes == transmission.tubes();
   if (!same) {
     sums.seen.reset();
-    PingSums::Seen seen{.group = &transmission.group(), .number = transmission.number()};
+    PingSums::Seen seen;
+    seen.group = &transmission.group();
+    seen.number = transmission.number();
     seen.history =
         transmission.trace(&seen.candidates, transmission.request().binning != Binning::exact, wanted);
     seen.wanted = std::move(wanted);

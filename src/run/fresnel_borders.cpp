@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "run/fresnel_borders.hpp"
 
+#include <fmt/format.h>
+
 #include <vector>
 
 #include "engine/echo/fresnel_cells.hpp"
+#include "files/input_error.hpp"
 #include "run/label_parts.hpp"
 
 // Weights the energies of a transmission near its shadow borders. Cells with factors are integrated as
@@ -30,7 +33,6 @@ double fresnel_wavelength_m(const Transmission& transmission, std::size_t sensor
 template <class CellHistory>
 void add_cells(const Transmission& transmission, std::size_t s, const FresnelCellList& cells,
                const CellHistory& history, PingSums& sums) {
-  if (cells.facet.empty()) return;
   const FacetMesh& mesh = transmission.surface_mesh().mesh();
   FacetMesh own;  // the properties of cells as those of facets
   own.facets.resize(cells.facet.size());
@@ -46,6 +48,35 @@ void add_cells(const Transmission& transmission, std::size_t s, const FresnelCel
   add_labels(transmission, s, model.model, own, history, sums);
 }
 
+/// Adds the cells of one transmission to the echo of a sensor, and limits their number.
+class CellSums {
+ public:
+  CellSums(const Transmission& transmission, std::size_t sensor, PingSums& sums)
+      : transmission_(transmission), sensor_(sensor), sums_(sums) {}
+
+  template <class Cells>
+  FresnelBlocks<Cells> blocks() {
+    return {[this](const Cells& block) {
+      count_ += block.facet.size();
+      if (count_ > most_fresnel_cells) {
+        const SensorDescription& sensor = transmission_.survey().sensors[sensor_].sensor->description();
+        throw InputError(
+            sensor.place,
+            fmt::format("sensor '{}' has more than {} cells near shadow borders in one transmission: use "
+                        "shadow = \"sharp\", coarser terrain or fewer objects",
+                        sensor.name, most_fresnel_cells));
+      }
+      add_cells(transmission_, sensor_, block, block.history, sums_);
+    }};
+  }
+
+ private:
+  const Transmission& transmission_;
+  std::size_t sensor_;
+  PingSums& sums_;
+  std::size_t count_ = 0;
+};
+
 }  // namespace
 
 bool has_fresnel_borders(const Sensor& sensor) { return sensor.description().shadow == "fresnel"; }
@@ -57,9 +88,9 @@ void add_fresnel_borders(const EchoContribution& plan, const Transmission& trans
     const std::vector<ShadowEdge> edges = shadow_edges(surface.mesh, history);
     for (const std::size_t s : plan.sensors) {
       if (sums.chosen(s).pings == 0) continue;
-      const FresnelCells cells =
-          fresnel_cells(surface, history, edges, fresnel_wavelength_m(transmission, s));
-      add_cells(transmission, s, cells, cells.history, sums);
+      CellSums cells(transmission, s, sums);
+      fresnel_cells(surface, history, edges, fresnel_wavelength_m(transmission, s),
+                    cells.blocks<FresnelCells>());
     }
   });
 }
@@ -70,10 +101,9 @@ void add_fresnel_pair_borders(const EchoContribution& plan, const Transmission& 
   for (const std::size_t s : plan.sensors) {
     if (sums.chosen(s).pings == 0) continue;
     sums.as_echo([&] {
-      const FresnelPairCells cells =
-          fresnel_pair_cells(surface, transmission.tubes(), transmission.receive_tubes(transmission.first()),
-                             fresnel_wavelength_m(transmission, s));
-      add_cells(transmission, s, cells, cells.history, sums);
+      CellSums cells(transmission, s, sums);
+      fresnel_pair_cells(surface, transmission.tubes(), transmission.receive_tubes(transmission.first()),
+                         fresnel_wavelength_m(transmission, s), cells.blocks<FresnelPairCells>());
     });
   }
 }

@@ -63,6 +63,7 @@ struct AbilitiesWalk : testing::Test {
 
   void walk(std::set<Feature> features, const std::vector<std::string>& words) {
     if (features.contains(Feature::scatterings)) features.insert(Feature::mirrors);  // paths unchanged
+    if (features.contains(Feature::sea_waves)) features.insert(Feature::mirrors);
     if (features.contains(Feature::relief_each_transmission)) features.insert(Feature::relief);
     if (features.contains(Feature::two_receivers) && features.contains(Feature::signals))
       return;  // two kinds of sensors

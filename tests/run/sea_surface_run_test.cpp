@@ -148,7 +148,8 @@ TEST_F(SeaSurfaceRun, ScattersByTheModelOfTheSeaSurface) {
 
 TEST_F(SeaSurfaceRun, IsSeenByOtherEnginesAndReferences) {
   const double exact = energies(sea_scene(2)).total();
-  EXPECT_NEAR(energies(sea_scene(2), {"--engine", "ray", "--rays", "400000"}).total(), exact, 0.02 * exact);
+  EXPECT_NEAR(energies(sea_scene(2), {"--engine", "ray", "--rays-per-beam", "40000"}).total(), exact,
+              0.02 * exact);
   EXPECT_NEAR(energies(sea_scene(2), {"--binning", "centroid"}).total(), exact, 0.05 * exact);
   const Echoes reference = energies(sea_scene(1), {"--reference"});
   EXPECT_NEAR(reference.total(), energy_of_ping(energies(sea_scene(1)), 0), 1e-9 * exact);
@@ -176,7 +177,8 @@ TEST_F(SeaSurfaceRun, DoesNotHideTheImagesOfItsMirror) {
         .at("energy_of_order");
   };
   for (const std::vector<std::string>& words :
-       {std::vector<std::string>(), std::vector<std::string>{"--engine", "ray", "--rays", "100000"}}) {
+       {std::vector<std::string>(),
+        std::vector<std::string>{"--engine", "ray", "--rays-per-beam", "20000"}}) {
     const auto flat = orders("[sea_surface]\n" + roughness, words), waves = orders(wavy + roughness, words);
     for (const char* order : {"2", "3"}) {
       ASSERT_GT(flat.at(order).get<double>(), 0);
@@ -201,14 +203,16 @@ TEST_F(SeaSurfaceRun, IsCoveredShownDrawnAndExported) {
   const std::string file = folder.write("scene.toml", sea_scene(2)).string();
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"view", file, "-o", (folder / "v.html").string()},
-        {"draw", file, "-o", (folder / "d.svg").string()},
-        {"footprints", file, "-o", (folder / "f.csv").string()},
-        {"export-scene", file, "-o", (folder / "e.obj").string()},
+        {"check", file, "--png", (folder / "d.png").string()},
+        {"footprints", file, "--sensor", "sonar", "-o", (folder / "f.csv").string()},
+        {"export", file, "--to", "obj", "-o", (folder / "exported").string()},
         {"audit", file}}) {
     const Outcome outcome = run_program(words);
     EXPECT_EQ(outcome.exit_code, 0) << words[0] << outcome.err;
   }
   EXPECT_THAT(bytes_of(folder / "f.csv"), HasSubstr("sea surface"));
+  EXPECT_THAT(bytes_of(folder / "exported" / "README.txt"),
+              HasSubstr("the motion and the reflections of the sea surface"));
 }
 
 TEST_F(SeaSurfaceRun, RefusesASonarAboveTheWaves) {

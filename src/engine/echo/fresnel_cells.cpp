@@ -5,6 +5,7 @@
 #include <array>
 
 #include "engine/visibility/tube_engine.hpp"
+#include "geometry/steps/stop.hpp"
 
 // Divides the visible footprints near shadow borders into cells. Traces the surface behind each component
 // that casts a shadow, and divides the result in the same way (fresnel_cells.hpp).
@@ -15,26 +16,38 @@ namespace {
 class CellMaker {
  public:
   CellMaker(const FresnelSurface& surface, const History& history, const FresnelLeg& leg, double wavelength_m,
-            double step)
+            const FresnelBlocks<FresnelCells>& blocks, double step)
       : surface_(surface),
         history_(history),
         wavelength_m_(wavelength_m),
+        blocks_(blocks),
         zones_({&leg, 1}, wavelength_m, surface.grid_unit_m),
-        division_(zones_.zones(), step, 2) {
+        division_(zones_.zones(), step, 2),
+        visible_(history) {
     cells_.history.grid_unit_m = history.grid_unit_m;
   }
 
-  FresnelCells make() {
+  void make() {
     add_lit();
     for (std::uint32_t zone = 0; zone < zones_.zones().size();) {
       const auto group = zones_.zones()[zone].group();
-      add_hidden(group);
+      for (const auto& list : zones_with_equal_strips(surface_, zones_, group)) add_hidden(group, list);
       zone = zones_.of_group(group).second;
     }
-    return std::move(cells_);
+    pass_on();
   }
 
  private:
+  void pass_on() {
+    if (!cells_.facet.empty()) blocks_.take(cells_);
+    FootprintSet& set = cells_.history.footprints;
+    set.footprints.clear();
+    set.pieces.clear();
+    set.corners_m.clear();
+    cells_.facet.clear();
+    cells_.factor.clear();
+  }
+
   void add_cell(const Footprint& footprint, std::uint32_t tube, FacetId facet, const FresnelPolygon& polygon,
                 double factor) {
     FootprintSet& set = cells_.history.footprints;
@@ -50,11 +63,14 @@ class CellMaker {
     set.corners_m.insert(set.corners_m.end(), polygon.begin(), polygon.end());
     cells_.facet.push_back(facet);
     cells_.factor.push_back(factor);
+    if (cells_.facet.size() % 4096 == 0) stop_if_wanted();
+    if (cells_.facet.size() >= blocks_.largest) pass_on();
   }
 
   void add_lit() {
     const FootprintSet& set = history_.footprints;
-    for (const Footprint& footprint : set.footprints)
+    for (const Footprint& footprint : set.footprints) {
+      stop_if_wanted();
       for (std::uint32_t k = 0; k < footprint.piece_count; ++k) {
         const Piece& piece = set.pieces[footprint.first_piece + k];
         const auto corners = std::span(set.corners_m).subspan(piece.first, piece.count);
@@ -66,11 +82,13 @@ class CellMaker {
                         if (factor != 0) add_cell(footprint, footprint.tube, footprint.facet, cell, factor);
                       });
       }
+    }
   }
 
-  /// Adds the surface behind the edges of one component.
-  void add_hidden(std::pair<int, std::uint16_t> group) {
-    const HiddenStrips strips = hidden_strips(surface_, zones_, group, wavelength_m_);
+  /// Adds the surface behind edges of one component. `list`: one of zones_with_equal_strips().
+  void add_hidden(std::pair<int, std::uint16_t> group, std::span<const std::uint32_t> list) {
+    stop_if_wanted();
+    const HiddenStrips strips = hidden_strips(surface_, zones_, list, wavelength_m_);
     if (strips.is_empty()) return;
     VisibilityOptions options = surface_.options;
     options.corner_names = false;
@@ -79,7 +97,10 @@ class CellMaker {
         TubeEngine(strips.mesh, tree, surface_.grid_unit_m, options).trace(strips.windows, nullptr, false);
     const FootprintSet& set = hidden.footprints;
     for (const Footprint& footprint : set.footprints) {
+      stop_if_wanted();
       const auto [tube, own] = strips.of_window[footprint.tube];
+      const FacetId facet = strips.facet_of[footprint.facet];
+      const std::span<const Piece> visible = visible_.pieces(tube, facet);
       for (std::uint32_t k = 0; k < footprint.piece_count; ++k) {
         const Piece& piece = set.pieces[footprint.first_piece + k];
         const auto corners = std::span(set.corners_m).subspan(piece.first, piece.count);
@@ -89,8 +110,8 @@ class CellMaker {
         std::ranges::sort(candidates_);
         division_.hidden({corners.begin(), corners.end()}, std::array{own}, candidates_,
                          [&, tube = tube](const FresnelPolygon& cell, double factor) {
-                           if (factor > 0)
-                             add_cell(footprint, tube, strips.facet_of[footprint.facet], cell, factor);
+                           if (factor > 0 && !visible_.contain(visible, centre_of(cell)))
+                             add_cell(footprint, tube, facet, cell, factor);
                          });
       }
     }
@@ -99,19 +120,21 @@ class CellMaker {
   const FresnelSurface& surface_;
   const History& history_;
   double wavelength_m_;
+  const FresnelBlocks<FresnelCells>& blocks_;
   FresnelZones zones_;
   FresnelDivision division_;
+  VisiblePlaces visible_;
   FresnelCells cells_;
   std::vector<std::uint32_t> candidates_;
 };
 
 }  // namespace
 
-FresnelCells fresnel_cells(const FresnelSurface& surface, const History& history,
-                           std::span<const ShadowEdge> edges, double wavelength_m, double cell_step) {
-  if (edges.empty()) return {};
+void fresnel_cells(const FresnelSurface& surface, const History& history, std::span<const ShadowEdge> edges,
+                   double wavelength_m, const FresnelBlocks<FresnelCells>& blocks, double cell_step) {
+  if (edges.empty()) return;
   const FresnelLeg leg{history.tubes, edges};
-  return CellMaker(surface, history, leg, wavelength_m, cell_step).make();
+  CellMaker(surface, history, leg, wavelength_m, blocks, cell_step).make();
 }
 
 }  // namespace tubefoot

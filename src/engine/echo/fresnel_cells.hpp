@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -39,25 +41,32 @@ struct FresnelPairCells : FresnelCellList {
   BistaticHistory history;
 };
 
-/// Returns the cells of a history for equal transmit and receive legs. `edges`: shadow_edges() of the
-/// history.
+/// How cells are passed on. They are discarded in blocks, so that memory does not grow with their number.
+template <class Cells>
+struct FresnelBlocks {
+  std::function<void(const Cells& block)> take;
+  std::size_t largest = std::size_t{1} << 17;  ///< number of cells per block
+};
+
+/// Passes on the cells of a history for equal transmit and receive legs. `edges`: shadow_edges() of the
+/// history. Throws Interrupted if stop_wanted().
 ///
 /// Insonified side: the parameter nu is that of the edge of a component with the smallest |nu|. The factors
 /// of different components are multiplied. An edge acts on places that lie behind it by at least one
 /// wavelength. Their projections on the plane of apex and edge lie behind the edge itself.
 ///
 /// Hidden side: the surface is traced again, in the strip behind each edge, without the component that casts
-/// the shadow (HiddenStrips). Places behind two components receive no energy.
+/// the shadow (HiddenStrips). Places behind two components receive no energy. Visible places keep their energy.
 ///
 /// The result does not depend on the threads. `cell_step`: see fresnel_cell_step.
-FresnelCells fresnel_cells(const FresnelSurface& surface, const History& history,
-                           std::span<const ShadowEdge> edges, double wavelength_m,
-                           double cell_step = fresnel_cell_step);
+void fresnel_cells(const FresnelSurface& surface, const History& history, std::span<const ShadowEdge> edges,
+                   double wavelength_m, const FresnelBlocks<FresnelCells>& blocks,
+                   double cell_step = fresnel_cell_step);
 
-/// Returns the cells for a separate receiver. Each leg has its own edges and parameters, and the factors of
+/// Passes on the cells for a separate receiver. Each leg has its own edges and parameters, and the factors of
 /// both legs are multiplied. A place that both legs see around the same component receives energy, too.
-FresnelPairCells fresnel_pair_cells(const FresnelSurface& surface, const TubeSet& transmit,
-                                    const TubeSet& receive, double wavelength_m,
-                                    double cell_step = fresnel_cell_step);
+void fresnel_pair_cells(const FresnelSurface& surface, const TubeSet& transmit, const TubeSet& receive,
+                        double wavelength_m, const FresnelBlocks<FresnelPairCells>& blocks,
+                        double cell_step = fresnel_cell_step);
 
 }  // namespace tubefoot

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/geometric.hpp>
-#include <unordered_map>
+#include <utility>
 
 #include "geometry/mesh/facet_cone.hpp"
 #include "geometry/tubes/window_tubes.hpp"
@@ -61,19 +61,27 @@ double facing(const FacetMesh& mesh, FacetId facet, GridPoint apex) {
 
 /// Copies facets into a mesh with vertices of its own.
 void copy_facets(const FacetMesh& whole, HiddenStrips& strips) {
-  std::unordered_map<VertexId, VertexId> own;
+  // Vertices keep their order, so that names of planes can be translated.
+  std::vector<VertexId>& vertices = strips.vertex_of;
+  for (const FacetId facet : strips.facet_of)
+    vertices.insert(vertices.end(), whole.facets[facet].begin(), whole.facets[facet].end());
+  std::ranges::sort(vertices);
+  vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+  for (const VertexId vertex : vertices) strips.mesh.vertices.push_back(whole.vertices[vertex]);
   for (const FacetId facet : strips.facet_of) {
     std::array<VertexId, 3> corners{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const VertexId vertex = whole.facets[facet][k];
-      const auto [known, is_new] = own.try_emplace(vertex, VertexId(strips.mesh.vertices.size()));
-      if (is_new) strips.mesh.vertices.push_back(whole.vertices[vertex]);
-      corners[k] = known->second;
-    }
+    for (std::size_t k = 0; k < 3; ++k)
+      corners[k] = VertexId(std::ranges::lower_bound(vertices, whole.facets[facet][k]) - vertices.begin());
     strips.mesh.facets.push_back(corners);
     strips.mesh.material.push_back(whole.material[facet]);
     strips.mesh.component.push_back(whole.component[facet]);
   }
+}
+
+/// Returns whether the whole component that casts a shadow is omitted. A component that shades itself is also
+/// the surface behind its edge.
+bool is_omitted_whole(const FresnelSurface& surface, const ShadowEdge& edge) {
+  return edge.background_component != edge.component && !surface.is_terrain(edge.component);
 }
 
 /// Returns whether a facet is a part of the component that hides the surface behind an edge.
@@ -81,8 +89,8 @@ bool is_omitted(const FresnelSurface& surface, FacetId facet, const ShadowEdge& 
                 double wavelength_m) {
   const FacetMesh& mesh = surface.mesh;
   if (mesh.component[facet] != edge.component) return false;
-  if (!surface.is_terrain(edge.component)) return true;
-  if (mesh.component[edge.background] == edge.component &&
+  if (is_omitted_whole(surface, edge)) return true;
+  if (edge.background_component == edge.component &&
       facing(mesh, facet, apex) * facing(mesh, edge.background, apex) <= 0)
     return true;
   return std::ranges::all_of(mesh.facets[facet], [&](VertexId vertex) {
@@ -113,9 +121,12 @@ FresnelZones::FresnelZones(std::span<const FresnelLeg> legs, double wavelength_m
           zones_.emplace_back(edge, wavelength_m, leg.tubes.reach * grid_unit_m, leg.apex_m, number);
       lit_.push_back(cone_of(zone.corners(false)));
       hidden_.push_back(cone_of(zone.corners(true)));
+      tubes_behind_.emplace_back();
       for (std::uint32_t t = 0; t < tubes.size(); ++t) {
         if (may_meet(lit_.back(), tubes[t])) lit_in[t].push_back(e);
-        if (may_meet(hidden_.back(), tubes[t])) hidden_in[t].push_back(e);
+        if (!may_meet(hidden_.back(), tubes[t])) continue;
+        hidden_in[t].push_back(e);
+        tubes_behind_.back().push_back(t);
       }
     }
   }
@@ -128,7 +139,7 @@ void FresnelZones::find_lit(int leg, std::uint32_t tube, std::span<const glm::dv
   std::vector<glm::dvec3> directions(polygon.begin(), polygon.end());
   for (glm::dvec3& direction : directions) direction -= legs_[std::size_t(leg)].apex_m;
   for (const std::uint32_t zone : in_tube)
-    if (!separates(lit_[zone], directions)) found.push_back(zone);
+    if (!separates(lit_[zone], directions) && zones_[zone].may_act_on(polygon)) found.push_back(zone);
 }
 
 void FresnelZones::find_hidden(std::pair<int, std::uint16_t> group, std::uint32_t tube,
@@ -142,31 +153,45 @@ std::pair<std::uint32_t, std::uint32_t> FresnelZones::of_group(std::pair<int, st
   return {std::uint32_t(of.begin() - zones_.begin()), std::uint32_t(of.end() - zones_.begin())};
 }
 
+std::vector<std::vector<std::uint32_t>> zones_with_equal_strips(const FresnelSurface& surface,
+                                                                const FresnelZones& zones,
+                                                                std::pair<int, std::uint16_t> group) {
+  constexpr std::size_t longest = 64;  // limits memory, and does not affect the result
+  std::vector<std::vector<std::uint32_t>> lists;
+  std::vector<std::uint32_t> whole;
+  const auto [first, end] = zones.of_group(group);
+  for (std::uint32_t zone = first; zone < end; ++zone) {
+    if (!is_omitted_whole(surface, zones.zones()[zone].edge())) {
+      lists.push_back({zone});
+      continue;
+    }
+    whole.push_back(zone);
+    if (whole.size() == longest) lists.push_back(std::exchange(whole, {}));
+  }
+  if (!whole.empty()) lists.push_back(std::move(whole));
+  return lists;
+}
+
 HiddenStrips hidden_strips(const FresnelSurface& surface, const FresnelZones& zones,
-                           std::pair<int, std::uint16_t> group, double wavelength_m) {
+                           std::span<const std::uint32_t> list, double wavelength_m) {
   HiddenStrips strips;
-  const int leg = group.first;
+  const int leg = zones.zones()[list.front()].group().first;
   const TubeSet& tubes = zones.leg(leg).tubes;
   WindowTubes windows(tubes.apex, tubes.reach);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> cones;
-  std::vector<std::uint32_t> in_tube;
-  for (std::uint32_t t = 0; t < tubes.tubes.size(); ++t) {
-    in_tube.clear();
-    zones.find_hidden(group, t, in_tube);
-    for (const std::uint32_t zone : in_tube) {
+  for (const std::uint32_t zone : list)
+    for (const std::uint32_t t : zones.tubes_behind(zone)) {
       const std::vector<glm::dvec3> corners = common(zones.hidden(zone), zones.tube(leg, t));
       if (corners.size() < 3) continue;
       windows.add(corners, std::uint32_t(cones.size()));
       cones.emplace_back(t, zone);
     }
-  }
   strips.windows = windows.tubes();
   for (const std::uint32_t cone : windows.labels()) strips.of_window.push_back(cones[cone]);
   if (strips.windows.tubes.empty()) return strips;
 
-  std::vector<FacetId> found, omitted, near;
-  const auto [first, end] = zones.of_group(group);
-  for (std::uint32_t zone = first; zone < end; ++zone) {
+  std::vector<FacetId> near;
+  for (const std::uint32_t zone : list) {
     std::vector<SceneTree::HalfSpace> walls;
     for (const glm::dvec3& wall : zones.hidden(zone).walls) {
       const glm::dvec3 normal = glm::normalize(wall);
@@ -176,15 +201,36 @@ HiddenStrips hidden_strips(const FresnelSurface& surface, const FresnelZones& zo
     surface.tree.query(tubes.apex, walls, tubes.reach, near);
     const ShadowEdge& edge = zones.zones()[zone].edge();
     for (const FacetId facet : near)
-      (is_omitted(surface, facet, edge, tubes.apex, wavelength_m) ? omitted : found).push_back(facet);
+      if (!is_omitted(surface, facet, edge, tubes.apex, wavelength_m)) strips.facet_of.push_back(facet);
   }
-  for (std::vector<FacetId>* facets : {&found, &omitted}) {
-    std::ranges::sort(*facets);
-    facets->erase(std::ranges::unique(*facets).begin(), facets->end());
-  }
-  std::ranges::set_difference(found, omitted, std::back_inserter(strips.facet_of));
+  std::ranges::sort(strips.facet_of);
+  strips.facet_of.erase(std::ranges::unique(strips.facet_of).begin(), strips.facet_of.end());
   copy_facets(surface.mesh, strips);
   return strips;
+}
+
+VisiblePlaces::VisiblePlaces(const History& history) : set_(history.footprints) {}
+
+std::span<const Piece> VisiblePlaces::pieces(std::uint32_t tube, FacetId facet) const {
+  const auto found =
+      std::ranges::lower_bound(set_.footprints, std::pair(tube, facet), {},
+                               [](const Footprint& footprint) { return std::pair(footprint.tube, footprint.facet); });
+  if (found == set_.footprints.end() || found->tube != tube || found->facet != facet) return {};
+  return std::span(set_.pieces).subspan(found->first_piece, found->piece_count);
+}
+
+bool VisiblePlaces::contain(std::span<const Piece> pieces, glm::dvec3 place_m) const {
+  return std::ranges::any_of(pieces, [&](const Piece& piece) {
+    const auto corners = std::span(set_.corners_m).subspan(piece.first, piece.count);
+    // The walls of the cone of the piece, whose sense of rotation is that of all pieces of its tube.
+    bool any_inside = false, any_outside = false;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const double side = glm::dot(glm::cross(corners[k], corners[(k + 1) % corners.size()]), place_m);
+      any_inside = any_inside || side > 0;
+      any_outside = any_outside || side < 0;
+    }
+    return any_inside != any_outside;
+  });
 }
 
 }  // namespace tubefoot

@@ -48,6 +48,12 @@ LinearScale tangent(const FresnelZone& zone, const ShadowEdge::Place& at) {
 
 }  // namespace
 
+glm::dvec3 centre_of(const FresnelPolygon& polygon) {
+  glm::dvec3 sum(0);
+  for (const glm::dvec3& corner : polygon) sum += corner;
+  return sum / double(polygon.size());
+}
+
 void split(const FresnelPolygon& polygon, const CutPlane& plane, FresnelPolygon& inside,
            FresnelPolygon& outside) {
   constexpr double rounding = 1e-12;
@@ -120,6 +126,19 @@ bool FresnelZone::holds(glm::dvec3 p, bool hidden) const {
   return std::ranges::all_of(planes(hidden), [&](const CutPlane& plane) { return plane.side(p) >= 0; });
 }
 
+bool FresnelZone::may_act_on(std::span<const glm::dvec3> polygon) const {
+  double farthest = 0, most_oblique = 0, nearest = std::numeric_limits<double>::infinity();
+  for (const glm::dvec3& p : polygon) {
+    const ShadowEdge::Place at = place(p);
+    farthest = std::max(farthest, at.q);
+    most_oblique = std::max(most_oblique, std::abs(at.t));
+    nearest = std::min(nearest, -at.h);
+  }
+  // h / nu increases with q and |t|.
+  return farthest > edge_->distance_m &&
+         nearest < -knife_edge_lit_limit * scale_m({0, farthest, most_oblique});
+}
+
 double FresnelZone::parameter(glm::dvec3 p) const {
   const ShadowEdge::Place at = place(p);
   return at.h / scale_m(at);
@@ -158,7 +177,7 @@ void FresnelDivision::cut(const FresnelPolygon& polygon, std::span<const std::ui
     const auto is_outside = [&](const CutPlane& plane) {
       return std::ranges::all_of(rest, [&](const glm::dvec3& p) { return plane.side(p) <= 0; });
     };
-    if (std::ranges::any_of(zone.planes(false), is_outside)) continue;
+    if (!zone.may_act_on(rest) || std::ranges::any_of(zone.planes(false), is_outside)) continue;
     FresnelPolygon inside, outside;
     for (const CutPlane& plane : zone.planes(false)) {
       split(rest, plane, inside, outside);
@@ -173,9 +192,7 @@ void FresnelDivision::cut(const FresnelPolygon& polygon, std::span<const std::ui
 
 void FresnelDivision::divide(const FresnelPolygon& polygon, Active active, int depth) {
   if (polygon.empty()) return;
-  glm::dvec3 middle(0);
-  for (const glm::dvec3& p : polygon) middle += p;
-  middle /= double(polygon.size());
+  const glm::dvec3 middle = centre_of(polygon);
   // The edge whose parameter varies most, and the line or place at which the polygon is divided.
   double widest = step_;
   CutPlane plane;

@@ -15,6 +15,9 @@ namespace tubefoot {
 /// A convex polygon on a facet, relative to the apex, in metres.
 using FresnelPolygon = std::vector<glm::dvec3>;
 
+/// Returns the mean of the corners.
+glm::dvec3 centre_of(const FresnelPolygon& polygon);
+
 /// Half-space normal . p >= offset_m. `normal` is a unit vector, except for lines of equal parameter.
 struct CutPlane {
   glm::dvec3 normal{0};
@@ -40,6 +43,9 @@ class FresnelZone {
   /// Corner directions of the region from the apex: the ends of the edge, and those at its outer border.
   std::vector<glm::dvec3> corners(bool hidden) const;
   bool holds(glm::dvec3 p, bool hidden) const;
+  /// Returns false only if the edge does not change energies on a polygon outside of its shadow. There, all
+  /// places lie in front of the edge, or nu is beyond the limit of truncated_knife_edge_intensity().
+  bool may_act_on(std::span<const glm::dvec3> polygon) const;
 
   const ShadowEdge& edge() const { return *edge_; }
   /// Edges of one group belong to one leg and one component.

@@ -143,7 +143,10 @@ std::vector<ShadowEdge> shadow_edges(const FacetMesh& mesh, const History& histo
       const EdgePart& first = parts[k];
       double high = first.high;
       bool high_open = first.high_open;
-      for (++k; k < parts.size() && parts[k].low < high + touching; ++k) {
+      const std::uint16_t background = mesh.component[first.background];
+      for (++k; k < parts.size() && parts[k].low < high + touching &&
+                mesh.component[parts[k].background] == background;
+           ++k) {
         if (parts[k].high <= high) continue;
         high = parts[k].high;
         high_open = parts[k].high_open;
@@ -152,7 +155,7 @@ std::vector<ShadowEdge> shadow_edges(const FacetMesh& mesh, const History& histo
       edge.facet = first.facet;
       edge.component = mesh.component[first.facet];
       edge.background = first.background;
-      edge.background_component = mesh.component[first.background];
+      edge.background_component = background;
       edge.first_m = line.at(first.low);
       edge.last_m = line.at(high);
       edge.normal = (is_positive ? 1.0 : -1.0) * glm::normalize(line.normal);

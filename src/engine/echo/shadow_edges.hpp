@@ -42,8 +42,8 @@ struct ShadowEdge {
 };
 
 /// Returns the edges that cast shadow borders on the footprints of a history, by component. Parts of one
-/// edge that cast borders in several tubes or on several facets form one entry if they touch. The history
-/// must have the names of corners. Computes in double.
+/// edge that cast borders in several tubes or on several facets of one component form one entry if they
+/// touch. The history must have the names of corners. Computes in double.
 std::vector<ShadowEdge> shadow_edges(const FacetMesh& mesh, const History& history);
 
 }  // namespace tubefoot

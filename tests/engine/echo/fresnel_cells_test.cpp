@@ -77,6 +77,14 @@ TEST(KnifeEdge, TableAgreesAndIsContinuousAtItsLimits) {
 constexpr double seabed_below_m = 6, screen_range_m = 10, screen_top_m = -4, sector_rad = 0.004;
 const double screen_mu = std::pow(10, -2.7);
 
+/// Returns all cells as one block.
+template <class Cells, class Make>
+Cells all_cells(const Make& make) {
+  Cells all;
+  make(FresnelBlocks<Cells>{[&](const Cells& block) { all = block; }, std::size_t(-1)});
+  return all;
+}
+
 /// A sonar at the origin above a seabed, and a screen across its sector. Lengths in metres.
 struct ScreenScene {
   /// `top_m`: height of the screen's horizontal edge. `half_width_m`: of the screen.
@@ -105,9 +113,10 @@ struct ScreenScene {
   }
   FresnelCells cells(const History& history, double wavelength_m, double step = fresnel_cell_step) const {
     const VisibilityOptions options;
-    return fresnel_cells(
-        {mesh, *tree, options, 0x1p-20, [](std::uint16_t component) { return component == 0; }}, history,
-        shadow_edges(mesh, history), wavelength_m, step);
+    return all_cells<FresnelCells>([&](const FresnelBlocks<FresnelCells>& blocks) {
+      fresnel_cells({mesh, *tree, options, 0x1p-20, [](std::uint16_t component) { return component == 0; }},
+                    history, shadow_edges(mesh, history), wavelength_m, blocks, step);
+    });
   }
   std::vector<double> sharp(const History& history, const RangeSamples& samples) const {
     const std::vector<double> mu{screen_mu};
@@ -302,9 +311,11 @@ std::vector<double> received_apart(const ScreenScene& scene, const TubeSet& tran
                      samples, {mu, scene.mesh.material, 0, nullptr})
           .energy;
   if (wavelength_m == 0) return energy;
-  const FresnelPairCells cells = fresnel_pair_cells(
-      {scene.mesh, *scene.tree, options, 0x1p-20, [](std::uint16_t component) { return component == 0; }},
-      transmit, receive, wavelength_m);
+  const auto cells = all_cells<FresnelPairCells>([&](const FresnelBlocks<FresnelPairCells>& blocks) {
+    fresnel_pair_cells(
+        {scene.mesh, *scene.tree, options, 0x1p-20, [](std::uint16_t component) { return component == 0; }},
+        transmit, receive, wavelength_m, blocks);
+  });
   const std::vector<std::uint16_t> material(cells.facet.size(), 0);
   EchoModel model{mu, material, 0, nullptr};
   model.path.facet_factor = cells.factor;
