@@ -56,7 +56,8 @@ struct FresnelBlocks {
 /// wavelength. Their projections on the plane of apex and edge lie behind the edge itself.
 ///
 /// Hidden side: the surface is traced again, in the strip behind each edge, without the component that casts
-/// the shadow (HiddenStrips). Places behind two components receive no energy. Visible places keep their energy.
+/// the shadow (HiddenStrips). Places behind two components receive no energy. Visible places keep their
+/// energy.
 ///
 /// The result does not depend on the threads. `cell_step`: see fresnel_cell_step.
 void fresnel_cells(const FresnelSurface& surface, const History& history, std::span<const ShadowEdge> edges,

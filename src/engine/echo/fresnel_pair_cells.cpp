@@ -27,7 +27,7 @@ History named_history(const FresnelSurface& surface, const TubeSet& tubes,
 /// The surface behind the edges of one component, with the facets and vertices of the whole surface.
 struct HiddenSurface {
   TubeSet windows;
-  std::vector<TubeVisibility> seen;                               ///< by window
+  std::vector<TubeVisibility> seen;                                ///< by window
   std::vector<std::pair<std::uint32_t, std::uint32_t>> of_window;  ///< by window: its tube and its zone
 };
 

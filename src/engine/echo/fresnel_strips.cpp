@@ -212,9 +212,9 @@ HiddenStrips hidden_strips(const FresnelSurface& surface, const FresnelZones& zo
 VisiblePlaces::VisiblePlaces(const History& history) : set_(history.footprints) {}
 
 std::span<const Piece> VisiblePlaces::pieces(std::uint32_t tube, FacetId facet) const {
-  const auto found =
-      std::ranges::lower_bound(set_.footprints, std::pair(tube, facet), {},
-                               [](const Footprint& footprint) { return std::pair(footprint.tube, footprint.facet); });
+  const auto found = std::ranges::lower_bound(
+      set_.footprints, std::pair(tube, facet), {},
+      [](const Footprint& footprint) { return std::pair(footprint.tube, footprint.facet); });
   if (found == set_.footprints.end() || found->tube != tube || found->facet != facet) return {};
   return std::span(set_.pieces).subspan(found->first_piece, found->piece_count);
 }
