@@ -514,8 +514,9 @@ TEST(WaterTargetsRun, TargetsThatNoSoundReachesAreErrors) {
                       "scene.toml:12:", "lies exactly on a facet of 'terrain'");
   expect_target_error(ahead_scene("[sea_surface]\nheight_m = 4\n" + target_at({0, 8, 4.5})),
                       "scene.toml:14:", "target 'fish' is 0.5 m above the sea surface");
-  // [water] may also state the height of the surface.
-  expect_target_error(ahead_scene(target_at({0, 8, 4.5}), "", still_water() + "surface_height_m = 4\n"),
+  // The water that scatters may also state the height of its surface.
+  const std::string with_surface = still_water() + "surface_height_m = 4\nvolume_scattering_db = -90\n";
+  expect_target_error(ahead_scene(target_at({0, 8, 4.5}), "", with_surface),
                       "scene.toml:", "target 'fish' is 0.5 m above the sea surface (at 4 m)");
 }
 
@@ -526,9 +527,9 @@ TEST(WaterTargetsRun, PopulationsAboveTheSeaSurfaceAreErrors) {
   const std::string message =
       "the box of population 'krill' ends 2 m above the sea surface (at 4 m): set "
       "'top_depth_m' to 0 or more";
+  const std::string with_surface = still_water() + "surface_height_m = 4\nvolume_scattering_db = -90\n";
   expect_target_error(ahead_scene("[sea_surface]\nheight_m = 4\n" + school), "scene.toml:14:", message);
-  expect_target_error(ahead_scene(school, "", still_water() + "surface_height_m = 4\n"),
-                      "scene.toml:", message);
+  expect_target_error(ahead_scene(school, "", with_surface), "scene.toml:", message);
   // Water without a surface continues above depth 0.
   EXPECT_NO_THROW(echoes_of(ahead_scene(school)));
 }
@@ -553,7 +554,7 @@ TEST(WaterTargetsRun, TooManyTargetsAreAnErrorBeforeTheRun) {
   expect_target_error(
       ahead_scene(replaced(population_text("300", 10), "top_depth_m = -10", "top_depth_m = 5"), "",
                   stratified),
-      "scene.toml:", "targets in the mean, but the limit in stratified water is 1e+05");
+      "scene.toml:", "targets in the mean, but the limit in stratified water is 100000");
 }
 
 TEST_F(WaterTargetSignals, OfTooManyTargetsAreAnErrorBeforeTheRun) {
