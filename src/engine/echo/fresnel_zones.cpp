@@ -190,6 +190,46 @@ void FresnelDivision::cut(const FresnelPolygon& polygon, std::span<const std::ui
   if (!active.own.empty() || !active.lit.empty()) divide(rest, std::move(active), 0);
 }
 
+std::optional<FresnelDivision::Variation> FresnelDivision::vary(const FresnelPolygon& polygon,
+                                                                glm::dvec3 middle, std::uint32_t number,
+                                                                bool hidden) const {
+  const FresnelZone& zone = zones_[number];
+  const double limit = hidden ? knife_edge_shadow_limit : -knife_edge_lit_limit;
+  const LinearScale linear = tangent(zone, zone.place(middle));
+  const double edge_m = zone.edge().distance_m;
+  CornerRange nu, q, turn;
+  double worst = 0;
+  for (const glm::dvec3& p : polygon) {
+    const ShadowEdge::Place place = zone.place(p);
+    const double scale = zone.scale_m(place), parameter = place.h / scale;
+    nu.add(parameter);
+    q.add(place.q);
+    turn.add(place.t / place.q);
+    worst = std::max(worst, std::abs(linear.at(place) / scale - 1));
+  }
+  if (nu.nearest() > limit) return std::nullopt;
+  const double largest = std::min(std::max(std::abs(nu.low), std::abs(nu.high)), limit);
+  // Lines of equal parameter are straight only if h / nu is almost linear.
+  Variation variation{number, nu.low, nu.high, 2 * worst * largest, 0, {}};
+  CutPlane& plane = variation.plane;
+  if (variation.curved > step_) {
+    variation.width = variation.curved;
+    const double beyond = (q.high - edge_m) / (q.low - edge_m), turned = turn.length();
+    plane = std::log(beyond) > turned
+                ? CutPlane{zone.edge().across, edge_m + (q.low - edge_m) * std::sqrt(beyond)}
+                : CutPlane{zone.edge().along - (turn.low + turned / 2) * zone.edge().across, 0};
+  } else {
+    // h = nu (value + rate_q q + rate_t t) is a plane. In the shadow, the level changes more slowly.
+    variation.width = hidden ? nu.length() / (1 + std::max(nu.low, 0.0)) : nu.length();
+    const double between = (std::max(nu.low, -limit) + std::min(nu.high, limit)) / 2;
+    plane = {zone.edge().normal -
+                 between * (linear.rate_q * zone.edge().across + linear.rate_t * zone.edge().along),
+             between * linear.value};
+  }
+  plane.offset_m += glm::dot(plane.normal, zone.apex_m());
+  return variation;
+}
+
 void FresnelDivision::divide(const FresnelPolygon& polygon, Active active, int depth) {
   if (polygon.empty()) return;
   const glm::dvec3 middle = centre_of(polygon);
@@ -197,49 +237,34 @@ void FresnelDivision::divide(const FresnelPolygon& polygon, Active active, int d
   double widest = step_;
   CutPlane plane;
   bool is_divided = false;
-  const auto examine = [&](std::uint32_t number, bool hidden) {
-    const FresnelZone& zone = zones_[number];
-    const double limit = hidden ? knife_edge_shadow_limit : -knife_edge_lit_limit;
-    const ShadowEdge::Place at = zone.place(middle);
-    const LinearScale linear = tangent(zone, at);
-    const double edge_m = zone.edge().distance_m;
-    CornerRange nu, q, turn;
-    double worst = 0;
-    for (const glm::dvec3& p : polygon) {
-      const ShadowEdge::Place place = zone.place(p);
-      const double scale = zone.scale_m(place), parameter = place.h / scale;
-      nu.add(parameter);
-      q.add(place.q);
-      turn.add(place.t / place.q);
-      worst = std::max(worst, std::abs(linear.at(place) / scale - 1));
-    }
-    if (nu.nearest() > limit) return false;
-    const double largest = std::min(std::max(std::abs(nu.low), std::abs(nu.high)), limit);
-    // Lines of equal parameter are straight only if h / nu is almost linear.
-    const double curved = 2 * worst * largest;
-    if (curved > std::max(widest, step_)) {
-      const double beyond = (q.high - edge_m) / (q.low - edge_m), turned = turn.length();
-      plane = std::log(beyond) > turned
-                  ? CutPlane{zone.edge().across, edge_m + (q.low - edge_m) * std::sqrt(beyond)}
-                  : CutPlane{zone.edge().along - (turn.low + turned / 2) * zone.edge().across, 0};
-      plane.offset_m += glm::dot(plane.normal, zone.apex_m());
-      widest = curved;
-      is_divided = true;
-    } else if (nu.length() > widest) {
-      // h = nu (value + rate_q q + rate_t t) is a plane.
-      const double between = (std::max(nu.low, -limit) + std::min(nu.high, limit)) / 2;
-      plane = {zone.edge().normal -
-                   between * (linear.rate_q * zone.edge().across + linear.rate_t * zone.edge().along),
-               between * linear.value};
-      plane.offset_m += glm::dot(plane.normal, zone.apex_m());
-      widest = nu.length();
-      is_divided = true;
-    }
-    return true;
+  const auto choose = [&](const Variation& variation) {
+    if (variation.width <= widest) return;
+    widest = variation.width;
+    plane = variation.plane;
+    is_divided = true;
   };
-  for (const std::uint32_t own : active.own)
-    if (!examine(own, true)) return;
-  std::erase_if(active.lit, [&](std::uint32_t number) { return !examine(number, false); });
+  for (const std::uint32_t own : active.own) {
+    const std::optional<Variation> variation = vary(polygon, middle, own, true);
+    if (!variation) return;
+    choose(*variation);
+  }
+  std::vector<Variation>& lit = variations_;
+  lit.clear();
+  for (const std::uint32_t number : active.lit)
+    if (const auto variation = vary(polygon, middle, number, false)) lit.push_back(*variation);
+  active.lit.clear();
+  for (std::size_t first = 0, end; first < lit.size(); first = end) {
+    const auto group = zones_[lit[first].zone].group();
+    double nearest = -std::numeric_limits<double>::infinity();
+    for (end = first; end < lit.size() && zones_[lit[end].zone].group() == group; ++end)
+      if (lit[end].curved <= step_) nearest = std::max(nearest, lit[end].low);
+    for (std::size_t k = first; k < end; ++k) {
+      // Everywhere on the polygon, another edge of the group has a smaller |nu|.
+      if (lit[k].curved <= step_ && lit[k].high < nearest) continue;
+      active.lit.push_back(lit[k].zone);
+      choose(lit[k]);
+    }
+  }
   if (active.own.empty() && active.lit.empty()) return;
   if (!is_divided || depth >= most_divisions) return finish(polygon, active);
   FresnelPolygon inside, outside;

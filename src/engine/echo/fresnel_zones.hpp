@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -93,6 +94,18 @@ class FresnelDivision {
     std::span<const std::uint32_t> own;
   };
 
+  /// How the parameter of a zone varies over a polygon.
+  struct Variation {
+    std::uint32_t zone;
+    double low, high;  ///< parameters at the corners
+    double curved;     ///< bound of the change of nu by the curvature of lines of equal nu
+    double width;      ///< what decides whether to divide the polygon
+    CutPlane plane;    ///< where to divide it
+  };
+  /// Returns nothing if the edge does not act on the polygon.
+  std::optional<Variation> vary(const FresnelPolygon& polygon, glm::dvec3 middle, std::uint32_t number,
+                                bool hidden) const;
+
   void cut(const FresnelPolygon& polygon, std::span<const std::uint32_t> candidates, Active active);
   void divide(const FresnelPolygon& polygon, Active active, int depth);
   void finish(const FresnelPolygon& polygon, const Active& active);
@@ -103,6 +116,7 @@ class FresnelDivision {
   int legs_;
   std::span<const std::uint32_t> candidates_;
   const Take* take_ = nullptr;
+  std::vector<Variation> variations_;  // a buffer of divide()
 };
 
 }  // namespace tubefoot

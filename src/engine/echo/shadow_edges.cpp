@@ -128,7 +128,7 @@ class EdgeFinder {
 }  // namespace
 
 double ShadowEdge::scale_m(double wavelength_m, double q, double t) const {
-  return std::sqrt(wavelength_m * (q - distance_m) * std::hypot(q, t) / (2 * distance_m));
+  return std::sqrt(wavelength_m * (q - distance_m) * std::sqrt(q * q + t * t) / (2 * distance_m));
 }
 
 std::vector<ShadowEdge> shadow_edges(const FacetMesh& mesh, const History& history) {
