@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <complex>
@@ -21,6 +23,7 @@
 #include "engine/scattering/knife_edge.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/metre_meshes.hpp"
+#include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 namespace {
@@ -100,6 +103,12 @@ struct ScreenScene {
     mesh.component = {0, 0, 1, 1};
     tree = std::make_unique<SceneTree>(mesh);
   }
+  /// Facets and their components. Component 0 is a terrain.
+  ScreenScene(const std::vector<std::array<glm::dvec3, 3>>& facets_m, std::vector<std::uint16_t> components)
+      : mesh(test::mesh_of(facets_m)) {
+    mesh.component = std::move(components);
+    tree = std::make_unique<SceneTree>(mesh);
+  }
   History history(double sector = sector_rad, int columns = 1) const {
     AngularGrid grid;
     for (int k = 0; k <= columns; ++k) grid.azimuth_edges_rad.push_back(sector * (double(k) / columns - 0.5));
@@ -140,6 +149,44 @@ struct ScreenScene {
   FacetMesh mesh;
   std::unique_ptr<SceneTree> tree;
 };
+
+/// Facets of a profile in the plane y = 0, extended along y.
+std::vector<std::array<glm::dvec3, 3>> extruded(const std::vector<glm::dvec2>& profile, double half_width_m) {
+  std::vector<std::array<glm::dvec3, 3>> facets;
+  for (std::size_t k = 1; k < profile.size(); ++k) {
+    const auto at = [&](std::size_t corner, double y) {
+      return glm::dvec3(profile[corner].x, y, profile[corner].y);
+    };
+    const double w = half_width_m;
+    facets.push_back({at(k - 1, -w), at(k, -w), at(k, w)});
+    facets.push_back({at(k - 1, -w), at(k, w), at(k - 1, w)});
+  }
+  return facets;
+}
+
+/// Weight of a place that lies on no border of a cell: 1 if it is visible, and the factors of all cells that
+/// contain it.
+double weight_at(const FresnelCells& cells, glm::dvec3 place, bool is_visible) {
+  double weight = is_visible ? 1 : 0;
+  const FootprintSet& set = cells.history.footprints;
+  for (const Footprint& footprint : set.footprints) {
+    const Piece& piece = set.pieces[footprint.first_piece];
+    const auto corners = std::span(set.corners_m).subspan(piece.first, piece.count);
+    if (std::abs(glm::dot(footprint.plane_normal, place - corners[0])) > 1e-4) continue;
+    int inside = 0;
+    for (std::size_t k = 0; k < corners.size(); ++k)
+      inside += glm::dot(glm::cross(corners[k], corners[(k + 1) % corners.size()]), place) > 0 ? 1 : 0;
+    if (inside == 0 || inside == int(corners.size())) weight += cells.factor[footprint.facet];
+  }
+  return weight;
+}
+
+/// Fresnel parameter of a place in the plane y = 0 behind a horizontal edge at (x, z).
+double parameter_behind(glm::dvec2 edge, glm::dvec2 place, double wavelength_m) {
+  const double d1 = glm::length(edge), along = glm::dot(edge, place) / d1;
+  return (edge.y * place.x - edge.x * place.y) / d1 *
+         std::sqrt(2 * d1 / (wavelength_m * (along - d1) * along));
+}
 
 /// Position on the seabed at a slant range relative to the edge of the screen.
 struct BehindScreen {
@@ -375,6 +422,93 @@ TEST(FresnelPairCells, AgreeWithTheClosedFormsOfBothLegs) {
   double change = 0;
   for (std::size_t k = 0; k < found.size(); ++k) change += std::abs(found[k] - sharp[k]);
   EXPECT_GT(change, 0.1 * sum);
+}
+
+// A far ridge does not remove the terrain on which a nearer ridge casts its shadow.
+TEST(FresnelCells, FillTheShadowsOfTwoRidgesOfATerrain) {
+  const auto facets = extruded(
+      {{-50, -6}, {9, -6}, {10, -4.5}, {11, -6}, {14, -6}, {15, -6}, {16, -4.8}, {17, -6}, {80, -6}}, 50);
+  const ScreenScene scene(facets, std::vector<std::uint16_t>(facets.size(), 0));
+  constexpr double wavelength_m = 0.005;
+  const History history = scene.history(0.05);
+  const FresnelCells cells = scene.cells(history, wavelength_m);
+  // The shadows end at x = 13.33 m and x = 20 m.
+  for (const auto& [edge, x] :
+       {std::pair(glm::dvec2(10, -4.5), 12.9), {{10, -4.5}, 13.2}, {{16, -4.8}, 19.5}})
+    EXPECT_NEAR(decibels(weight_at(cells, {x, 0.0123, -6}, false)),
+                decibels(two_way_knife_edge(parameter_behind(edge, {x, -6}, wavelength_m))), 0.5)
+        << x;
+}
+
+// A deckhouse casts a shadow on its own deck.
+TEST(FresnelCells, FillTheShadowOfAnObjectOnItself) {
+  auto facets = extruded({{-50, -6}, {80, -6}}, 50);
+  std::vector<std::uint16_t> components(facets.size(), 0);
+  for (const auto& facet :
+       extruded({{8, -5}, {9.9, -5}, {9.9, -4}, {10, -4}, {10, -5}, {20, -5}, {20, -5.5}, {8, -5.5}, {8, -5}},
+                3)) {
+    facets.push_back(facet);
+    components.push_back(1);
+  }
+  const ScreenScene scene(facets, components);
+  constexpr double wavelength_m = 0.005;
+  const History history = scene.history(0.05);
+  const FresnelCells cells = scene.cells(history, wavelength_m);
+  // The shadow on the deck ends at x = 12.5 m.
+  for (const double x : {11.9, 12.2, 12.4})
+    EXPECT_NEAR(decibels(weight_at(cells, {x, 0.0123, -5}, false)),
+                decibels(two_way_knife_edge(parameter_behind({10, -4}, {x, -5}, wavelength_m))), 0.5)
+        << x;
+  // The seabed below the deck receives nothing.
+  EXPECT_EQ(weight_at(cells, {14.7, 0.0123, -6}, false), 0);
+}
+
+// Each visible place beyond a thin post has the weight of the nearer edge alone.
+TEST(FresnelCells, KeepVisiblePlacesBeyondAThinPost) {
+  constexpr double half_width_m = 0.05, wavelength_m = 0.01, x = 15;
+  const ScreenScene scene(2, half_width_m);
+  const History history = scene.history(0.3);
+  const FresnelCells cells = scene.cells(history, wavelength_m);
+  for (double y = 0.09; y < 0.6; y += 0.0371) {
+    // The edge is vertical. Its plane with the apex is vertical, too.
+    const double d1 = std::hypot(screen_range_m, half_width_m),
+                 h = (half_width_m * x - screen_range_m * y) / d1,
+                 along = (screen_range_m * x + half_width_m * y) / d1,
+                 slant = std::hypot(along, seabed_below_m);
+    const double nu = h * std::sqrt(2 * d1 / (wavelength_m * (along - d1) * slant));
+    for (const double side : {-1.0, 1.0})
+      EXPECT_NEAR(weight_at(cells, {x, side * y, -seabed_below_m}, true), two_way_knife_edge(nu), 0.06) << y;
+  }
+}
+
+TEST(FresnelCells, DoNotDependOnTheSizeOfBlocks) {
+  const ScreenScene scene(screen_top_m, 0.8, 0.1);
+  const History history = scene.history(0.1, 2);
+  const FresnelCells whole = scene.cells(history, 0.01);
+  const VisibilityOptions options;
+  std::vector<double> factors;
+  std::size_t blocks = 0;
+  fresnel_cells(
+      {scene.mesh, *scene.tree, options, 0x1p-20, [](std::uint16_t component) { return component == 0; }},
+      history, shadow_edges(scene.mesh, history), 0.01,
+      {[&](const FresnelCells& block) {
+         ++blocks;
+         EXPECT_LE(block.facet.size(), 100u);
+         EXPECT_EQ(block.history.footprints.footprints.size(), block.facet.size());
+         factors.insert(factors.end(), block.factor.begin(), block.factor.end());
+       },
+       100});
+  EXPECT_GT(blocks, 10u);
+  EXPECT_EQ(factors, whole.factor);
+}
+
+TEST(FresnelCells, StopOnRequest) {
+  const ScreenScene scene;
+  const History history = scene.history();
+  const std::atomic<bool> stop{true};
+  stop_requested_of_thread = &stop;
+  EXPECT_THROW(scene.cells(history, 0.01), Interrupted);
+  stop_requested_of_thread = nullptr;
 }
 
 TEST(FresnelCells, AreAbsentWithoutShadows) {
