@@ -8,8 +8,9 @@
 // (docs/energies.md). The energies of geometric shadows are another contribution.
 namespace tubefoot {
 
-/// Largest number of cells near shadow borders in one transmission. They need about 100 s of processor time.
-constexpr std::size_t most_fresnel_cells = 100000000;
+/// Largest number of cells near shadow borders in one transmission (docs/limits.md). They need about 60 s of
+/// processor time.
+constexpr std::size_t most_fresnel_cells = 50000000;
 
 /// Returns whether the energies of a sensor include diffraction at shadow borders.
 bool has_fresnel_borders(const Sensor& sensor);

@@ -71,7 +71,8 @@ class FresnelZones {
 
 /// The strips behind some shadow edges of one group, and the facets that may lie in them. The component that
 /// casts the shadow is omitted. If this component is a terrain or receives the shadow itself, only some of
-/// its facets are omitted. They lie in front of the edge, or the apex sees their other side.
+/// its facets are omitted. They lie in front of the edge or steeply below it, or the apex sees their other
+/// side.
 struct HiddenStrips {
   TubeSet windows;
   /// By window: its tube of the leg and its zone.
