@@ -164,8 +164,9 @@ TEST(WaterTargetsRun, ATargetHiddenFromTheSeparateReceiverAloneReturnsNothing) {
   };
   const double range = glm::length(place), back = glm::distance(place, receiver);
   const std::string arm = "receiver_arm_m = [1.5, 0, 0]\n";
-  EXPECT_NEAR(energy(box, ""), target_closed_form(range, range), 1e-12 * target_closed_form(range, range));
-  EXPECT_NEAR(energy("", arm), target_closed_form(range, back), 1e-12 * target_closed_form(range, back));
+  // The target lies at the nearest grid point.
+  EXPECT_NEAR(energy(box, ""), target_closed_form(range, range), 1e-6 * target_closed_form(range, range));
+  EXPECT_NEAR(energy("", arm), target_closed_form(range, back), 1e-6 * target_closed_form(range, back));
   EXPECT_EQ(energy(box, arm), 0);
 }
 
@@ -237,12 +238,12 @@ TEST(WaterTargetsRun, RefractedRaysGiveTravelTimesAndSpreading) {
         "gradient_per_s = {}\nprofile_bottom_m = 60\nabsorption_db_per_km = {}\n",
         gradient_per_s, water_db_per_km);
   };
-  const glm::dvec3 place(0.75, 11.5, 1);
+  const glm::dvec3 place(0.75, 11.5, 2.25);
   const double range = glm::length(place);
   const Echoes straight = echoes_of(ahead_scene(target_at(place))),
                nearly = echoes_of(ahead_scene(target_at(place), "", water(1e-7)));
   EXPECT_NEAR(nearly.total(), straight.total(), 1e-5 * straight.total());
-  const double g = -16, c1 = 1500 + g * 20, c2 = 1500 + g * 19;
+  const double g = -8, c1 = 1500 + g * 20, c2 = 1500 + g * (20 - place.z);
   const double time_s = std::acosh(1 + g * g * range * range / (2 * c1 * c2)) / std::abs(g);
   const Echoes curved = echoes_of(ahead_scene(target_at(place), "", water(g)));
   const TargetBin found = target_bin_of(curved);

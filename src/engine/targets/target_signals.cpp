@@ -18,17 +18,24 @@ struct TargetSoundPath {
   double emitted_s = 0, received_s = 0;
 };
 
-/// Paths via a target for a channel whose ends may move.
+/// Paths via a target for a channel whose ends may move. A motion is known from the begin of the pulse to the
+/// end of the record. Ends count as at rest outside of these times, at which nothing is sent or recorded.
 class TargetPaths {
  public:
-  TargetPaths(const SignalChannel& channel, glm::dvec3 place_m, double sound_speed_m_s)
-      : channel_(channel), place_m_(place_m), speed_m_s_(sound_speed_m_s) {}
+  TargetPaths(const SignalChannel& channel, glm::dvec3 place_m, const CoherentReceiver& receiver)
+      : channel_(channel),
+        place_m_(place_m),
+        speed_m_s_(receiver.sound_speed_m_s),
+        begin_s_(receiver.pulse.begin_s),
+        end_s_(std::max(begin_s_, receiver.times.time_s(receiver.times.count))) {}
 
   glm::dvec3 from_transmitter_m(double at_s) const {
-    return place_m_ - (channel_.transmit_motion ? channel_.transmit_motion(at_s) : channel_.transmit_m);
+    return place_m_ - (channel_.transmit_motion ? channel_.transmit_motion(std::clamp(at_s, begin_s_, end_s_))
+                                                : channel_.transmit_m);
   }
   glm::dvec3 from_receiver_m(double at_s) const {
-    return place_m_ - (channel_.receive_motion ? channel_.receive_motion(at_s) : channel_.receive_m);
+    return place_m_ - (channel_.receive_motion ? channel_.receive_motion(std::clamp(at_s, begin_s_, end_s_))
+                                               : channel_.receive_m);
   }
 
   TargetSoundPath emitted_at(double emitted_s) const {
@@ -69,7 +76,7 @@ class TargetPaths {
 
   const SignalChannel& channel_;
   glm::dvec3 place_m_;
-  double speed_m_s_;
+  double speed_m_s_, begin_s_, end_s_;
 };
 
 }  // namespace
@@ -77,7 +84,7 @@ class TargetPaths {
 ReachedSamples add_target_signal(const WaterTarget& target, glm::dvec3 place_m, const SignalChannel& channel,
                                  const CoherentReceiver& receiver, double absorption_db_per_m,
                                  std::span<std::complex<double>> samples) {
-  const TargetPaths paths(channel, place_m, receiver.sound_speed_m_s);
+  const TargetPaths paths(channel, place_m, receiver);
   const BasebandPulse& pulse = receiver.pulse;
   const SignalTimes& times = receiver.times;
   const TargetSoundPath begin = paths.emitted_at(pulse.begin_s), end = paths.emitted_at(pulse.end_s);
