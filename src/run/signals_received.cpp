@@ -262,10 +262,10 @@ class TransmissionSignals {
   }
 
  private:
-  /// Returns the largest distance of a target from the transmitter at which half of the path to a channel is
-  /// no longer than the range of the sensor. Half of a path is no less than the distance from the
-  /// transmitter, minus half of the distances of both elements. An element that moves counts at the times at
-  /// which it sends and at the end of the record.
+  /// Returns the largest distance from the transmitter at which a channel may receive a target. Half of the
+  /// path is then as long as the range of the sensor. It is no less than the distance from the transmitter,
+  /// minus half of the distances of both elements. An element that moves counts at the times at which it
+  /// sends and at the end of the record.
   double reach_m(std::span<const SignalChannel> channels) const {
     const glm::dvec3 transmitter_m = transmission_.pose().position_m;
     const double pulse_s = model_.waveform.duration_s, end_s = model_.sampling.end_s();

@@ -279,16 +279,16 @@ TEST(WaterTargetsRun, AMovingSonarReceivesATargetOnce) {
   EXPECT_NEAR(echoes_of(scene("")).total(), expected, 1e-12 * expected);
 }
 
-// The sonar moves by 0.13 m while a range of 10 m arrives. Each target lies in its own bin.
+// The sonar moves by 0.4 m until the echo from a range of 10 m arrives. Each target lies in its own bin.
 TEST(WaterTargetsRun, ASonarThatApproachesReceivesEachTargetOnceAtBordersOfIntervals) {
-  constexpr int count = 250;
+  constexpr int count = 340;
   std::string targets;
   for (int k = 0; k < count; ++k)
     targets +=
-        target_at({0.5, 5.5 + 0.035 * k, 0.25}, "target_strength_db = -30\n", fmt::format("fish {}", k));
+        target_at({0.5, 5.5 + 0.0257 * k, 0.25}, "target_strength_db = -30\n", fmt::format("fish {}", k));
   const std::string
       fixed = fixed_at(0, 0, 0),
-      track = "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 0]\nend_m = [0, 9, 0]\nspeed_m_s = 10\n",
+      track = "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 0]\nend_m = [0, 30, 0]\nspeed_m_s = 30\n",
       sensor = "stop_and_hop = false\nmotion_step_beams = 0.01\n";
   const auto received = [&](const std::string& water, const std::vector<std::string>& words) {
     const std::string scene = replaced(ahead_scene(targets, sensor, water), fixed, track);

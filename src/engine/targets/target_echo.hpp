@@ -54,11 +54,11 @@ template <class N>
 struct MovingHalfPaths {
   N at_begin_m{}, at_middle_m{}, at_end_m{};
 };
-/// Returns the bin of a target in one interval of a divided record. The interval contains the target if the
-/// half path at its begin is at least its first border, and the half path at its end is less than `end_m`.
-/// The next interval starts at `end_m` and compares the same numbers, so that exactly one interval contains
-/// the target (unless the receiver is as fast as sound). The half path in the middle selects the bin, which
-/// is limited to the interval.
+/// Returns the bin of a target in one interval of a divided record. The interval contains the target if two
+/// conditions hold: the half path at its begin is at least its first border, and that at its end is less than
+/// `end_m`. The next interval starts at `end_m` and compares the same numbers. Exactly one interval therefore
+/// contains the target, unless the receiver is as fast as sound. The half path in the middle selects the bin,
+/// which is limited to the interval.
 std::optional<TargetBins> bin_of_moving_receiver(const SampleFinder& samples, double end_m,
                                                  const MovingHalfPaths<double>& half_paths);
 std::optional<TargetBins> bin_of_moving_receiver(const SampleFinder& samples, double end_m,
