@@ -17,8 +17,8 @@ namespace tubefoot {
 /// transmission. In stratified water, each target needs a search for eigenrays.
 constexpr double most_targets_of_population = 5e8, most_targets_of_transmission = 1e7,
                  most_targets_of_refracted_transmission = 1e5;
-/// Largest expected number of values in the signals of populations in a ping: the number of targets times
-/// that of receivers times that of samples in a pulse.
+/// Largest expected number of values in the signals of populations in a ping. It is the number of targets
+/// times that of receivers times that of samples in a pulse.
 constexpr double most_target_signal_values = 1e10;
 
 /// Returns whether the scene has targets in the water.

@@ -182,7 +182,7 @@ struct GradientWater {
   double speed = 1500, per_m = 0;
 
   /// Follows a ray over a length by the classical Runge-Kutta method. A ray curves by the component of the
-  /// gradient perpendicular to its direction t: dt/ds = -(grad c - (grad c . t) t) / c.
+  /// gradient perpendicular to its direction t. The equation is dt/ds = -(grad c - (grad c . t) t) / c.
   GradientRay follow(double height, double elevation, double length) const {
     using State = std::array<double, 4>;
     const auto slope = [&](const State& s) {
@@ -216,8 +216,8 @@ struct GradientWater {
     }
     return {elevation, length};
   }
-  /// Returns the area of the ray tube per steradian: neighbouring rays are apart by `across` perpendicular to
-  /// the ray, and by the horizontal range times the difference of azimuths.
+  /// Returns the area of the ray tube per steradian. Neighbouring rays are `across` apart perpendicular to
+  /// the ray. Horizontally, their distance is the range times the difference of azimuths.
   double area_per_sr(double height, double to_range, double to_height) const {
     const auto [elevation, length] = aim(height, to_range, to_height);
     constexpr double step = 1e-4;

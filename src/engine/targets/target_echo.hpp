@@ -48,17 +48,17 @@ std::optional<TargetBins> bin_of_range(const SampleFinder& samples, GridPoint ap
 std::optional<TargetBins> bin_of_half_path(const SampleFinder& samples, double half_path_m);
 std::optional<TargetBins> bin_of_half_path(const SampleFinder& samples, const Interval& half_path_m);
 
-/// Half paths of a target for three positions of a receiver that moves: those at the times of the first and
-/// of the last border of an interval of the record, and that in the middle of the interval.
+/// Half paths of a target for three positions of a receiver that moves. The first and the last position are
+/// those at the times of the borders of an interval of the record. The third is that in its middle.
 template <class N>
 struct MovingHalfPaths {
   N at_begin_m{}, at_middle_m{}, at_end_m{};
 };
-/// Returns the bin of a target in one interval of a divided record. The interval contains the target if two
-/// conditions hold: the half path at its begin is at least its first border, and that at its end is less than
-/// `end_m`. The next interval starts at `end_m` and compares the same numbers. Exactly one interval therefore
-/// contains the target, unless the receiver is as fast as sound. The half path in the middle selects the bin,
-/// which is limited to the interval.
+/// Returns the bin of a target in one interval of a divided record. The interval contains the target on two
+/// conditions. The half path at its begin must not be less than its first border. The half path at its end
+/// must be less than `end_m`. The next interval starts at `end_m` and compares the same numbers. Exactly one
+/// interval therefore contains the target, unless the receiver is as fast as sound. The half path in the
+/// middle selects the bin, which is limited to the interval.
 std::optional<TargetBins> bin_of_moving_receiver(const SampleFinder& samples, double end_m,
                                                  const MovingHalfPaths<double>& half_paths);
 std::optional<TargetBins> bin_of_moving_receiver(const SampleFinder& samples, double end_m,
