@@ -16,9 +16,10 @@
 // facets.
 namespace tubefoot {
 
-/// Largest difference of Fresnel parameters within a cell. Factors are means over cells, so the error of an
+/// Largest difference of Fresnel parameters within a cell, which increases by the factor 1 + nu / 2 in the
+/// shadow. Factors are means over cells, so the error of an
 /// energy over several cells is of second order.
-constexpr double fresnel_cell_step = 0.04;
+constexpr double fresnel_cell_step = 0.045;
 
 /// Properties of cells, which are parts of facets. The echo of the cells, added to that of the visible
 /// surface, is the echo with Fresnel weights.

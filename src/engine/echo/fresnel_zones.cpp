@@ -220,8 +220,12 @@ std::optional<FresnelDivision::Variation> FresnelDivision::vary(const FresnelPol
                 : CutPlane{zone.edge().along - (turn.low + turned / 2) * zone.edge().across, 0};
   } else {
     // h = nu (value + rate_q q + rate_t t) is a plane. In the shadow, the level changes more slowly.
-    variation.width = hidden ? nu.length() / (1 + std::max(nu.low, 0.0)) : nu.length();
-    const double between = (std::max(nu.low, -limit) + std::min(nu.high, limit)) / 2;
+    variation.width = hidden ? nu.length() / (1 + std::max(nu.low, 0.0) / 2) : nu.length();
+    // Equal parts are slightly narrower than permitted, so that no part needs another division.
+    const double low = std::max(nu.low, -limit), high = std::min(nu.high, limit),
+                 parts =
+                     std::max(2.0, std::ceil(variation.width * (high - low) / (0.95 * step_ * nu.length()))),
+                 between = low + (high - low) * std::floor(parts / 2) / parts;
     plane = {zone.edge().normal -
                  between * (linear.rate_q * zone.edge().across + linear.rate_t * zone.edge().along),
              between * linear.value};
