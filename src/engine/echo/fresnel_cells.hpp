@@ -17,8 +17,7 @@
 namespace tubefoot {
 
 /// Largest difference of Fresnel parameters within a cell, which increases by the factor 1 + nu / 2 in the
-/// shadow. Factors are means over cells, so the error of an
-/// energy over several cells is of second order.
+/// shadow. Factors are means over cells, so the error of an energy over several cells is of second order.
 constexpr double fresnel_cell_step = 0.045;
 
 /// Properties of cells, which are parts of facets. The echo of the cells, added to that of the visible
