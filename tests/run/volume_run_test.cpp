@@ -151,12 +151,12 @@ TEST_F(VolumeRun, DividedRecordsReceiveAllOfTheWater) {
   const Echoes with = run("volume_scattering_db = -60\n"), without = run("");
   const std::vector<double> rest = reverberation(folder, "volume_scattering_db = -60\n");
   for (std::size_t k = 0; k < 15; ++k) {
-    double moving = 0, standing = 0;
+    double moving = 0, at_rest = 0;
     for (std::size_t beam = 0; beam < 6; ++beam) {
       moving += with.energy[beam * 60 + k] - without.energy[beam * 60 + k];
-      standing += rest[beam * 60 + k];
+      at_rest += rest[beam * 60 + k];
     }
-    EXPECT_NEAR(moving, standing, 0.02 * standing) << "bin " << k;
+    EXPECT_NEAR(moving, at_rest, 0.02 * at_rest) << "bin " << k;
   }
 }
 

@@ -93,8 +93,8 @@ bool is_omitted(const FresnelSurface& surface, FacetId facet, const ShadowEdge& 
   if (edge.background_component == edge.component &&
       facing(mesh, facet, apex) * facing(mesh, edge.background, apex) <= 0)
     return true;
-  // The facet lies in front of the edge, or at more than 45 degrees below the border of the shadow, as a wall
-  // below its own edge does.
+  // The facet lies in front of the edge, or at more than 45 degrees below the border of the shadow. A wall
+  // below its own edge does so.
   return std::ranges::all_of(mesh.facets[facet], [&](VertexId vertex) {
     const ShadowEdge::Place at = edge.place(surface.grid_unit_m * vector_of(mesh.vertices[vertex] - apex));
     return at.q <= edge.distance_m + wavelength_m + std::max(at.h, 0.0);

@@ -164,8 +164,8 @@ std::vector<std::array<glm::dvec3, 3>> extruded(const std::vector<glm::dvec2>& p
   return facets;
 }
 
-/// Weight of a place that lies on no border of a cell: 1 if it is visible, and the factors of all cells that
-/// contain it.
+/// Weight of a place that lies on no border of a cell. It is 1 if the place is visible, plus the factors of
+/// all cells that contain it.
 double weight_at(const FresnelCells& cells, glm::dvec3 place, bool is_visible) {
   double weight = is_visible ? 1 : 0;
   const FootprintSet& set = cells.history.footprints;
