@@ -28,8 +28,8 @@ std::string wall_scene(const std::string& rest, const std::string& wall = "posit
   return lambert_material("sand", -20) + flat_terrain(60, 60) +
          "[[objects]]\nname = \"wall\"\nshape = \"box\"\nmaterial = \"sand\"\nsize_m = [2, 0.2, 1.5]\n" +
          wall +
-         "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 4]\nend_m = [0.5, 0, 4]\nspeed_m_s = 0.5\n"
-         "[[sensors]]\nname = \"ahead\"\nkind = \"imaging\"\nfrequency_khz = 200\ntilt_deg = 20\nbeams = 20\n"
+         "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 4]\nend_m = [0.5, 0, 4]\nspeed_m_s = 0.5\n"  // to the east; the sonar looks to port
+         "[[sensors]]\nname = \"ahead\"\nkind = \"imaging\"\nyaw_deg = -90\nfrequency_khz = 200\ntilt_deg = 20\nbeams = 20\n"
          "horizontal_deg = 30\nvertical_deg = 34\nrange_min_m = 8\nrange_max_m = 22\nsamples = 140\npings = "
          "2\n"
          "ping_interval_s = 0.2\n" +

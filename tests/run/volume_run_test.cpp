@@ -48,11 +48,11 @@ struct VolumeRun : testing::Test {
 TEST_F(VolumeRun, WaterAboveTheSeabedHasTheClosedForm) {
   const std::vector<double> volume = reverberation(folder, "volume_scattering_db = -60\n");
   const double beta = 0.05 * std::log(10) / 10;
-  // The three beams of a side cover 0 to 60 degrees from nadir. The unobstructed solid angle of a beam is the
+  // The centres of the beams are 24 degrees apart, and the beams 20 degrees wide. The unobstructed solid angle of a beam is the
   // width times the difference of the sines of its unobstructed angles.
   for (std::size_t beam = 0; beam < 6; ++beam)
     for (std::size_t k = 0; k < 60; ++k) {
-      const double inner = 20 * std::abs(double(beam) - 2.5) - 10, outer = inner + 20;
+      const double inner = 24 * std::abs(double(beam) - 2.5) - 10, outer = inner + 20;
       double expected = 0;
       for (int i = 0; i < 100; ++i) {
         const double r = 2 + 0.5 * (double(k) + (i + 0.5) / 100);
@@ -186,6 +186,7 @@ TEST_F(VolumeRun, InvalidKeysAndFilesHaveMessages) {
     return std::string();
   };
   EXPECT_THAT(error(still + "volume_scattering_db = 3\n"), HasSubstr("volume_scattering_db"));
+  folder.write("a.csv", "depth_m,volume_scattering_db\n5,-60\n");
   EXPECT_THAT(error(still + "volume_scattering_db = -60\nvolume_scattering_file = \"a.csv\"\n"),
               HasSubstr("only one of the two"));
   EXPECT_THAT(error(still + "volume_scattering_file = \"none.csv\"\n"), HasSubstr("none.csv"));
