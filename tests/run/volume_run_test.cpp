@@ -47,9 +47,9 @@ struct VolumeRun : testing::Test {
 
 TEST_F(VolumeRun, WaterAboveTheSeabedHasTheClosedForm) {
   const std::vector<double> volume = reverberation(folder, "volume_scattering_db = -60\n");
-  const double beta = 0.05 * std::log(10) / 10;
-  // The centres of the beams are 24 degrees apart, and the beams 20 degrees wide. The unobstructed solid angle of a beam is the
-  // width times the difference of the sines of its unobstructed angles.
+  const double beta = 0.05 * std::log(10) / 10, degree = std::numbers::pi / 180;
+  // The centres of the beams are 24 degrees apart, and the beams 20 degrees wide. Seen from the apex, a beam has
+  // the same width along the track at each of its angles.
   for (std::size_t beam = 0; beam < 6; ++beam)
     for (std::size_t k = 0; k < 60; ++k) {
       const double inner = 24 * std::abs(double(beam) - 2.5) - 10, outer = inner + 20;
@@ -59,9 +59,7 @@ TEST_F(VolumeRun, WaterAboveTheSeabedHasTheClosedForm) {
         const double hidden = r > 10 ? std::acos(10 / r) * 180 / std::numbers::pi : 0;  // nadir angles below
         const double from = std::max(inner, hidden);
         if (from >= outer) continue;
-        expected += 1e-6 * std::numbers::pi / 180 *
-                    (std::sin(outer * std::numbers::pi / 180) - std::sin(from * std::numbers::pi / 180)) /
-                    (r * r) * std::exp(-2 * beta * r) * 0.005;
+        expected += 1e-6 * degree * degree * (outer - from) / (r * r) * std::exp(-2 * beta * r) * 0.005;
       }
       EXPECT_NEAR(volume[beam * 60 + k], expected, 0.02 * expected + 1e-13) << "beam " << beam << ", bin " << k;
     }

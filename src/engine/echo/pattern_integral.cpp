@@ -86,7 +86,9 @@ void PatternIntegrator::settle(std::span<double> energy) {
 
 void PatternIntegrator::finish(std::span<double> energy) {
   settle(energy);
-  for (double& e : energy) e = std::max(e, 0.0);  // rounding may make small energies negative
+  if (!has_negative_factor_)  // rounding may make small energies negative
+    for (double& e : energy) e = std::max(e, 0.0);
+  has_negative_factor_ = false;
   receivers_.clear();
   models_.clear();
   way_.panels.clear();  // panels of deleted receivers
@@ -104,6 +106,7 @@ void PatternIntegrator::add(const PlanarPolygon& polygon, const FacetPlane& plan
   piece_.distance = polygon.distance;
   piece_.distance2 = polygon.distance * polygon.distance;
   piece_.factor = factor;
+  has_negative_factor_ = has_negative_factor_ || factor < 0;
 
   edges_.clear();
   bool inside = true;

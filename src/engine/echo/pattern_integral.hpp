@@ -67,7 +67,7 @@ class PatternIntegrator {
   void take_density(std::function<double(double range_m)> density) { density_ = std::move(density); }
 
   /// Adds factor times the integral to energy[beam * samples + sample] for all beams that receive the tube,
-  /// at the latest in finish(). `model`: function of the angle to the polygon's plane, which must live until
+  /// at the latest in finish(). Negative factors reduce energies. `model`: function of the angle to the polygon's plane, which must live until
   /// finish(). Null: r^-2, which is proportional to Lambert's law.
   void add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, std::uint32_t tube,
            double factor, std::span<double> energy, const ScatteringModel* model = nullptr,
@@ -234,6 +234,7 @@ class PatternIntegrator {
   EdgePath way_;
   std::vector<double> borders2_, absorbed_;  // squared borders; absorption in the middle of each sample
   bool little_absorption_ = false;           // within a sample
+  bool has_negative_factor_ = false;         // of a polygon since the last finish()
   Factor texture_;
   std::map<const ReflectivityField*, NodeCount> counts_;
 };
