@@ -209,6 +209,11 @@ constexpr auto refusal_table = std::to_array<Refusal>({
      {},
      "volume reverberation has no phase: leave out the array, or the volume scattering"},
     {volume,
+     labels,
+     {},
+     "labels refer to objects and materials, but the water has neither: leave out --labels, or the volume "
+     "scattering"},
+    {volume,
      gradient,
      {},
      "volume reverberation has no derivatives: leave out --gradient, or the volume scattering"},
