@@ -113,6 +113,19 @@ TEST_F(VolumeRun, LayersOfAFileAddUp) {
   EXPECT_GT(lower[2 * 60 + 5], 0.01 * *std::ranges::max_element(lower));
 }
 
+TEST_F(VolumeRun, ProfileFileMayContainTheLayers) {
+  folder.write("both.csv", "depth_m,sound_speed_m_s,volume_scattering_db\n0,1500,-60\n6,1490,-50\n40,1480,-50\n");
+  folder.write("profile.csv", "depth_m,sound_speed_m_s\n0,1500\n6,1490\n40,1480\n");
+  folder.write("layers.csv", "depth_m,volume_scattering_db\n0,-60\n6,-50\n");
+  const auto energy = [&](const char* profile, const char* layers) {
+    return echoes_in(folder, fan_scene(fmt::format("profile = \"table\"\nprofile_file = \"{}\"\nsurface_height_m = 12\n"
+                                                   "volume_scattering_file = \"{}\"\n",
+                                                   profile, layers)))
+        .energy;
+  };
+  EXPECT_EQ(energy("both.csv", "both.csv"), energy("profile.csv", "layers.csv"));
+}
+
 TEST_F(VolumeRun, WeakGradientAndMotionApproachTheCaseAtRestInIsovelocityWater) {
   const std::string key = "volume_scattering_db = -60\n";
   const std::vector<double> rest = reverberation(folder, key);
