@@ -98,7 +98,7 @@ void refuse_other_frequencies(const WaterTargetDescription& described, const Str
       throw InputError(
           described.strength.file_place,
           fmt::format("the target strengths of '{}' are for {:g} to {:g} Hz, but sensor '{}' uses {:g} Hz: "
-                      "compute a table for this frequency with `tubefoot strength --frequencies`",
+                      "compute a table for this frequency with `tubefoot strength`",
                       described.name, table.frequencies_hz().front(), table.frequencies_hz().back(),
                       pings.sensor->description().name, frequency_hz));
     }

@@ -130,9 +130,9 @@ TEST_F(VolumeRun, WeakGradientAndMotionApproachTheCaseAtRestInIsovelocityWater) 
   const std::string key = "volume_scattering_db = -60\n";
   const std::vector<double> rest = reverberation(folder, key);
   folder.write("still.csv", "depth_m,sound_speed_m_s\n0,1500\n50,1500.0001\n");
-  const std::string bent = "profile = \"table\"\nprofile_file = \"still.csv\"\nsurface_height_m = 20\n"
+  const std::string stratified = "profile = \"table\"\nprofile_file = \"still.csv\"\nsurface_height_m = 20\n"
                            "absorption_db_per_km = 50\n";
-  const Echoes with = echoes_in(folder, fan_scene(bent + key)), without = echoes_in(folder, fan_scene(bent));
+  const Echoes with = echoes_in(folder, fan_scene(stratified + key)), without = echoes_in(folder, fan_scene(stratified));
   folder.write("track.csv", "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n"
                             "0,0,0,10,0,0,0\n1,0,0,10,0,0,0.001\n");
   const auto moved = [&](const std::string& scattering) {

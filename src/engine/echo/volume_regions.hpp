@@ -64,9 +64,9 @@ struct TubeContent {
 
 /// Divides the unobstructed water of tubes into cones. All polygons keep the sense of rotation of the tube.
 /// In balls, a corner whose side of a border is undecided counts as a point of the border.
-/// Law W1 (closure): without borders, the cones are the visible polygons and the unobstructed regions. Their
+/// Law Z1 (water): without borders, the cones are the visible polygons and the unobstructed regions. Their
 /// solid angles add up to that of the tube.
-/// Law W2 (layers): borders between layers with equal coefficients change no sum of integrals.
+/// Law Z2 (layers): borders between layers with equal coefficients change no sum of integrals.
 template <class Space>
 class VolumeRegions {
  public:

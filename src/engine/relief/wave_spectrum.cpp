@@ -62,7 +62,7 @@ WaveSpectrum WaveSpectrum::jonswap(double wind_speed_m_s, double fetch_m) {
   const Real wind = wind_speed_m_s, fetch = fetch_m;
   WaveSpectrum spectrum;
   spectrum.alpha_ = static_cast<double>(0.076L * std::pow(wind * wind / (gravity * fetch), 0.22L));
-  spectrum.peak_rad_s_ = static_cast<double>(22 * std::cbrt(gravity * gravity / (wind * fetch)));
+  spectrum.peak_rad_s_ = static_cast<double>(22 * std::pow(gravity * gravity / (wind * fetch), Real(1) / 3));
   spectrum.peak_ = 3.3;
   return spectrum;
 }

@@ -209,6 +209,7 @@ TEST(VolumeEcho, AgreesWithSumsOverRaysInRandomScenes) {
   EXPECT_GT(obstructed, 5000);
 }
 
+// Law Z1.
 TEST(VolumeEcho, ConesFillTheSolidAngleOfEachTubeInRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const RandomWater scene(seed);
@@ -238,6 +239,7 @@ TEST(VolumeEcho, ConesFillTheSolidAngleOfEachTubeInRandomScenes) {
   }
 }
 
+// Law Z2.
 TEST(VolumeEcho, LayersAddUpAndBordersOfEqualLayersChangeNothing) {
   const RangeSamples samples{4, 0.5, 80};
   std::mt19937_64 random(7);
