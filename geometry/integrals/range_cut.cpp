@@ -304,8 +304,9 @@ SampleSpan RangeCutter::add(const PlanarPolygon& polygon, double factor, std::sp
     const double whole = nearest_.range > cell.lo ? from_nearest_.over(cell.hi - nearest_.range) : cell.whole;
     out[cell.sample] += factor * (inside_[k - first_] + angle_beyond * whole);
     if (second_ != nullptr) {
-      const double second_whole = nearest_.range > cell.lo ? second_from_nearest_.over(cell.hi - nearest_.range)
-                                                           : second_->cells()[k].whole;
+      const double second_whole = nearest_.range > cell.lo
+                                      ? second_from_nearest_.over(cell.hi - nearest_.range)
+                                      : second_->cells()[k].whole;
       second_out[cell.sample] += factor * (second_inside_[k - first_] + angle_beyond * second_whole);
     }
     angle_beyond += angle_[k - first_];
@@ -425,8 +426,9 @@ void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double
   const double height2 = edge.height * edge.height, near_range = nearest_.range;
   const glm::dvec2 from_nearest_point = edge.from - nearest_.offset, along_edge = edge.along,
                    from_foot = edge.from_foot, nearest_from_foot = nearest_from_foot_;
-  const RadialIntegral::From* const second =
-      second_ == nullptr ? nullptr : from_nearest ? &second_from_nearest_ : &second_->from_front(k);
+  const RadialIntegral::From* const second = second_ == nullptr ? nullptr
+                                             : from_nearest     ? &second_from_nearest_
+                                                                : &second_->from_front(k);
   double inside = 0, angle = 0, second_inside = 0;
 
   double y = from, rest = std::abs(to - from);
@@ -460,7 +462,8 @@ void RangeCutter::integrate(const Edge& edge, std::size_t k, double from, double
       }
       if (second != nullptr) {
         const std::array<Double2, pairs> second_increment = second->over(range_increment);
-        for (std::size_t i = 0; i < n; ++i) second_inside += dphi[i / 2][i % 2] * second_increment[i / 2][i % 2];
+        for (std::size_t i = 0; i < n; ++i)
+          second_inside += dphi[i / 2][i % 2] * second_increment[i / 2][i % 2];
       }
     };
     // The relative error of n nodes is about (step / (4 distance))^2n. It is 1e-17 at the limits of 3, 4 and

@@ -157,15 +157,15 @@ class RangeCutter {
   PlanarPolygon polygon_;
   NearestPoint nearest_;
   glm::dvec2 nearest_from_foot_{0};
-  std::size_t first_ = 0, last_ = 0;   ///< cells that contain the polygon's nearest and farthest points
+  std::size_t first_ = 0, last_ = 0;  ///< cells that contain the polygon's nearest and farthest points
   /// integrals in the first cell from the polygon's nearest range on, of both integrands
   RadialIntegral::From from_nearest_, second_from_nearest_;
   std::vector<double> inside_;  ///< by cell from first_: integral of F dphi over the boundary inside the
                                 ///< cell
   std::vector<double> second_inside_;  ///< the same for the second integrand
-  std::vector<double> angle_;   ///< by cell from first_: angle of the boundary inside; one more element for
-                                ///< the range beyond all cells
-  std::vector<double> ends_;    ///< ends of the stretches of the current walk
+  std::vector<double> angle_;  ///< by cell from first_: angle of the boundary inside; one more element for
+                               ///< the range beyond all cells
+  std::vector<double> ends_;   ///< ends of the stretches of the current walk
   std::vector<double> step_, rule_;  ///< of these stretches (nodes_of_stretches())
 };
 

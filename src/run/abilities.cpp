@@ -198,16 +198,14 @@ constexpr auto refusal_table = std::to_array<Refusal>({
     {volume,
      refraction,
      {motion},
-     "volume reverberation with motion within a ping needs straight rays: set stop_and_hop = true, or profile "
+     "volume reverberation with motion within a ping needs straight rays: set stop_and_hop = true, or "
+     "profile "
      "= \"constant\""},
     {volume,
      two_receivers,
      {},
      "volume reverberation needs one receiver: use one receiver, or leave out the volume scattering"},
-    {volume,
-     signals,
-     {},
-     "volume reverberation has no phase: leave out the array, or the volume scattering"},
+    {volume, signals, {}, "volume reverberation has no phase: leave out the array, or the volume scattering"},
     {volume,
      labels,
      {},
@@ -220,7 +218,8 @@ constexpr auto refusal_table = std::to_array<Refusal>({
     {volume,
      own_engine,
      {},
-     "a custom engine computes all energies itself: use a built-in engine, or leave out the volume scattering"},
+     "a custom engine computes all energies itself: use a built-in engine, or leave out the volume "
+     "scattering"},
     {sea_waves,
      scatterings,
      {},

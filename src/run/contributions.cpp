@@ -314,10 +314,9 @@ std::vector<bool> wanted_tubes(const Transmission& transmission, const PingSums&
 
 const History& traced(const Transmission& transmission, PingSums& sums) {
   std::vector<bool> wanted = wanted_tubes(transmission, sums);
-  const bool is_this = sums.seen && sums.seen->group == &transmission.group() &&
-                       sums.seen->number == transmission.number();
-  const bool same = sums.seen &&
-                    (is_this || !transmission.loaded_scene().has_surface_per_transmission()) &&
+  const bool is_this =
+      sums.seen && sums.seen->group == &transmission.group() && sums.seen->number == transmission.number();
+  const bool same = sums.seen && (is_this || !transmission.loaded_scene().has_surface_per_transmission()) &&
                     sums.seen->wanted == wanted && sums.seen->history.tubes == transmission.tubes();
   if (!same) {
     sums.seen.reset();

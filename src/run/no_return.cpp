@@ -253,7 +253,7 @@ bool is_silent(const Recording& recording) {
 
 std::vector<NoReturn> expected_no_returns(const Survey& survey, const RunRequest& request) {
   std::vector<NoReturn> found;
-  if (!has_facets(survey.scene)) return found;                    // another message reports this already
+  if (!has_facets(survey.scene)) return found;  // another message reports this already
   // Sensors may receive sound without a facet.
   if (has_water_targets(survey.scene.description) || survey.scene.volume.any()) return found;
   const Transmissions transmissions(survey, request);

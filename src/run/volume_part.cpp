@@ -74,16 +74,18 @@ void check_volume(const Survey& survey) {
   if (!survey.scene.volume.any()) return;
   const SceneDescription& d = survey.scene.description;
   if (d.sea_surface && d.water.surface_height_m && d.sea_surface->height_m != *d.water.surface_height_m)
-    throw InputError(d.water.place,
-                     fmt::format("'surface_height_m' is {} m, but 'height_m' of [sea_surface] is {} m: depths of "
-                                 "layers need one sea surface; give both keys the same value, or remove one",
-                                 *d.water.surface_height_m, d.sea_surface->height_m));
+    throw InputError(
+        d.water.place,
+        fmt::format("'surface_height_m' is {} m, but 'height_m' of [sea_surface] is {} m: depths of "
+                    "layers need one sea surface; give both keys the same value, or remove one",
+                    *d.water.surface_height_m, d.sea_surface->height_m));
   for (const SensorPings& pings : survey.sensors)
     if (!(pings.sensor->samples().first_m > 0))
-      throw InputError(pings.sensor->description().place,
-                       fmt::format("sensor '{}' receives from range 0 on, where volume scattering is infinite: "
-                                   "increase 'range_min_m'",
-                                   pings.sensor->description().name));
+      throw InputError(
+          pings.sensor->description().place,
+          fmt::format("sensor '{}' receives from range 0 on, where volume scattering is infinite: "
+                      "increase 'range_min_m'",
+                      pings.sensor->description().name));
 }
 
 }  // namespace tubefoot

@@ -46,9 +46,9 @@ std::vector<Layer> read_layers(const std::filesystem::path& file) {
       layers.push_back({depth, coefficient_per_m(strength)});
     deepest_m = depth;
     if (layers.size() > most_layers)
-      throw InputError(row.places[0],
-                       fmt::format("the table has more than {} layers of volume scattering: use fewer rows",
-                                   most_layers));
+      throw InputError(
+          row.places[0],
+          fmt::format("the table has more than {} layers of volume scattering: use fewer rows", most_layers));
   });
   if (layers.empty())
     throw InputError({file.string(), 0, 0}, "has a header but no rows, expected at least one depth");
@@ -59,7 +59,8 @@ std::vector<Layer> read_layers(const std::filesystem::path& file) {
 
 VolumeScattering load_volume_scattering(const WaterDescription& water, double surface_height_m,
                                         bool ends_at_surface) {
-  VolumeScattering volume{{}, {water.volume_scattering_db ? coefficient_per_m(*water.volume_scattering_db) : 0}};
+  VolumeScattering volume{{},
+                          {water.volume_scattering_db ? coefficient_per_m(*water.volume_scattering_db) : 0}};
   if (water.volume_scattering_file) {
     const std::vector<Layer> layers = read_layers(*water.volume_scattering_file);
     volume.s_v_per_m.clear();
@@ -80,14 +81,14 @@ VolumeScattering load_volume_scattering(const WaterDescription& water, double su
   return volume;
 }
 
-std::optional<std::string> short_layers_warning(const WaterDescription& water,
-                                                const VolumeScattering& volume, double surface_height_m,
-                                                double lowest_m) {
+std::optional<std::string> short_layers_warning(const WaterDescription& water, const VolumeScattering& volume,
+                                                double surface_height_m, double lowest_m) {
   if (!water.volume_scattering_file || volume.borders_m.empty() || !(volume.borders_m.front() > lowest_m) ||
       volume.s_v_per_m.front() == 0)
     return std::nullopt;
   return fmt::format(
-      "{}: the table of volume scattering ends at a depth of {:.6g} m, but the scene reaches down to {:.6g} m: "
+      "{}: the table of volume scattering ends at a depth of {:.6g} m, but the scene reaches down to {:.6g} "
+      "m: "
       "the last layer continues below its row; add a row with the depth of its end",
       water.volume_scattering_file->string(), surface_height_m - volume.borders_m.front(),
       surface_height_m - lowest_m);

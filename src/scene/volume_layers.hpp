@@ -18,8 +18,7 @@ VolumeScattering load_volume_scattering(const WaterDescription& water, double su
                                         bool ends_at_surface);
 
 /// Returns a warning if the table of layers ends above the lowest point of the scene.
-std::optional<std::string> short_layers_warning(const WaterDescription& water,
-                                                const VolumeScattering& volume, double surface_height_m,
-                                                double lowest_m);
+std::optional<std::string> short_layers_warning(const WaterDescription& water, const VolumeScattering& volume,
+                                                double surface_height_m, double lowest_m);
 
 }  // namespace tubefoot

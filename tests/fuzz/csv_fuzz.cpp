@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fuzzes CSV tables: trajectories, sound-speed profiles and casts, layers of volume scattering, beam patterns,
-// and scattering models. A reader may only reject a table by InputError.
+// Fuzzes CSV tables: trajectories, sound-speed profiles and casts, layers of volume scattering, beam
+// patterns, and scattering models. A reader may only reject a table by InputError.
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>

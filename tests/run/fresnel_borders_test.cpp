@@ -23,14 +23,15 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// A wall of 1.5 m on a flat seabed, 9 m to port of a carrier that moves east. The sonar looks to port. `rest`
-/// has keys of the sensor.
+/// A wall of 1.5 m on a flat seabed, 9 m to port of a carrier that moves east. The sonar looks to port.
+/// `rest` has keys of the sensor.
 std::string wall_scene(const std::string& rest, const std::string& wall = "position_m = [0.3, 9, 0.75]\n") {
   return lambert_material("sand", -20) + flat_terrain(60, 60) +
          "[[objects]]\nname = \"wall\"\nshape = \"box\"\nmaterial = \"sand\"\nsize_m = [2, 0.2, 1.5]\n" +
          wall +
          "[trajectory]\nkind = \"line\"\nstart_m = [0, 0, 4]\nend_m = [0.5, 0, 4]\nspeed_m_s = 0.5\n"
-         "[[sensors]]\nname = \"ahead\"\nkind = \"imaging\"\nyaw_deg = -90\nfrequency_khz = 200\ntilt_deg = 20\nbeams = 20\n"
+         "[[sensors]]\nname = \"ahead\"\nkind = \"imaging\"\nyaw_deg = -90\nfrequency_khz = 200\ntilt_deg = "
+         "20\nbeams = 20\n"
          "horizontal_deg = 30\nvertical_deg = 34\nrange_min_m = 8\nrange_max_m = 22\nsamples = 140\npings = "
          "2\n"
          "ping_interval_s = 0.2\n" +

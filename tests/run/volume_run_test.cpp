@@ -20,11 +20,13 @@ namespace {
 using testing::HasSubstr;
 
 /// A fan to the side, 10 m above a seabed. Its beams are 1 degree wide along the track.
-std::string fan_scene(const std::string& water, const std::string& sensor = {}, const std::string& more = {}) {
+std::string fan_scene(const std::string& water, const std::string& sensor = {},
+                      const std::string& more = {}) {
   return "[[materials]]\nname = \"sand\"\nlambert_db = -30\n" + more +
          "[[terrain]]\nkind = \"flat\"\nmaterial = \"sand\"\nwidth_m = 400\nlength_m = 400\n"
          "[trajectory]\nkind = \"fixed\"\nposition_m = [0, 0, 10]\n"
-         "[[sensors]]\nname = \"fan\"\nkind = \"multibeam\"\nbeams = 6\nswath_deg = 120\nbeam_across_deg = 20\n"
+         "[[sensors]]\nname = \"fan\"\nkind = \"multibeam\"\nbeams = 6\nswath_deg = 120\nbeam_across_deg = "
+         "20\n"
          "along_track_deg = 1\nrange_min_m = 2\nrange_max_m = 32\nsamples = 60\n" +
          sensor + "[water]\n" + water;
 }
@@ -48,8 +50,8 @@ struct VolumeRun : testing::Test {
 TEST_F(VolumeRun, WaterAboveTheSeabedHasTheClosedForm) {
   const std::vector<double> volume = reverberation(folder, "volume_scattering_db = -60\n");
   const double beta = 0.05 * std::log(10) / 10, degree = std::numbers::pi / 180;
-  // The centres of the beams are 24 degrees apart, and the beams 20 degrees wide. Seen from the apex, a beam has
-  // the same width along the track at each of its angles.
+  // The centres of the beams are 24 degrees apart, and the beams 20 degrees wide. Seen from the apex, a beam
+  // has the same width along the track at each of its angles.
   for (std::size_t beam = 0; beam < 6; ++beam)
     for (std::size_t k = 0; k < 60; ++k) {
       const double inner = 24 * std::abs(double(beam) - 2.5) - 10, outer = inner + 20;
@@ -61,7 +63,8 @@ TEST_F(VolumeRun, WaterAboveTheSeabedHasTheClosedForm) {
         if (from >= outer) continue;
         expected += 1e-6 * degree * degree * (outer - from) / (r * r) * std::exp(-2 * beta * r) * 0.005;
       }
-      EXPECT_NEAR(volume[beam * 60 + k], expected, 0.02 * expected + 1e-13) << "beam " << beam << ", bin " << k;
+      EXPECT_NEAR(volume[beam * 60 + k], expected, 0.02 * expected + 1e-13)
+          << "beam " << beam << ", bin " << k;
     }
 }
 
@@ -75,7 +78,8 @@ TEST_F(VolumeRun, WaterBehindAWallReturnsNothing) {
   for (std::size_t k = 0; k < 60; ++k) {
     const double range = 2 + 0.5 * double(k);
     // The outermost beam of one side meets the wall at 7.5 m to 11.7 m.
-    const double other = std::max(behind[k], behind[5 * 60 + k]), own = std::min(behind[k], behind[5 * 60 + k]);
+    const double other = std::max(behind[k], behind[5 * 60 + k]),
+                 own = std::min(behind[k], behind[5 * 60 + k]);
     if (range + 0.5 < 7.5) {
       EXPECT_DOUBLE_EQ(own, free[k]);
     }
@@ -91,8 +95,9 @@ TEST_F(VolumeRun, AllEnginesAndBinningsHaveTheSameReverberation) {
   const std::string key = "volume_scattering_db = -60\n";
   const std::vector<double> tubes = reverberation(folder, key);
   const double largest = *std::ranges::max_element(tubes);
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"--engine", "ray"}, {"--binning", "centroid"}, {"--arithmetic", "rational"}}) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--engine", "ray"},
+                                                    {"--binning", "centroid"},
+                                                    {"--arithmetic", "rational"}}) {
     const std::vector<double> other = reverberation(folder, key, {}, {}, arguments);
     for (std::size_t k = 0; k < tubes.size(); ++k)
       EXPECT_NEAR(other[k], tubes[k], 1e-9 * largest) << arguments[1] << ", bin " << k;
@@ -104,7 +109,8 @@ TEST_F(VolumeRun, LayersOfAFileAddUp) {
     folder.write("layers.csv", std::string("depth_m,volume_scattering_db\n") + rows);
     return reverberation(folder, "volume_scattering_file = \"layers.csv\"\nsurface_height_m = 12\n");
   };
-  const std::vector<double> upper = of("0,-60\n6,-999\n"), lower = of("0,-999\n6,-50\n"), both = of("0,-60\n6,-50\n");
+  const std::vector<double> upper = of("0,-60\n6,-999\n"), lower = of("0,-999\n6,-50\n"),
+                            both = of("0,-60\n6,-50\n");
   const double largest = *std::ranges::max_element(both);
   for (std::size_t k = 0; k < both.size(); ++k)
     EXPECT_NEAR(upper[k] + lower[k], both[k], 1e-12 * largest) << "bin " << k;
@@ -114,13 +120,15 @@ TEST_F(VolumeRun, LayersOfAFileAddUp) {
 }
 
 TEST_F(VolumeRun, ProfileFileMayContainTheLayers) {
-  folder.write("both.csv", "depth_m,sound_speed_m_s,volume_scattering_db\n0,1500,-60\n6,1490,-50\n40,1480,-50\n");
+  folder.write("both.csv",
+               "depth_m,sound_speed_m_s,volume_scattering_db\n0,1500,-60\n6,1490,-50\n40,1480,-50\n");
   folder.write("profile.csv", "depth_m,sound_speed_m_s\n0,1500\n6,1490\n40,1480\n");
   folder.write("layers.csv", "depth_m,volume_scattering_db\n0,-60\n6,-50\n");
   const auto energy = [&](const char* profile, const char* layers) {
-    return echoes_in(folder, fan_scene(fmt::format("profile = \"table\"\nprofile_file = \"{}\"\nsurface_height_m = 12\n"
-                                                   "volume_scattering_file = \"{}\"\n",
-                                                   profile, layers)))
+    return echoes_in(folder, fan_scene(fmt::format(
+                                 "profile = \"table\"\nprofile_file = \"{}\"\nsurface_height_m = 12\n"
+                                 "volume_scattering_file = \"{}\"\n",
+                                 profile, layers)))
         .energy;
   };
   EXPECT_EQ(energy("both.csv", "both.csv"), energy("profile.csv", "layers.csv"));
@@ -130,11 +138,14 @@ TEST_F(VolumeRun, WeakGradientAndMotionApproachTheCaseAtRestInIsovelocityWater) 
   const std::string key = "volume_scattering_db = -60\n";
   const std::vector<double> rest = reverberation(folder, key);
   folder.write("still.csv", "depth_m,sound_speed_m_s\n0,1500\n50,1500.0001\n");
-  const std::string stratified = "profile = \"table\"\nprofile_file = \"still.csv\"\nsurface_height_m = 20\n"
-                           "absorption_db_per_km = 50\n";
-  const Echoes with = echoes_in(folder, fan_scene(stratified + key)), without = echoes_in(folder, fan_scene(stratified));
-  folder.write("track.csv", "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n"
-                            "0,0,0,10,0,0,0\n1,0,0,10,0,0,0.001\n");
+  const std::string stratified =
+      "profile = \"table\"\nprofile_file = \"still.csv\"\nsurface_height_m = 20\n"
+      "absorption_db_per_km = 50\n";
+  const Echoes with = echoes_in(folder, fan_scene(stratified + key)),
+               without = echoes_in(folder, fan_scene(stratified));
+  folder.write("track.csv",
+               "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n"
+               "0,0,0,10,0,0,0\n1,0,0,10,0,0,0.001\n");
   const auto moved = [&](const std::string& scattering) {
     return echoes_in(folder, replaced(fan_scene(still + scattering, "stop_and_hop = false\n"),
                                       "kind = \"fixed\"\nposition_m = [0, 0, 10]",
@@ -152,12 +163,14 @@ TEST_F(VolumeRun, WeakGradientAndMotionApproachTheCaseAtRestInIsovelocityWater) 
 TEST_F(VolumeRun, DividedRecordsReceiveAllOfTheWater) {
   // At 20 degrees per second the record has many intervals. The sum over beams before the seabed is that at
   // rest, because the fan is uniform.
-  folder.write("track.csv", "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n"
-                            "0,0,0,10,0,0,-1\n0.1,0,0,10,0,0,1\n");
+  folder.write("track.csv",
+               "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n"
+               "0,0,0,10,0,0,-1\n0.1,0,0,10,0,0,1\n");
   const auto run = [&](const std::string& scattering) {
-    return echoes_in(folder, replaced(fan_scene(still + scattering, "stop_and_hop = false\nmotion_step_beams = 0.005\n"),
-                                      "kind = \"fixed\"\nposition_m = [0, 0, 10]",
-                                      "kind = \"waypoints\"\nfile = \"track.csv\""));
+    return echoes_in(
+        folder,
+        replaced(fan_scene(still + scattering, "stop_and_hop = false\nmotion_step_beams = 0.005\n"),
+                 "kind = \"fixed\"\nposition_m = [0, 0, 10]", "kind = \"waypoints\"\nfile = \"track.csv\""));
   };
   const Echoes with = run("volume_scattering_db = -60\n"), without = run("");
   const std::vector<double> rest = reverberation(folder, "volume_scattering_db = -60\n");
@@ -202,13 +215,15 @@ TEST_F(VolumeRun, InvalidKeysAndFilesHaveMessages) {
               HasSubstr("only one of the two"));
   EXPECT_THAT(error(still + "volume_scattering_file = \"none.csv\"\n"), HasSubstr("none.csv"));
   folder.write("bad.csv", "depth_m,volume_scattering_db\n5,-60\n4,-50\n");
-  EXPECT_THAT(error(still + "volume_scattering_file = \"bad.csv\"\n"), HasSubstr("bad.csv:3:1: depth_m must increase"));
+  EXPECT_THAT(error(still + "volume_scattering_file = \"bad.csv\"\n"),
+              HasSubstr("bad.csv:3:1: depth_m must increase"));
   folder.write("bad.csv", "depth_m,volume_scattering_db\n5,1\n");
   EXPECT_THAT(error(still + "volume_scattering_file = \"bad.csv\"\n"), HasSubstr("expected -999 to 0"));
   folder.write("bad.csv", "depth_m,volume_scattering_db\n");
   EXPECT_THAT(error(still + "volume_scattering_file = \"bad.csv\"\n"), HasSubstr("no rows"));
-  EXPECT_THAT(error(still + "volume_scattering_db = -60\nsurface_height_m = 12\n[sea_surface]\nheight_m = 11\n"),
-              HasSubstr("depths of layers need one sea surface"));
+  EXPECT_THAT(
+      error(still + "volume_scattering_db = -60\nsurface_height_m = 12\n[sea_surface]\nheight_m = 11\n"),
+      HasSubstr("depths of layers need one sea surface"));
   const std::string at_apex =
       replaced(fan_scene(still + "volume_scattering_db = -60\n"), "range_min_m = 2", "range_min_m = 0");
   EXPECT_THAT(run_program({"check", folder.write("scene.toml", at_apex).string()}).err,
@@ -221,21 +236,25 @@ TEST_F(VolumeRun, TiledTerrainHasTheReverberationOfTheWholeTerrain) {
   folder.write("bed.asc", rows);
   const auto volume = [&](const std::string& load) {
     const auto scene = [&](const std::string& scattering) {
-      return replaced(fan_scene(still + scattering), "kind = \"flat\"\nmaterial = \"sand\"\nwidth_m = 400\nlength_m = 400",
+      return replaced(fan_scene(still + scattering),
+                      "kind = \"flat\"\nmaterial = \"sand\"\nwidth_m = 400\nlength_m = 400",
                       "kind = \"raster\"\nmaterial = \"sand\"\nfile = \"bed.asc\"\nload = \"" + load + "\"");
     };
-    const Echoes with = echoes_in(folder, scene("volume_scattering_db = -60\n")), without = echoes_in(folder, scene(""));
+    const Echoes with = echoes_in(folder, scene("volume_scattering_db = -60\n")),
+                 without = echoes_in(folder, scene(""));
     std::vector<double> difference(with.energy.size());
     for (std::size_t k = 0; k < difference.size(); ++k) difference[k] = with.energy[k] - without.energy[k];
     return difference;
   };
   const std::vector<double> whole = volume("whole"), tiles = volume("tiles");
-  for (std::size_t k = 0; k < whole.size(); ++k) EXPECT_NEAR(tiles[k], whole[k], 1e-12 * whole[2 * 60]) << "bin " << k;
+  for (std::size_t k = 0; k < whole.size(); ++k)
+    EXPECT_NEAR(tiles[k], whole[k], 1e-12 * whole[2 * 60]) << "bin " << k;
   EXPECT_GT(whole[2 * 60], 0);
 }
 
 TEST_F(VolumeRun, SonarWithoutSurfaceReceivesTheWater) {
-  const std::string scene = replaced(fan_scene(still + "volume_scattering_db = -60\n"), "range_max_m = 32", "range_max_m = 8");
+  const std::string scene =
+      replaced(fan_scene(still + "volume_scattering_db = -60\n"), "range_max_m = 32", "range_max_m = 8");
   const auto result = run_program({"check", folder.write("scene.toml", scene).string()});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.out + result.err, testing::Not(HasSubstr("receives nothing")));
@@ -250,7 +269,8 @@ TEST_F(VolumeRun, LayersThatEndAboveTheSeabedGiveAWarning) {
     const auto result = run_program({"check", folder.write("scene.toml", scene).string()});
     return result.out + result.err;
   };
-  EXPECT_THAT(output("0,-60\n6,-50\n"), HasSubstr("ends at a depth of 6 m, but the scene reaches down to 12 m"));
+  EXPECT_THAT(output("0,-60\n6,-50\n"),
+              HasSubstr("ends at a depth of 6 m, but the scene reaches down to 12 m"));
   EXPECT_THAT(output("0,-60\n6,-50\n12,-999\n"), testing::Not(HasSubstr("ends at a depth")));
 }
 

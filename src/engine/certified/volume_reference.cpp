@@ -58,7 +58,8 @@ TubeContent<BallSpace> content_of(const NameContext& context, const TubeVisibili
   }
   for (const NamedPiece& piece : seen.pieces)
     content.surfaces.push_back(certified_polygon(context, seen.corners, piece, unit_m));
-  for (const NamedPiece& piece : seen.open) content.open.push_back(directions_of(context, seen.corners, piece));
+  for (const NamedPiece& piece : seen.open)
+    content.open.push_back(directions_of(context, seen.corners, piece));
   return content;
 }
 
@@ -106,25 +107,27 @@ CertifiedEcho certify_volume(const FacetMesh& mesh, const SceneTree& tree, const
                         volume_primitive(Ball(request.borders[k]), request.beta_per_m));
   const std::vector<double> cones =
       cones_of_beams(history, request, beam_of_tube, volume.borders_m.size(), beams);
-  /// By beam and sample: permitted error of the solid angle in the sample, which counts in all nearer samples.
+  /// By beam and sample: permitted error of the solid angle in the sample, which counts in all nearer
+  /// samples.
   std::vector<double> solid_angle_target;
   const auto set_targets = [&] {
     solid_angle_target.assign(beams * (row + 1), std::numeric_limits<double>::max());
     for (std::size_t beam = 0; beam < beams; ++beam)
       for (std::size_t k = 0; k < row; ++k)
-        solid_angle_target[beam * (row + 1) + k + 1] =
-            std::min(solid_angle_target[beam * (row + 1) + k],
-                     request.target[beam * row + k] / spreading[k].middle());
+        solid_angle_target[beam * (row + 1) + k + 1] = std::min(
+            solid_angle_target[beam * (row + 1) + k], request.target[beam * row + k] / spreading[k].middle());
   };
   const auto allowed = [&](const std::vector<double>& target, std::size_t samples_of_row, double size) {
     return CertifiedIntegrator::Allowance{
         request.tolerance / 3, [&, samples_of_row, size](std::uint32_t beam, std::uint32_t sample) {
-          return std::max(target[beam * samples_of_row + sample] / 3 / (4 * cones[beam]) / size, least_allowed);
+          return std::max(target[beam * samples_of_row + sample] / 3 / (4 * cones[beam]) / size,
+                          least_allowed);
         }};
   };
   const auto enclose_tube = [&](std::uint32_t tube, const NameContext& context, const TubeVisibility& seen,
                                 VolumeBins& bins) {
-    CertifiedIntegrator solid_angle(extended, request.beta_per_m), partial(request.borders, request.beta_per_m);
+    CertifiedIntegrator solid_angle(extended, request.beta_per_m),
+        partial(request.borders, request.beta_per_m);
     solid_angle.take_density(CertifiedIntegrator::Density::solid_angle);
     partial.take_density(CertifiedIntegrator::Density::volume);
     VolumeRegions<BallSpace> regions(volume, model.path.tx.apex_m.z, request.borders.back());

@@ -13,8 +13,8 @@
 #include "geometry/tubes/tube_finder.hpp"
 
 // Volume reverberation for a separate receiver. The receive tubes are divided into small cells of directions,
-// each of which belongs to one beam. In a cell, the density is integrated along the ray of its centre, from one
-// ellipsoid of equal path length to the next.
+// each of which belongs to one beam. In a cell, the density is integrated along the ray of its centre, from
+// one ellipsoid of equal path length to the next.
 
 namespace tubefoot {
 namespace {
@@ -52,7 +52,8 @@ class InsonifiedWater {
         if (!(-glm::dot(polygon.plane.normal, point) > polygon.plane.distance_m)) return false;
         const auto& corners = polygon.corners_m;
         for (std::size_t i = 0; i < corners.size(); ++i)
-          if (glm::dot(glm::cross(corners[i], corners[i + 1 == corners.size() ? 0 : i + 1]), point) < 0) return false;
+          if (glm::dot(glm::cross(corners[i], corners[i + 1 == corners.size() ? 0 : i + 1]), point) < 0)
+            return false;
         return true;
       });
     }
@@ -118,7 +119,8 @@ class BistaticRays {
     const glm::dvec3 from_transmitter = range_m * direction - transmitter_m_;
     const double transmit_m = glm::length(from_transmitter);
     if (!(transmit_m > 0)) return;
-    const double density = s_v * weight * std::exp(-beta_ * (range_m + transmit_m)) / (transmit_m * transmit_m);
+    const double density =
+        s_v * weight * std::exp(-beta_ * (range_m + transmit_m)) / (transmit_m * transmit_m);
     water_.find(from_transmitter, transmit_m, [&](std::uint32_t transmit_tube) {
       if (!beams_.in_one_fan(transmit_tube, tube)) return;
       const std::size_t row = borders_.size() - 1;

@@ -33,9 +33,8 @@ ConeSums::ConeSums(const ReceiveBeams& beams, const RangeSamples& samples, doubl
   solid_angle_patterns_.emplace(extended_, 0, *patterns, pattern_tolerance);
   solid_angle_patterns_->take_density([](double r) { return 1 / (r * r * r); });
   partial_patterns_.emplace(borders_, 0, *patterns, pattern_tolerance);
-  partial_patterns_->take_density([this](double r) {
-    return volume_spreading(sample_start_m(borders_, r), r, beta_) / (r * r * r);
-  });
+  partial_patterns_->take_density(
+      [this](double r) { return volume_spreading(sample_start_m(borders_, r), r, beta_) / (r * r * r); });
 }
 
 void ConeSums::add(const DoubleSpace::Polygon& cone, double s_v_per_m, std::uint32_t tube) {

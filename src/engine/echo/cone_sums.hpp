@@ -46,9 +46,9 @@ class ConeSums {
   std::vector<double> borders_, extended_;
   std::size_t count_;
   double beta_;
-  std::vector<double> spreading_;    ///< F_k+1 - F_k
-  std::vector<double> solid_angle_;  ///< [beam][sample], times s_v; one more sample beyond the last
-  std::vector<double> partial_;      ///< [beam][sample]: integral of s_v (F(R) - F_k)
+  std::vector<double> spreading_;           ///< F_k+1 - F_k
+  std::vector<double> solid_angle_;         ///< [beam][sample], times s_v; one more sample beyond the last
+  std::vector<double> partial_;             ///< [beam][sample]: integral of s_v (F(R) - F_k)
   std::vector<double> nearer_solid_angle_;  ///< by beam, times s_v
   PlanarPolygon polygon_;
   std::shared_ptr<const VolumeRadials> radials_;

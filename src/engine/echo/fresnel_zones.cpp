@@ -63,8 +63,8 @@ void split(const FresnelPolygon& polygon, const CutPlane& plane, FresnelPolygon&
   if (n == 0) return;
   glm::dvec3 from = polygon[n - 1];
   const auto side_of = [&](glm::dvec3 p) {
-    const double side = plane.side(p);
-    return std::abs(side) <= rounding * (glm::length(p) + std::abs(plane.offset_m)) ? 0.0 : side;
+    const double value = plane.side(p);
+    return std::abs(value) <= rounding * (glm::length(p) + std::abs(plane.offset_m)) ? 0.0 : value;
   };
   double side = side_of(from);
   bool in_plane = true;

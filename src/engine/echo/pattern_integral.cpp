@@ -402,9 +402,9 @@ void PatternIntegrator::add_circle(double t, double weight) {
           ? per_r2
           : ScatteringModel::in_piece(*piece_.model, std::atan2(circle_radius_m, piece_.distance),
                                       piece_.distance * per_r);
-  const double radial = piece_.factor * weight * t *
-                        (density_ ? density_(r2 * per_r)
-                                  : density_by_reciprocal(sigma, per_r2, 2 * (r2 * per_r), beta_));
+  const double radial =
+      piece_.factor * weight * t *
+      (density_ ? density_(r2 * per_r) : density_by_reciprocal(sigma, per_r2, 2 * (r2 * per_r), beta_));
   if (piece_.full_circle) add_arc(per_r, circle_radius_m, {1, 0}, pi, radial);
   for (const Arc& arc : arcs_) {
     const glm::dvec2 begin = point_at(arc.begin, t2), end = point_at(arc.end, t2);

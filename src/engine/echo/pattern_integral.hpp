@@ -67,8 +67,8 @@ class PatternIntegrator {
   void take_density(std::function<double(double range_m)> density) { density_ = std::move(density); }
 
   /// Adds factor times the integral to energy[beam * samples + sample] for all beams that receive the tube,
-  /// at the latest in finish(). Negative factors reduce energies. `model`: function of the angle to the polygon's plane, which must live until
-  /// finish(). Null: r^-2, which is proportional to Lambert's law.
+  /// at the latest in finish(). Negative factors reduce energies. `model`: function of the angle to the
+  /// polygon's plane, which must live until finish(). Null: r^-2, which is proportional to Lambert's law.
   void add(const PlanarPolygon& polygon, const FacetPlane& plane, const PlaneFrame& frame, std::uint32_t tube,
            double factor, std::span<double> energy, const ScatteringModel* model = nullptr,
            const PlacedTexture& texture = {});
@@ -214,7 +214,7 @@ class PatternIntegrator {
   std::span<const double> borders_;
   double beta_, tolerance_;
   const BeamPatterns& patterns_;
-  std::function<double(double range_m)> density_;  // none: that of the echo
+  std::function<double(double range_m)> density_;         // none: that of the echo
   std::array<double, most_gauss_nodes + 1> least_rho_{};  // smallest rho for which n nodes suffice
   std::vector<std::unique_ptr<Receiver>> receivers_;
   std::vector<std::uint32_t> receiver_of_tube_;  // index + 1; 0: not yet determined

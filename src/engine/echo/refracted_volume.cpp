@@ -18,8 +18,8 @@
 namespace tubefoot {
 namespace {
 
-/// Angles in the vertical plane of a narrow cell, from the horizontal upwards. Directions behind the vertical have
-/// more than a quarter turn.
+/// Angles in the vertical plane of a narrow cell, from the horizontal upwards. Directions behind the vertical
+/// have more than a quarter turn.
 struct VerticalPlane {
   glm::dvec3 ahead;  ///< horizontal unit vector
   bool up = false;   ///< whether the cell points upwards
@@ -88,7 +88,8 @@ class RefractedRay {
       const double share = at - double(k), weight = 1 / (r * r);
       const double depth = nodes_[k].depth_m + share * (nodes_[k + 1].depth_m - nodes_[k].depth_m);
       const double near = nodes_[k].relative, far = nodes_[k + 1].relative;
-      const double relative = near > 0 && far > 0 ? near * std::pow(far / near, share) : near + share * (far - near);
+      const double relative =
+          near > 0 && far > 0 ? near * std::pow(far / near, share) : near + share * (far - near);
       sum += weight * relative * coefficient(water_.surface_height_m - depth);
       weights += weight;
     }

@@ -88,10 +88,9 @@ Echo volume_echo(const History& history, const ReceiveBeams& beams, const RangeS
   VolumeRegions<DoubleSpace> regions(volume, apex_m, samples.border_m(samples.count));
   for (std::uint32_t tube = 0; tube < history.tubes.tubes.size(); ++tube) {
     stop_if_wanted();
-    regions.divide(tube_content(history, tube, surface, open),
-                   [&](const DoubleSpace::Polygon& cone, double s_v_per_m) {
-                     sums.add(cone, s_v_per_m, tube);
-                   });
+    regions.divide(
+        tube_content(history, tube, surface, open),
+        [&](const DoubleSpace::Polygon& cone, double s_v_per_m) { sums.add(cone, s_v_per_m, tube); });
   }
   std::vector<double> energy = sums.energies();
   // In front of the nearest layer that scatters, terms of both signs cancel except for their errors.

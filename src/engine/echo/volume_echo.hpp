@@ -10,17 +10,17 @@
 namespace tubefoot {
 
 /// Returns the volume reverberation that a sensor receives, in J/m^2 for 1 J/sr at 1 m. It is the echo of the
-/// water in front of all surfaces. With the distances r from the apex and the unobstructed solid angle Omega(r),
-/// weighted by the beam patterns, a range sample receives
+/// water in front of all surfaces. With the distances r from the apex and the unobstructed solid angle
+/// Omega(r), weighted by the beam patterns, a range sample receives
 ///
 ///     integral of s_v Omega(r) r^-2 e^(-2 beta r) dr.
 ///
-/// The visible polygons give Omega(r) exactly (VolumeRegions). `history`: footprints of one apex in isovelocity
-/// water, with unobstructed regions (VisibilityOptions::open_water) if needs_open_water(). `volume`: heights in the local frame.
-/// `model`: apex, absorption and patterns; materials are not read. Without patterns, the error is about that of
-/// rounding. With patterns it is model.pattern_tolerance, relative to the echo if all water had the largest
-/// coefficient. Throws std::invalid_argument for samples that
-/// begin at range 0, where the integral is infinite.
+/// The visible polygons give Omega(r) exactly (VolumeRegions). `history`: footprints of one apex in
+/// isovelocity water, with unobstructed regions (VisibilityOptions::open_water) if needs_open_water().
+/// `volume`: heights in the local frame. `model`: apex, absorption and patterns; materials are not read.
+/// Without patterns, the error is about that of rounding. With patterns it is model.pattern_tolerance,
+/// relative to the echo if all water had the largest coefficient. Throws std::invalid_argument for samples
+/// that begin at range 0, where the integral is infinite.
 Echo volume_echo(const History& history, const ReceiveBeams& beams, const RangeSamples& samples,
                  const EchoModel& model, const VolumeScattering& volume);
 
@@ -50,8 +50,8 @@ Echo refracted_volume_echo(const History& history, const ReceiveBeams& beams, co
 /// The same for a separate receiver in isovelocity water: the water that both ends see, from one ellipsoid of
 /// equal path length to the next. `transmit` and `receive`: histories of the two apexes, the latter with
 /// unobstructed regions. `receiver_m` is relative to the transmitter. Sample k contains the half paths from
-/// first + k step on. The directions of the receiver are divided into cells that are at most `cell_width_rad` wide. The
-/// error decreases with the square of this width.
+/// first + k step on. The directions of the receiver are divided into cells that are at most `cell_width_rad`
+/// wide. The error decreases with the square of this width.
 Echo bistatic_volume_echo(const History& transmit, const History& receive, glm::dvec3 receiver_m,
                           const ReceiveBeams& beams, const RangeSamples& samples, const EchoModel& model,
                           const VolumeScattering& volume, double cell_width_rad = 5e-3);

@@ -101,7 +101,8 @@ class VolumeRegions {
       // The part of the border within the tube is in front of all surfaces.
       Corners cone(tube.rays.begin(), tube.rays.end());
       for (const glm::dvec3& wall : square_of(i))
-        if (!cone.empty()) cone = divided(cone, [&](const Vector& d) { return Space::product(wall, d); }).first;
+        if (!cone.empty())
+          cone = divided(cone, [&](const Vector& d) { return Space::product(wall, d); }).first;
       if (!cone.empty()) add_border(i, cone, take);
     }
     for (const Polygon& surface : tube.surfaces) add_surface(surface, take);
@@ -131,8 +132,7 @@ class VolumeRegions {
       if (sign[i] >= 0) parts.first.push_back(corners[i]);
       if (sign[i] <= 0) parts.second.push_back(corners[i]);
       if (sign[i] * sign[next] >= 0) continue;
-      const Vector crossing =
-          Space::between(corners[i], corners[next], value[i] / (value[i] - value[next]));
+      const Vector crossing = Space::between(corners[i], corners[next], value[i] / (value[i] - value[next]));
       parts.first.push_back(crossing);
       parts.second.push_back(crossing);
     }
@@ -140,10 +140,10 @@ class VolumeRegions {
   }
 
  private:
-
   static Number height_of(const Vector& corner) { return Space::product({0, 0, 1}, corner); }
 
-  /// Returns whether a part of a surface is between the heights of the apex and of a border, or on the border.
+  /// Returns whether a part of a surface is between the heights of the apex and of a border, or on the
+  /// border.
   bool hides(const Polygon& surface, std::size_t border) const {
     const int up = Space::sign(heights_[border]);
     bool beside_apex = false, before_border = false;
@@ -176,8 +176,7 @@ class VolumeRegions {
   void add_surface(const Polygon& surface, const Take& take) const {
     bool is_added = false;
     const auto add_part = [&](const Corners& part, std::size_t layer) {
-      if (!is_added && s_v_per_m_[layer] != 0)
-        take(Space::on_same_plane(surface, part), s_v_per_m_[layer]);
+      if (!is_added && s_v_per_m_[layer] != 0) take(Space::on_same_plane(surface, part), s_v_per_m_[layer]);
       const auto [first, end] = std::minmax(layer, apex_layer_);
       for (std::size_t border = first; border < end; ++border)
         if (obstructed_[border]) add_border(border, part, take);
@@ -274,7 +273,8 @@ class VolumeRegions {
   }
 
   /// Returns the walls of the cone of directions that meet a border within a square about the apex. The
-  /// square exceeds the samples and all surfaces of the tube. Directions inside have positive products with the walls.
+  /// square exceeds the samples and all surfaces of the tube. Directions inside have positive products with
+  /// the walls.
   std::array<glm::dvec3, 4> square_of(std::size_t border) const {
     const double steep = half_side_m_ / Space::middle_of(heights_[border]);
     return {{{1, 0, steep}, {-1, 0, steep}, {0, 1, steep}, {0, -1, steep}}};

@@ -32,7 +32,8 @@ struct WaterCell {
 /// Returns the unobstructed water of a tube, without layers, as one cell.
 inline WaterCell water_cell(const TubeContent<DoubleSpace>& content, VolumeRegions<DoubleSpace>& regions) {
   WaterCell cell{{content.rays.begin(), content.rays.end()}, {}};
-  regions.divide(content, [&](const DoubleSpace::Polygon& cone, double) { cell.polygons.emplace_back(cone); });
+  regions.divide(content,
+                 [&](const DoubleSpace::Polygon& cone, double) { cell.polygons.emplace_back(cone); });
   return cell;
 }
 
@@ -47,7 +48,8 @@ void each_small(WaterCell cell, double width_rad, const Take& take) {
     }
   if (glm::length(wall) <= width_rad) return take(cell);
   const auto divided = [&](const Directions& corners) {
-    return VolumeRegions<DoubleSpace>::divided(corners, [&](const glm::dvec3& d) { return glm::dot(wall, d); });
+    return VolumeRegions<DoubleSpace>::divided(corners,
+                                               [&](const glm::dvec3& d) { return glm::dot(wall, d); });
   };
   WaterCell one, other;
   std::tie(one.cone, other.cone) = divided(cell.cone);

@@ -30,9 +30,9 @@ VolumeRadials made_volume(const RangeSamples& samples, double absorption_db_per_
   VolumeRadials radials{RadialIntegral(borders, solid_angle), RadialIntegral(borders, partial)};
   // Each integrand is split at the cells of the other one until the cells are equal.
   const auto ends = [](const RadialIntegral& radial) {
-    std::vector<double> ends;
-    for (const RadialIntegral::Cell& cell : radial.cells()) ends.push_back(cell.hi);
-    return ends;
+    std::vector<double> values;
+    for (const RadialIntegral::Cell& cell : radial.cells()) values.push_back(cell.hi);
+    return values;
   };
   while (ends(radials.solid_angle) != ends(radials.partial)) {
     radials.solid_angle = RadialIntegral(borders, solid_angle, ends(radials.partial));

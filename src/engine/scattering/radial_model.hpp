@@ -18,9 +18,9 @@ namespace tubefoot {
 std::shared_ptr<const RadialIntegral> lambert_radial_integral(const RangeSamples& samples,
                                                               double absorption_db_per_m);
 
-/// The parts of the volume reverberation in front of a facet that depend on range alone, on the same cells. On
-/// a facet plane at distance D, an area element has the solid angle D r^-3 dA. In a sample that begins at r_k,
-/// the water in front of it returns s_v D g(r) dA with
+/// The parts of the volume reverberation in front of a facet that depend on range alone, on the same cells.
+/// On a facet plane at distance D, an area element has the solid angle D r^-3 dA. In a sample that begins at
+/// r_k, the water in front of it returns s_v D g(r) dA with
 ///     g(r) = r^-3 (integral of s^-2 e^(-2 beta s) ds from r_k to r).
 struct VolumeRadials {
   RadialIntegral solid_angle, partial;

@@ -25,8 +25,8 @@ void check(const VolumeScattering& volume) {
           "borders of layers must be finite and increase; border {} is {} m", k, volume.borders_m[k]));
   for (const double s_v : volume.s_v_per_m)
     if (!(s_v >= 0 && std::isfinite(s_v)))
-      throw std::invalid_argument(
-          fmt::format("a volume scattering coefficient must be finite and at least 0, not {} per metre", s_v));
+      throw std::invalid_argument(fmt::format(
+          "a volume scattering coefficient must be finite and at least 0, not {} per metre", s_v));
 }
 
 double volume_spreading(double from_m, double to_m, double beta_per_m) {

@@ -22,9 +22,9 @@ struct VolumeScattering {
 /// finite.
 void check(const VolumeScattering& volume);
 
-/// Returns the integral of r^-2 e^(-2 beta r) dr over ranges in 1/m, to rounding. Times s_v and a solid angle,
-/// it is the received energy density of the volume for 1 J/sr at 1 m. `from_m` is
-/// above 0; `beta_per_m` is the one-way absorption.
+/// Returns the integral of r^-2 e^(-2 beta r) dr over ranges in 1/m, to rounding. Times s_v and a solid
+/// angle, it is the received energy density of the volume for 1 J/sr at 1 m. `from_m` is above 0;
+/// `beta_per_m` is the one-way absorption.
 double volume_spreading(double from_m, double to_m, double beta_per_m);
 
 }  // namespace tubefoot

@@ -34,7 +34,7 @@ struct TargetPopulationDescription {
   SourcePlace place;
   std::string name;
   double density_per_m3 = 0;
-  std::optional<double> top_depth_m, bottom_depth_m;  ///< below the height of the sea surface
+  std::optional<double> top_depth_m, bottom_depth_m;   ///< below the height of the sea surface
   std::array<double, 2> centre_m{0, 0}, size_m{0, 0};  ///< east-west and north-south extent
   TargetStrengthDescription strength;
   double strength_spread_db = 0;  ///< standard deviation of the target strength

@@ -37,9 +37,10 @@ const std::vector<ProfileKey>& profile_keys() {
 /// Checks the keys of volume scattering.
 void check_scattering(const WaterDescription& water, const TomlTable& table) {
   if (water.volume_scattering_db && water.volume_scattering_file)
-    throw InputError(place_of_pair(table, "volume_scattering_db", "volume_scattering_file"),
-                     "the water scatters uniformly, or in the layers of 'volume_scattering_file': give only one "
-                     "of the two keys");
+    throw InputError(
+        place_of_pair(table, "volume_scattering_db", "volume_scattering_file"),
+        "the water scatters uniformly, or in the layers of 'volume_scattering_file': give only one "
+        "of the two keys");
 }
 
 void check_profile(const WaterDescription& water, const TomlTable& table) {
@@ -201,11 +202,10 @@ std::vector<TomlField<WaterDescription>> water_fields(bool all) {
             {.meaning = "CSV file with the columns `depth_m,volume_scattering_db`, one row per layer. Each "
                         "layer extends from its depth to that of the next row. The file may be "
                         "`profile_file` with one more column."})};
-  constexpr std::array<std::string_view, 8> others = {
-      "absorption_db_per_km",    "ph",
-      "absorption_model",        "refraction_gap_m",
-      "refraction_tolerance_db", "refraction_turns",
-      "volume_scattering_db",    "volume_scattering_file"};
+  constexpr std::array<std::string_view, 8> others = {"absorption_db_per_km",    "ph",
+                                                      "absorption_model",        "refraction_gap_m",
+                                                      "refraction_tolerance_db", "refraction_turns",
+                                                      "volume_scattering_db",    "volume_scattering_file"};
   if (!all)
     std::erase_if(
         fields, [&](const TomlField<W>& f) { return std::ranges::find(others, f.key.name) != others.end(); });

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests certified volume reverberation: its bounds contain ordinary results of high accuracy and closed forms,
-// and meet the requested tolerance.
+// Tests certified volume reverberation: its bounds contain ordinary results of high accuracy and closed
+// forms, and meet the requested tolerance.
+#include "engine/certified/volume_reference.hpp"
+
 #include <gtest/gtest.h>
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "engine/certified/volume_reference.hpp"
 #include "engine/echo/volume_echo.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/grid_scenes.hpp"
@@ -100,9 +101,10 @@ TEST(VolumeReference, SurfaceOnTheBorderOfALayerEndsTheLayer) {
     grid.elevation_edges_rad = height < 0 ? std::vector{-0.7, -0.35} : std::vector{0.35, 0.7};
     append_tubes(ping.tubes, grid);
     const WaterPing::Result uniform = ping.run({5, 2, 14}, {{}, {1e-7}}, 1e-7),
-                            layers = ping.run({5, 2, 14},
-                                              {{height}, height > 0 ? std::vector{1e-7, 0.0} : std::vector{0.0, 1e-7}},
-                                              1e-7);
+                            layers = ping.run(
+                                {5, 2, 14},
+                                {{height}, height > 0 ? std::vector{1e-7, 0.0} : std::vector{0.0, 1e-7}},
+                                1e-7);
     for (std::size_t k = 0; k < 14; ++k)
       EXPECT_NEAR(layers.certified.echo.energy[k], uniform.certified.echo.energy[k],
                   layers.certified.bound[k] + uniform.certified.bound[k])
@@ -116,8 +118,8 @@ TEST(VolumeReference, FanAboveSeabedIsInsideTheBound) {
   // planes, so the solid angle at each range follows from one integral over azimuth.
   WaterPing ping;
   const auto at = [](double x, double y) { return glm::dvec3(x, y, -10); };
-  ping.mesh = test::mesh_of({{at(-512, -512), at(512, -512), at(512, 512)},
-                             {at(-512, -512), at(512, 512), at(-512, 512)}});
+  ping.mesh = test::mesh_of(
+      {{at(-512, -512), at(512, -512), at(512, 512)}, {at(-512, -512), at(512, 512), at(-512, 512)}});
   ping.unit_m = 0x1p-20;
   ping.tubes.reach = 1e12;
   ping.beams = {0};
@@ -163,12 +165,13 @@ TEST(VolumeReference, FanAboveSeabedIsInsideTheBound) {
     double expected = 0;
     constexpr int panels = 400;  // bins may begin within the azimuths
     for (int p = 0; p < panels; ++p) {
-      const double a = std::abs(edge) * (2.0 * p / panels - 1), b = std::abs(edge) * (2.0 * (p + 1) / panels - 1);
+      const double a = std::abs(edge) * (2.0 * p / panels - 1),
+                   b = std::abs(edge) * (2.0 * (p + 1) / panels - 1);
       expected += 1e-7 * Kronrod::integrate(per_azimuth, a, b, 0);
     }
-    EXPECT_NEAR(result.certified.echo.energy[std::size_t(k)], expected,
-                result.certified.bound[std::size_t(k)] + 2e-8 * expected +
-                    1e-13 * result.certified.echo.energy[0])
+    EXPECT_NEAR(
+        result.certified.echo.energy[std::size_t(k)], expected,
+        result.certified.bound[std::size_t(k)] + 2e-8 * expected + 1e-13 * result.certified.echo.energy[0])
         << "sample " << k;
   }
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests volume reverberation against closed forms of a fan above a flat seabed and against sums over rays in
 // random scenes. Also tests the laws of VolumeRegions.
+#include "engine/echo/volume_echo.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "engine/echo/volume_echo.hpp"
 #include "engine/echo/volume_regions.hpp"
 #include "engine/visibility/tube_engine.hpp"
 #include "fixtures/geometry/grid_scenes.hpp"
@@ -31,8 +32,8 @@ History wedge_above_seabed(double width_rad, double height_m, double distance_m)
   const double half = std::atan2(double(side.y), double(side.x));  // as the rays of the tube
   const std::vector<glm::dvec3> seabed{at(0, 0, -height_m), at(-half, distance_m, -height_m),
                                        at(half, distance_m, -height_m)};
-  const std::vector<glm::dvec3> open{at(-half, 1, 0), at(half, 1, 0),
-                                     at(half, distance_m, -height_m), at(-half, distance_m, -height_m)};
+  const std::vector<glm::dvec3> open{at(-half, 1, 0), at(half, 1, 0), at(half, distance_m, -height_m),
+                                     at(-half, distance_m, -height_m)};
   history.tubes.rays = {integer_ray(at(-half, 1, 0)), integer_ray(at(half, 1, 0)), integer_ray({0, 0, -1})};
   history.tubes.tubes = {{1, 0, 2, 2}};
   FootprintSet& set = history.footprints;
@@ -183,12 +184,13 @@ TEST(VolumeEcho, AgreesWithSumsOverRaysInRandomScenes) {
       for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
           const double u = (i + 0.5) / n, v = (j + 0.5) / n;
-          const glm::dvec3 p = (1 - u) * (1 - v) * ray[0] + u * (1 - v) * ray[1] + u * v * ray[2] +
-                               (1 - u) * v * ray[3];
+          const glm::dvec3 p =
+              (1 - u) * (1 - v) * ray[0] + u * (1 - v) * ray[1] + u * v * ray[2] + (1 - u) * v * ray[3];
           const glm::dvec3 du = (1 - v) * (ray[1] - ray[0]) + v * (ray[2] - ray[3]),
                            dv = (1 - u) * (ray[3] - ray[0]) + u * (ray[2] - ray[1]);
           const double size = glm::length(p);
-          const double solid_angle = std::abs(glm::dot(p, glm::cross(du, dv))) / (size * size * size) / (n * n);
+          const double solid_angle =
+              std::abs(glm::dot(p, glm::cross(du, dv))) / (size * size * size) / (n * n);
           const double range = scene.range_m(p / size);
           obstructed += range < 44;
           for (int k = 0; k < samples.count; ++k)
@@ -274,9 +276,11 @@ History before_plate(double height_m, bool with_object) {
   FacetMesh mesh;
   const auto add = [&](double half_m, double z_m) {
     const auto at = [&](double x, double y) {
-      return test::add_vertex(mesh, {std::int32_t(x / unit_m), std::int32_t(y / unit_m), std::int32_t(z_m / unit_m)});
+      return test::add_vertex(
+          mesh, {std::int32_t(x / unit_m), std::int32_t(y / unit_m), std::int32_t(z_m / unit_m)});
     };
-    const VertexId a = at(-half_m, -half_m), b = at(half_m, -half_m), c = at(half_m, half_m), d = at(-half_m, half_m);
+    const VertexId a = at(-half_m, -half_m), b = at(half_m, -half_m), c = at(half_m, half_m),
+                   d = at(-half_m, half_m);
     test::add_facet(mesh, a, b, c);
     test::add_facet(mesh, a, c, d);
   };
@@ -299,7 +303,8 @@ TEST(VolumeEcho, SurfaceOnTheBorderOfALayerEndsTheLayer) {
       const History history = before_plate(height, with_object);
       const Echo uniform = volume_of(history, {1, 0.5, 30}, {{}, {1e-7}});
       for (const double behind : {0.0, 5e-7}) {
-        const VolumeScattering layers{{height}, height > 0 ? std::vector{1e-7, behind} : std::vector{behind, 1e-7}};
+        const VolumeScattering layers{{height},
+                                      height > 0 ? std::vector{1e-7, behind} : std::vector{behind, 1e-7}};
         const Echo echo = volume_of(history, {1, 0.5, 30}, layers);
         for (int k = 0; k < 30; ++k)
           EXPECT_NEAR(echo.energy[k], uniform.energy[k], 1e-12 * uniform.energy[0]) << "sample " << k;
@@ -351,7 +356,8 @@ History open_fan(double width_rad, double shallow_rad, double steep_rad) {
   history.tubes.reach = 1e9;
   for (const std::uint32_t ray : history.tubes.tubes[0]) {
     const GridPoint& d = history.tubes.rays[ray];
-    history.footprints.open_directions.push_back(glm::normalize(glm::dvec3(double(d.x), double(d.y), double(d.z))));
+    history.footprints.open_directions.push_back(
+        glm::normalize(glm::dvec3(double(d.x), double(d.y), double(d.z))));
   }
   history.footprints.open_pieces = {{0, 0, 4}};
   return history;
@@ -359,8 +365,9 @@ History open_fan(double width_rad, double shallow_rad, double steep_rad) {
 
 TEST(VolumeEcho, RefractedRaysAgreeWithSumsOverNumericallyTracedRays) {
   const double width = 0.02, shallow = 0.15, steep = 0.6, apex_depth = 20, c0 = 1500, gradient = -6;
-  WaterColumn column{SoundSpeedProfile({{0, c0 - gradient * apex_depth}, {200, c0 + gradient * (200 - apex_depth)}}),
-                     {0.01, 0.05, 0.05}};
+  WaterColumn column{
+      SoundSpeedProfile({{0, c0 - gradient * apex_depth}, {200, c0 + gradient * (200 - apex_depth)}}),
+      {0.01, 0.05, 0.05}};
   const VolumeScattering volume{{-45, -28}, {1e-7, 0, 3e-7}};  // the surface is at the height 0
   const RangeSamples samples{5, 0.5, 110};
   EchoModel model;
@@ -382,13 +389,15 @@ TEST(VolumeEcho, RefractedRaysAgreeWithSumsOverNumericallyTracedRays) {
     const auto plus = [](const State& a, const State& b, double k) {
       return State{a.x + k * b.x, a.z + k * b.z, a.angle + k * b.angle};
     };
-    const State k1 = derivative(s), k2 = derivative(plus(s, k1, dt / 2)), k3 = derivative(plus(s, k2, dt / 2)),
-                k4 = derivative(plus(s, k3, dt));
-    return State{s.x + dt / 6 * (k1.x + 2 * k2.x + 2 * k3.x + k4.x), s.z + dt / 6 * (k1.z + 2 * k2.z + 2 * k3.z + k4.z),
+    const State k1 = derivative(s), k2 = derivative(plus(s, k1, dt / 2)),
+                k3 = derivative(plus(s, k2, dt / 2)), k4 = derivative(plus(s, k3, dt));
+    return State{s.x + dt / 6 * (k1.x + 2 * k2.x + 2 * k3.x + k4.x),
+                 s.z + dt / 6 * (k1.z + 2 * k2.z + 2 * k3.z + k4.z),
                  s.angle + dt / 6 * (k1.angle + 2 * k2.angle + 2 * k3.angle + k4.angle)};
   };
   for (int i = 0; i < rays; ++i) {
-    const double from = shallow + (steep - shallow) * i / rays, to = shallow + (steep - shallow) * (i + 1) / rays;
+    const double from = shallow + (steep - shallow) * i / rays,
+                 to = shallow + (steep - shallow) * (i + 1) / rays;
     State upper{0, apex_depth, from}, lower{0, apex_depth, to};
     const double launched = width * (std::sin(to) - std::sin(from)), beta = 0.05 * std::log(10) / 10;
     double path = 0;
@@ -402,7 +411,8 @@ TEST(VolumeEcho, RefractedRaysAgreeWithSumsOverNumericallyTracedRays) {
       const auto k = std::ptrdiff_t(std::floor((r + step_m / 2 - samples.first_m) / samples.step_m));
       if (k < 0 || k >= samples.count) continue;
       const double s_v = mid.z > 45 ? 1e-7 : mid.z > 28 ? 0 : 3e-7;
-      expected[std::size_t(k)] += launched * s_v * (c / c0) * (c / c0) / area * std::exp(-2 * beta * path) * c * step_m / c0;
+      expected[std::size_t(k)] +=
+          launched * s_v * (c / c0) * (c / c0) / area * std::exp(-2 * beta * path) * c * step_m / c0;
     }
   }
   for (int k = 0; k < samples.count; ++k)
@@ -434,7 +444,8 @@ TEST(VolumeEcho, SeparateReceiverAgreesWithSumsOverVolumeElements) {
     return GridPoint{std::int32_t(p.x / unit_m), std::int32_t(p.y / unit_m), std::int32_t(p.z / unit_m)};
   };
   FacetMesh mesh;
-  const VertexId a = test::add_vertex(mesh, grid_point({-3, 10, -2})), b = test::add_vertex(mesh, grid_point({4, 11, -2})),
+  const VertexId a = test::add_vertex(mesh, grid_point({-3, 10, -2})),
+                 b = test::add_vertex(mesh, grid_point({4, 11, -2})),
                  c = test::add_vertex(mesh, grid_point({1, 10, 3}));
   test::add_facet(mesh, a, b, c);
   const glm::dvec3 receiver(4, -1, 1);
@@ -459,14 +470,16 @@ TEST(VolumeEcho, SeparateReceiverAgreesWithSumsOverVolumeElements) {
   EchoModel model;
   model.absorption_db_per_m = 0.05;
   const VolumeScattering volume{{-1}, {3e-7, 1e-7}};
-  const Echo echo = bistatic_volume_echo(transmit, receive, receiver, {2, beams}, samples, model, volume, 0.01);
+  const Echo echo =
+      bistatic_volume_echo(transmit, receive, receiver, {2, beams}, samples, model, volume, 0.01);
 
   const glm::dvec3 pa(-3, 10, -2), pb(4, 11, -2), pc(1, 10, 3), normal = glm::cross(pb - pa, pc - pa);
   const auto is_hidden = [&](glm::dvec3 from, glm::dvec3 to) {
     const double h0 = glm::dot(normal, from - pa), h1 = glm::dot(normal, to - pa);
     if (h0 * h1 >= 0) return false;
     const glm::dvec3 at = from + h0 / (h0 - h1) * (to - from);
-    return glm::dot(glm::cross(pb - pa, at - pa), normal) > 0 && glm::dot(glm::cross(pc - pb, at - pb), normal) > 0 &&
+    return glm::dot(glm::cross(pb - pa, at - pa), normal) > 0 &&
+           glm::dot(glm::cross(pc - pb, at - pb), normal) > 0 &&
            glm::dot(glm::cross(pa - pc, at - pc), normal) > 0;
   };
   const auto in_tube = [](const TubeSet& set, std::size_t tube, glm::dvec3 d) {
@@ -488,15 +501,16 @@ TEST(VolumeEcho, SeparateReceiverAgreesWithSumsOverVolumeElements) {
         const glm::dvec3 p(x + step / 2, y + step / 2, z + step / 2), q = p - receiver;
         const double r = glm::length(p), s = glm::length(q);
         const auto k = std::ptrdiff_t(std::floor(((r + s) / 2 - samples.first_m) / samples.step_m));
-        if (k < 0 || k >= samples.count || !(in_tube(transmit.tubes, 0, p) || in_tube(transmit.tubes, 1, p))) continue;
+        if (k < 0 || k >= samples.count || !(in_tube(transmit.tubes, 0, p) || in_tube(transmit.tubes, 1, p)))
+          continue;
         for (std::size_t beam = 0; beam < 2; ++beam) {
           if (!in_tube(receive.tubes, beam, q)) continue;
           if (is_hidden({}, p) || is_hidden(receiver, p)) {
             ++hidden;
             continue;
           }
-          expected[beam * 9 + std::size_t(k)] += (p.z < -1 ? 3e-7 : 1e-7) * std::exp(-beta * (r + s)) /
-                                                 (r * r * s * s) * step * step * step;
+          expected[beam * 9 + std::size_t(k)] +=
+              (p.z < -1 ? 3e-7 : 1e-7) * std::exp(-beta * (r + s)) / (r * r * s * s) * step * step * step;
         }
       }
   EXPECT_GT(hidden, 1000);
@@ -529,7 +543,8 @@ TEST(VolumeEcho, NarrowBeamsOfASeparateReceiverDoNotDependOnCells) {
   std::vector<std::uint32_t> beams(24);
   for (std::uint32_t k = 0; k < 24; ++k) beams[k] = k;
   const auto echo = [&](double cell) {
-    return bistatic_volume_echo(transmit, receive, {1, 0, 0}, {24, beams}, {10, 0.5, 3}, {}, {{}, {1e-7}}, cell)
+    return bistatic_volume_echo(transmit, receive, {1, 0, 0}, {24, beams}, {10, 0.5, 3}, {}, {{}, {1e-7}},
+                                cell)
         .energy;
   };
   const std::vector<double> usual = echo(5e-3), fine = echo(1e-3);
@@ -554,8 +569,8 @@ TEST(VolumeEcho, ReceiverAtTheTransmitterGivesTheEchoOfOneApex) {
   model.absorption_db_per_m = 0.1;
   const VolumeScattering volume{{-6, 3}, {2e-7, 1e-7, 3e-7}};
   const Echo one = volume_echo(history, {int(beams.size()), beams}, samples, model, volume),
-             two = bistatic_volume_echo(history, history, glm::dvec3(0), {int(beams.size()), beams}, samples, model,
-                                        volume, 0.01);
+             two = bistatic_volume_echo(history, history, glm::dvec3(0), {int(beams.size()), beams}, samples,
+                                        model, volume, 0.01);
   const double largest = *std::ranges::max_element(one.energy);
   for (std::size_t bin = 0; bin < one.energy.size(); ++bin)
     EXPECT_NEAR(two.energy[bin], one.energy[bin], 5e-3 * one.energy[bin] + 5e-4 * largest) << "bin " << bin;
@@ -565,11 +580,13 @@ TEST(VolumeEcho, WideTubeToTheNadirHasTheDepthsOfItsDirections) {
   // 40 degrees along the track, 2 degrees across.
   History history;
   history.tubes.reach = 1e9;
-  test::add_pyramid(history.tubes,
-                    {glm::dvec3(0.364, 0.0175, -1), {-0.364, 0.0175, -1}, {-0.364, -0.0175, -1}, {0.364, -0.0175, -1}});
+  test::add_pyramid(
+      history.tubes,
+      {glm::dvec3(0.364, 0.0175, -1), {-0.364, 0.0175, -1}, {-0.364, -0.0175, -1}, {0.364, -0.0175, -1}});
   for (const std::uint32_t ray : history.tubes.tubes[0]) {
     const GridPoint& d = history.tubes.rays[ray];
-    history.footprints.open_directions.push_back(glm::normalize(glm::dvec3(double(d.x), double(d.y), double(d.z))));
+    history.footprints.open_directions.push_back(
+        glm::normalize(glm::dvec3(double(d.x), double(d.y), double(d.z))));
   }
   history.footprints.open_pieces = {{0, 0, 4}};
   const WaterColumn column{SoundSpeedProfile({{0, 1500}, {1000, 1500 + 1e-6}}), {0.4, 0.4, 0.4}};
@@ -578,7 +595,8 @@ TEST(VolumeEcho, WideTubeToTheNadirHasTheDepthsOfItsDirections) {
   EchoModel model;
   model.absorption_db_per_m = 0.4;
   const Echo straight = volume_echo(history, {1, single_beam}, samples, model, volume),
-             refracted = refracted_volume_echo(history, {1, single_beam}, samples, model, volume, {column, 0, 1500});
+             refracted =
+                 refracted_volume_echo(history, {1, single_beam}, samples, model, volume, {column, 0, 1500});
   const double largest = *std::ranges::max_element(straight.energy);
   ASSERT_GT(largest, 0);
   for (int k = 0; k < samples.count; ++k)
