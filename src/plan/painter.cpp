@@ -262,7 +262,7 @@ void Painter::draw_targets(const Panel& panel, Labels& labels) {
   }
   constexpr std::size_t most_names = 30;
   std::size_t names = 0;
-  const auto targets = water_targets_of(survey_.scene);
+  const auto& targets = survey_.loaded_scene->targets;
   for (std::size_t k = 0; k < targets->single.size(); ++k) {
     const glm::dvec2 at = panel.at(survey_.scene.grid.to_metres(targets->single[k].at));
     if (!panel.box().holds(about(at, 0))) continue;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/certified/receiver_pair_reference.hpp"
+#include "engine/echo/volume_echo.hpp"
 #include "engine/rays/ray_engine.hpp"
 #include "engine/visibility/mixed_eigenrays.hpp"
 #include "run/fresnel_borders.hpp"
@@ -400,8 +401,10 @@ std::vector<EchoContribution> contributions_to(const Survey& survey, const RunRe
   if (direct && survey.scene.volume.any()) {
     add(group.sensors, separate ? add_separate_volume : add_volume);
     plan.back().needs_open_water =
-        refracted || separate || !survey.scene.volume.borders_m.empty() ||
-        std::ranges::any_of(group.sensors, [&](std::size_t s) { return sensor(s).has_patterns(); });
+        refracted || separate ||
+        needs_open_water(survey.scene.volume, std::ranges::any_of(group.sensors, [&](std::size_t s) {
+                           return sensor(s).has_patterns();
+                         }));
   }
   add_targets();
   add(those([&](std::size_t s) { return sensor(s).signals() != nullptr; }), add_signals);

@@ -23,6 +23,7 @@ class SurfaceMesh;
 class OmittedRelief;
 class RayScene;
 class RefinedSurfaceFile;
+struct WaterTargets;
 
 /// State of the relief in the facets of a scene. All members keep their defaults without relief.
 struct SceneRelief {
@@ -78,6 +79,7 @@ struct LoadedScene {
   std::size_t facets_given = 0;  ///< number of facets before planes were merged; 0 if they were not merged
   std::optional<SceneCoarsening> coarsening;
   double lowest_m = 0;  ///< lowest height of the scene, for refracting water: rays do not turn below it
+  std::shared_ptr<const WaterTargets> targets;  ///< targets in the water; those of a part are its whole's
   double load_seconds = 0, tree_seconds = 0;
   std::shared_ptr<TerrainUse> terrain_use;  ///< null without tiles
   // For a part that survey_with_tiles() makes:

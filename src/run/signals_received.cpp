@@ -229,12 +229,12 @@ class TransmissionSignals {
   /// Adds the signals of targets in the water. Sets infinite bounds for the samples that they reach; `bound`
   /// may be empty.
   void add_targets(ChannelSignals& sum, std::span<std::complex<double>> bound) const {
-    const std::shared_ptr<const WaterTargets> targets = water_targets_of(transmission_.scene());
-    if (targets->empty()) return;
+    const WaterTargets& targets = *transmission_.loaded_scene().targets;
+    if (targets.empty()) return;
     const auto add = [&](const TubeSet& sent, const TubeSet* received, std::size_t first, std::size_t end) {
       const std::span<const SignalChannel> channels =
           std::span(receiver_.channels).subspan(first, end - first);
-      add_targets_between(*targets, sent, received, reach_m(channels), [&](const WaterTarget& target) {
+      add_targets_between(targets, sent, received, reach_m(channels), [&](const WaterTarget& target) {
         for (std::size_t channel = first; channel < end; ++channel) {
           const std::size_t from = channel * sum.samples;
           const ReachedSamples reached = add_target_signal(

@@ -374,6 +374,7 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
   assume_configuration(loaded_scene->scene, *sensor_set);
   check_places(*loaded_scene, *sensor_set);
   warn_of_motion(*loaded_scene, *sensor_set);
+  loaded_scene->targets = load_water_targets(loaded_scene->scene);
   check_water_targets(*loaded_scene, *sensor_set);
   // Must follow check_places(), whose messages name the facets under a sensor.
   if (facets == Facets::merged && !keeps_its_facets(*loaded_scene)) {
@@ -384,9 +385,8 @@ std::unique_ptr<const Survey> open_survey(const SceneDescription& description, F
   put_into_water(*loaded_scene, *sensor_set);
   check_paths(loaded_scene->scene, *sensor_set);
   find_shared_transmissions(loaded_scene->scene.grid, *sensor_set);
-  std::unique_ptr<const Survey> survey(new Survey{loaded_scene, sensor_set});
-  check_volume(*survey);
-  return survey;
+  check_volume(*loaded_scene, *sensor_set);
+  return std::unique_ptr<const Survey>(new Survey{loaded_scene, sensor_set});
 }
 
 Survey survey_with_tiles(const Survey& survey, const TileChoice& choice) {
@@ -395,6 +395,7 @@ Survey survey_with_tiles(const Survey& survey, const TileChoice& choice) {
   build_tree(*part);
   part->lowest_m = survey.loaded_scene->lowest_m;
   part->whole = survey.loaded_scene;
+  part->targets = survey.loaded_scene->targets;
   part->tiles = choice;
   cut_at_surface(*part);
   return {part, survey.sensor_set};

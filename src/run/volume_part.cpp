@@ -8,6 +8,7 @@
 #include "engine/certified/volume_reference.hpp"
 #include "engine/echo/volume_echo.hpp"
 #include "files/input_error.hpp"
+#include "run/paths.hpp"
 
 namespace tubefoot {
 
@@ -70,22 +71,31 @@ void add_separate_volume(const EchoContribution& plan, const Transmission& trans
   }
 }
 
-void check_volume(const Survey& survey) {
-  if (!survey.scene.volume.any()) return;
-  const SceneDescription& d = survey.scene.description;
+void check_volume(LoadedScene& loaded_scene, const SensorSet& sensor_set) {
+  Scene& scene = loaded_scene.scene;
+  if (!scene.volume.any()) return;
+  const SceneDescription& d = scene.description;
   if (d.sea_surface && d.water.surface_height_m && d.sea_surface->height_m != *d.water.surface_height_m)
     throw InputError(
         d.water.place,
         fmt::format("'surface_height_m' is {} m, but 'height_m' of [sea_surface] is {} m: depths of "
                     "layers need one sea surface; give both keys the same value, or remove one",
                     *d.water.surface_height_m, d.sea_surface->height_m));
-  for (const SensorPings& pings : survey.sensors)
+  for (const SensorPings& pings : sensor_set.sensors)
     if (!(pings.sensor->samples().first_m > 0))
       throw InputError(
           pings.sensor->description().place,
           fmt::format("sensor '{}' receives from range 0 on, where volume scattering is infinite: "
                       "increase 'range_min_m'",
                       pings.sensor->description().name));
+  for (const SensorPings& pings : sensor_set.sensors)
+    if (path_settings(scene, pings.sensor->frequency_khz())) {
+      scene.report.warnings.push_back(fmt::format(
+          "{}: paths via mirrors and with several scatterings contain no volume scattering: sensor '{}' "
+          "receives it along the direct path only",
+          to_string(d.water.place), pings.sensor->description().name));
+      break;
+    }
 }
 
 }  // namespace tubefoot

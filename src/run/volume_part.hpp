@@ -2,6 +2,7 @@
 #pragma once
 
 #include "run/contributions.hpp"
+#include "run/sensor_set.hpp"
 
 namespace tubefoot {
 
@@ -12,6 +13,7 @@ void add_separate_volume(const EchoContribution& plan, const Transmission& trans
 
 /// Throws InputError at the place of a sensor whose range bins begin at the transducer, where the volume
 /// reverberation is infinite. Also throws at the place of the water if it has two heights of the sea surface.
-void check_volume(const Survey& survey);
+/// Adds a warning to the report of a scene with paths over mirrors, which contain no volume scattering.
+void check_volume(LoadedScene& loaded_scene, const SensorSet& sensor_set);
 
 }  // namespace tubefoot

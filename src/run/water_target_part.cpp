@@ -408,7 +408,7 @@ TargetReach target_reach(const Transmission& transmission) {
 
 InputError target_at_sensor(const Transmission& transmission, const WaterTarget& target) {
   const Scene& scene = transmission.scene();
-  const std::vector<WaterTarget>& single = water_targets_of(scene)->single;
+  const std::vector<WaterTarget>& single = transmission.loaded_scene().targets->single;
   const auto found = std::ranges::find(single, target.at, &WaterTarget::at);
   const WaterTargetDescription& described =
       scene.description.targets.at(static_cast<std::size_t>(found - single.begin()));
@@ -420,13 +420,13 @@ InputError target_at_sensor(const Transmission& transmission, const WaterTarget&
 }
 
 void add_water_targets(const EchoContribution& plan, const Transmission& transmission, PingSums& sums) {
-  const std::shared_ptr<const WaterTargets> targets = water_targets_of(transmission.scene());
+  const WaterTargets& targets = *transmission.loaded_scene().targets;
   transmission.surface_mesh();  // made outside of the echo time
   sums.as_echo([&] {
     if (plan.tolerance)
-      add_of<Interval>(plan, transmission, *targets, sums);
+      add_of<Interval>(plan, transmission, targets, sums);
     else
-      add_of<double>(plan, transmission, *targets, sums);
+      add_of<double>(plan, transmission, targets, sums);
   });
 }
 

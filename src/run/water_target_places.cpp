@@ -199,7 +199,7 @@ void refuse_too_many(const Scene& scene, const WaterTargets& targets, const Sens
 void check_water_targets(LoadedScene& loaded_scene, const SensorSet& sensor_set) {
   Scene& scene = loaded_scene.scene;
   if (!has_water_targets(scene.description)) return;
-  const std::shared_ptr<const WaterTargets> targets = water_targets_of(scene);
+  const std::shared_ptr<const WaterTargets>& targets = loaded_scene.targets;
   SceneBelow below(loaded_scene);
   for (std::size_t k = 0; k < targets->single.size(); ++k) {
     const WaterTargetDescription& described = scene.description.targets[k];

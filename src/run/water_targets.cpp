@@ -8,7 +8,6 @@
 #include <cmath>
 #include <glm/trigonometric.hpp>
 #include <map>
-#include <mutex>
 #include <set>
 #include <span>
 #include <string>
@@ -107,7 +106,13 @@ std::uint64_t hash_of(std::string_view text) {
   return hash;
 }
 
-std::shared_ptr<const WaterTargets> make_targets(const Scene& scene) {
+}  // namespace
+
+bool has_water_targets(const SceneDescription& description) {
+  return !description.targets.empty() || !description.target_populations.empty();
+}
+
+std::shared_ptr<const WaterTargets> load_water_targets(const Scene& scene) {
   const SceneDescription& d = scene.description;
   auto made = std::make_shared<WaterTargets>();
   for (const WaterTargetDescription& described : d.targets) {
@@ -128,34 +133,6 @@ std::shared_ptr<const WaterTargets> make_targets(const Scene& scene) {
                                  described.strength_spread_db, described.seed ^ hash_of(described.name)});
   }
   return made;
-}
-
-/// Identity of a scene's targets on its grid. The scene hash covers all files that the scene names.
-std::string identity_of(const Scene& scene) {
-  const glm::dvec3 origin = scene.grid.origin_m();
-  return fmt::format("{} {} {} {} {} {} {}", scene.description.sha256, scene.grid.exponent(), origin.x,
-                     origin.y, origin.z, scene.description.targets.size(),
-                     scene.description.target_populations.size());
-}
-
-}  // namespace
-
-bool has_water_targets(const SceneDescription& description) {
-  return !description.targets.empty() || !description.target_populations.empty();
-}
-
-std::shared_ptr<const WaterTargets> water_targets_of(const Scene& scene) {
-  // Tables and positions on Earth cost more than a small ping.
-  static std::mutex mutex;
-  static std::map<std::string, std::shared_ptr<const WaterTargets>> kept;
-  if (!has_water_targets(scene.description)) return std::make_shared<const WaterTargets>();
-  if (scene.description.sha256.empty()) return make_targets(scene);
-  const std::string identity = identity_of(scene);
-  const std::lock_guard lock(mutex);
-  if (const auto known = kept.find(identity); known != kept.end()) return known->second;
-  constexpr std::size_t most_kept = 8;
-  if (kept.size() >= most_kept) kept.clear();
-  return kept[identity] = make_targets(scene);
 }
 
 }  // namespace tubefoot

@@ -24,9 +24,9 @@ constexpr double most_target_signal_values = 1e10;
 /// Returns whether the scene has targets in the water.
 bool has_water_targets(const SceneDescription& description);
 
-/// Returns the targets of a scene on its grid, with the tables of their strengths. The last results are
-/// cached. Thread-safe. Throws InputError at the line of an invalid table, or at the place of a target.
-std::shared_ptr<const WaterTargets> water_targets_of(const Scene& scene);
+/// Loads the targets of a scene on its grid, with the tables of their strengths. Throws InputError at the
+/// line of an invalid table, or at the place of a target.
+std::shared_ptr<const WaterTargets> load_water_targets(const Scene& scene);
 
 /// Checks the targets before a run, while the loaded scene contains whole bodies. Throws InputError for
 /// - a target on a facet, below the terrain, inside a closed object or above the sea surface; moving objects

@@ -274,5 +274,16 @@ TEST_F(VolumeRun, LayersThatEndAboveTheSeabedGiveAWarning) {
   EXPECT_THAT(output("0,-60\n6,-50\n12,-999\n"), testing::Not(HasSubstr("ends at a depth")));
 }
 
+TEST_F(VolumeRun, PathsViaMirrorsGiveAWarning) {
+  const auto warnings = [&](const std::string& more) {
+    const std::string scene = fan_scene(still + "volume_scattering_db = -60\n", {}, more);
+    return run_program({"check", folder.write("scene.toml", scene).string()}).err;
+  };
+  const std::string text =
+      "contain no volume scattering: sensor 'fan' receives it along the direct path only";
+  EXPECT_THAT(warnings("[sea_surface]\nheight_m = 40\n[paths]\norder = 2\n"), HasSubstr(text));
+  EXPECT_THAT(warnings({}), testing::Not(HasSubstr(text)));
+}
+
 }  // namespace
 }  // namespace tubefoot

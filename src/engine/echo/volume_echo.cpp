@@ -62,8 +62,8 @@ double nearest_scattering_m(const VolumeScattering& volume, double height_m) {
 
 }  // namespace
 
-bool needs_open_water(const VolumeScattering& volume, const BeamPatterns* patterns) {
-  return patterns != nullptr || !volume.borders_m.empty();
+bool needs_open_water(const VolumeScattering& volume, bool has_patterns) {
+  return has_patterns || !volume.borders_m.empty();
 }
 
 Echo volume_echo(const History& history, const ReceiveBeams& beams, const RangeSamples& samples,
@@ -71,7 +71,7 @@ Echo volume_echo(const History& history, const ReceiveBeams& beams, const RangeS
   check(volume);
   ConeSums sums(beams, samples, model.absorption_db_per_m, model.patterns, model.pattern_tolerance);
   std::size_t surface = 0, open = 0;
-  if (!needs_open_water(volume, model.patterns)) {
+  if (!needs_open_water(volume, model.patterns != nullptr)) {
     const double s_v_per_m = volume.s_v_per_m.front();
     std::vector<double> solid_angle_sr(std::size_t(beams.count));
     for (std::uint32_t tube = 0; tube < history.tubes.tubes.size(); ++tube) {

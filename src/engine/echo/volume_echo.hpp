@@ -26,7 +26,7 @@ Echo volume_echo(const History& history, const ReceiveBeams& beams, const RangeS
 
 /// Returns whether volume_echo() needs the unobstructed regions of the history. In uniform water with ideal
 /// beams, the solid angle of the tubes minus that of the visible polygons suffices.
-bool needs_open_water(const VolumeScattering& volume, const BeamPatterns* patterns);
+bool needs_open_water(const VolumeScattering& volume, bool has_patterns);
 
 /// Water in which rays are arcs of circles.
 struct RefractingWater {
