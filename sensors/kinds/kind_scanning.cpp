@@ -198,11 +198,16 @@ class ScanningKind : public SensorKind {
                                    "4096 steps, but it is {:.6g} steps",
                                    scan.scan_deg, scan.step_deg, scan.scan_deg / scan.step_deg));
     const double scan_s = *steps * step_interval_s(scan);
-    if (sensor.pings.value_or(1) > 1 && scan_s > sensor.ping_interval_s * (1 + 1e-9))
-      throw InputError(place_of_pair(table, "pings", "ping_interval_s"),
-                       fmt::format("a ping is a scan of {} steps, which takes {:.6g} s, so 'ping_interval_s' "
-                                   "must be this time or more, not {:g}",
-                                   *steps, scan_s, sensor.ping_interval_s));
+    const double interval_s = sensor.shortest_interval_s();
+    if (sensor.has_several_pings() && scan_s > interval_s * (1 + 1e-9))
+      throw InputError(
+          sensor.ping_times_s.empty() ? place_of_pair(table, "pings", "ping_interval_s")
+                                      : table.place_of("ping_times_s"),
+          fmt::format("a ping is a scan of {} steps, which takes {:.6g} s, so {} "
+                      "must be this time or more, not {:g}",
+                      *steps, scan_s,
+                      sensor.ping_times_s.empty() ? "'ping_interval_s'" : "the intervals of 'ping_times_s'",
+                      interval_s));
   }
   bool looks_ahead() const override { return true; }
   SensorFigures figures(const SensorDescription& sensor) const override {

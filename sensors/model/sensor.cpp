@@ -152,7 +152,10 @@ Directivity Sensor::directivity(const PatternDescription& pattern,
                                                         : fan.azimuth;
   made.axis = glm::normalize(turn * own);
   if (!made.from_axis) made.centre = glm::dot(own, beam_axis);
-  if (made.kind == Kind::line) made.size = *pattern.aperture_m / wavelength_m;
+  if (made.kind == Kind::line) {
+    made.size = *pattern.aperture_m / wavelength_m;
+    made.shading = pattern.shading;
+  }
   if (made.kind == Kind::piston) made.size = std::numbers::pi * *pattern.aperture_m / wavelength_m;
   if (made.kind == Kind::gaussian) made.size = radians(*pattern.width_deg);
   made.table = table;

@@ -80,11 +80,11 @@ std::optional<SectorError> error_of_sectors(const SensorDescription& sensor, con
                                           keys.edges_deg.empty() ? "set 'sector_edges_deg', or give one value"
                                                                  : "give one value per sector")};
   for (const double delay_us : values_of(keys, "sector_delays_us"))
-    if (sensor.pings.value_or(1) > 1 && delay_us * 1e-6 >= sensor.ping_interval_s)
+    if (sensor.has_several_pings() && delay_us * 1e-6 >= sensor.shortest_interval_s())
       return SectorError{"sector_delays_us",
                          fmt::format("a delay of {} us is longer than the ping: it must be below "
-                                     "'ping_interval_s', which is {} s",
-                                     delay_us, sensor.ping_interval_s)};
+                                     "the time between pings, which is {} s",
+                                     delay_us, sensor.shortest_interval_s())};
   for (const double tilt_deg : values_of(keys, "sector_tilts_deg"))
     if (!(std::abs(tilt_deg) + keys.along_track_deg / 2 < 90))
       return SectorError{

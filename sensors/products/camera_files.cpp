@@ -60,7 +60,7 @@ DdfHeader ddf_header(const Recording& recording, const RunContext& run) {
   header.title = run.title;
   header.window = ddf_window(header, sensor.samples().first_m / recording.range_ratio, length_m);
   header.sample_rate_hz = ddf_sample_rate_hz(length_m);
-  header.frame_rate_hz = 1 / sensor.description().ping_interval_s;
+  header.frame_rate_hz = 1 / sensor.description().shortest_interval_s();
   header.sound_speed_m_s = recording.sound_speed_m_s;
   header.water_temperature_c = run.water.temperature_c;
   return header;
@@ -79,7 +79,7 @@ ArisHeader aris_header(const Recording& recording, const RunContext& run) {
   header.window =
       aris_window(samples.first_m, samples.count * samples.step_m, samples.count, recording.sound_speed_m_s);
   header.sound_speed_m_s = recording.sound_speed_m_s;
-  header.frame_rate_hz = 1 / sensor.description().ping_interval_s;
+  header.frame_rate_hz = 1 / sensor.description().shortest_interval_s();
   header.water_temperature_c = run.water.temperature_c;
   header.salinity = run.water.salinity_psu < 7.5  ? ArisSalinity::fresh
                     : run.water.salinity_psu < 25 ? ArisSalinity::brackish

@@ -213,7 +213,7 @@ Reson8101Settings settings_8101(const Recording& recording, const SwathSettings&
   Reson8101Settings settings;
   settings.sound_speed_m_s = recording.sound_speed_m_s;
   settings.range_m = std::ceil(swath.range_max_m);
-  settings.ping_rate_hz = std::min(fastest_hz, 1 / recording.sensor->description().ping_interval_s);
+  settings.ping_rate_hz = std::min(fastest_hz, 1 / recording.sensor->description().shortest_interval_s());
   settings.time_varied_gain = signal.tvg_spreading.has_value();
   settings.spreading = signal.tvg_spreading.value_or(settings.spreading);
   settings.absorption_db_per_km =

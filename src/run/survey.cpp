@@ -81,12 +81,12 @@ void place_transmissions(SensorPings& pings, const Trajectory& trajectory) {
   if (sensor.has_separate_receiver()) pings.receiver_poses.reserve(transmissions);
   for (std::size_t t = 0; t < sensor.transmit_sectors().size(); ++t)
     if (const double delay_s = sensor.transmission_delay_s(sensor.first_transmission(t));
-        pings.times_s.size() > 1 && delay_s >= sensor.description().ping_interval_s)
+        pings.times_s.size() > 1 && delay_s >= sensor.description().shortest_interval_s())
       throw InputError(
           sensor.description().place,
           fmt::format("sector {} of sensor '{}' has a delay of {} s, which is longer than the "
-                      "ping: it must be below 'ping_interval_s', which is {} s",
-                      t, sensor.description().name, delay_s, sensor.description().ping_interval_s));
+                      "ping: it must be below the time between pings, which is {} s",
+                      t, sensor.description().name, delay_s, sensor.description().shortest_interval_s()));
   Steps placed("pings placed", pings.times_s.size());
   for (const double time_s : pings.times_s) {
     placed.done();

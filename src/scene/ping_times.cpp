@@ -10,21 +10,31 @@ namespace tubefoot {
 
 PingTimes::PingTimes(const SensorDescription& sensor, const Trajectory& trajectory,
                      const std::string& trajectory_name)
-    : interval_s_(sensor.ping_interval_s), divided_(!trajectory.lines().empty()) {
+    : listed_s_(sensor.ping_times_s),
+      interval_s_(sensor.ping_interval_s),
+      divided_(!trajectory.lines().empty()) {
   const auto refuse = [&](const std::string& what) { throw InputError(sensor.place, what); };
+  const bool listed = !listed_s_.empty();
+  if (divided_ && listed)
+    refuse(
+        fmt::format("sensor '{}' has 'ping_times_s', but trajectory '{}' is divided into lines: give "
+                    "'first_ping_s' and 'ping_interval_s', which apply to each line",
+                    sensor.name, trajectory_name));
   if (!divided_) {
-    count_ = static_cast<std::size_t>(sensor.pings.value_or(1));
+    count_ = listed ? listed_s_.size() : static_cast<std::size_t>(sensor.pings.value_or(1));
     starts_ = {0};
-    first_s_ = {sensor.first_ping_s};
+    first_s_ = {listed ? listed_s_.front() : sensor.first_ping_s};
     if (trajectory.is_fixed()) return;
-    const double last_s = first_s_[0] + static_cast<double>(count_ - 1) * interval_s_;
+    const double last_s =
+        listed ? listed_s_.back() : first_s_[0] + static_cast<double>(count_ - 1) * interval_s_;
     for (const auto& [ping, time_s] : {std::pair(std::size_t{0}, first_s_[0]), std::pair(count_ - 1, last_s)})
       if (!trajectory.holds(time_s))
         refuse(fmt::format(
             "ping {} of sensor '{}' is at {:.9g} s, outside of its trajectory '{}', which lasts from {:.9g} "
             "s to "
-            "{:.9g} s: change first_ping_s, pings or ping_interval_s, or the trajectory",
-            ping, sensor.name, time_s, trajectory_name, trajectory.begin_s(), trajectory.end_s()));
+            "{:.9g} s: change {}, or the trajectory",
+            ping, sensor.name, time_s, trajectory_name, trajectory.begin_s(), trajectory.end_s(),
+            listed ? "ping_times_s" : "first_ping_s, pings or ping_interval_s"));
     return;
   }
   constexpr double most = 1e7, rounding = 1e-9;

@@ -10,8 +10,8 @@
 
 namespace tubefoot {
 
-/// Times of a sensor's pings, at equal intervals from its first ping. On the lines of a survey, the pings
-/// begin again at the beginning of each line and end with it. `pings` limits their total number.
+/// Times of a sensor's pings: a list, or at equal intervals from the first ping. On the lines of a survey,
+/// the pings begin again at the beginning of each line and end with it. `pings` limits their total number.
 class PingTimes {
  public:
   /// Throws InputError at the sensor's place for pings outside of its trajectory. It also throws if the
@@ -23,6 +23,8 @@ class PingTimes {
   /// Calls `take` with the time of each ping in s.
   template <class Take>
   void each(const Take& take) const {
+    for (const double time_s : listed_s_) take(time_s);
+    if (!listed_s_.empty()) return;
     for (std::size_t line = 0; line < starts_.size(); ++line)
       for (std::size_t ping = starts_[line]; ping < end_of(line); ++ping)
         take(first_s_[line] + static_cast<double>(ping - starts_[line]) * interval_s_);
@@ -39,6 +41,7 @@ class PingTimes {
   }
 
   std::size_t count_ = 0;
+  std::vector<double> listed_s_;
   double interval_s_;
   bool divided_;
   std::vector<std::size_t> starts_;

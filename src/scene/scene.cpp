@@ -379,19 +379,19 @@ class Loader {
       const std::size_t s = trajectory_of(sensor);
       const PingTimes times(sensor, trajectories_[s], description_.trajectories[s].name);
       first_ping_s_ = std::min(first_ping_s_, times.first_s());
+      const double interval_s = sensor.shortest_interval_s();
       std::size_t ping = 0;
       times.each([&](double time_s) {
         if (!trajectory.holds(time_s))
           throw InputError(
               object.trajectory_place,
-              fmt::format("ping {} of sensor '{}' is at {:.9g} s, outside of trajectory '{}' of object '{}', "
-                          "which lasts from {:.9g} s to {:.9g} s: change the trajectory, or first_ping_s, "
-                          "pings or ping_interval_s",
+              fmt::format("ping {} of sensor '{}' is at {:.9g} s, outside of trajectory '{}' of object "
+                          "'{}', which lasts from {:.9g} s to {:.9g} s: change the trajectory or the pings",
                           ping, sensor.name, time_s, object.trajectory, object.name, trajectory.begin_s(),
                           trajectory.end_s()));
         ++ping;
         // Later transmissions of a ping are sent before the next ping.
-        for (const double at_s : {time_s, std::min(time_s + sensor.ping_interval_s, trajectory.end_s())})
+        for (const double at_s : {time_s, std::min(time_s + interval_s, trajectory.end_s())})
           for (const double side : {-1.0, 1.0})
             swept.add(pose_of(moving, trajectory, trajectory.holds(at_s) ? at_s : time_s).position_m +
                       side * radius_m);

@@ -69,5 +69,30 @@ TEST(PingTimes, RefuseASurveyWithoutPingsAndOneWithTooMany) {
   EXPECT_THAT([] { times(sonar({}, 1e-8)); }, ThrowsMessage<InputError>(HasSubstr("more than 1e+07 pings")));
 }
 
+TEST(PingTimes, OfAListAreThoseOfTheList) {
+  SensorDescription sensor = sonar({}, 0.1);
+  sensor.ping_times_s = {2, 2.25, 7};
+  const Trajectory still(std::vector<Trajectory::Sample>(1));
+  const PingTimes listed(sensor, still, "still");
+  EXPECT_THAT(listed.times_s(), ElementsAre(2, 2.25, 7));
+  EXPECT_EQ(listed.count(), 3u);
+  EXPECT_EQ(listed.first_s(), 2);
+  EXPECT_THAT(listed.line_starts(), IsEmpty());
+  EXPECT_TRUE(sensor.has_several_pings());
+  EXPECT_EQ(sensor.shortest_interval_s(), 0.25);
+}
+
+TEST(PingTimes, OfAListAreOnTheTrajectoryAndNotOnLines) {
+  SensorDescription sensor = sonar({}, 0.1);
+  sensor.ping_times_s = {2, 31};
+  EXPECT_THAT([&] { times(sensor); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("scene.toml:40:1"), HasSubstr("'ping_times_s'"),
+                                              HasSubstr("divided into lines"))));
+  const Trajectory short_track({{0, {}}, {30, {{0, 30, 0}, {1, 0, 0, 0}}}});
+  EXPECT_THAT([&] { PingTimes(sensor, short_track, "track"); },
+              ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("ping 1 of sensor 'sonar' is at 31 s"), HasSubstr("change ping_times_s"))));
+}
+
 }  // namespace
 }  // namespace tubefoot

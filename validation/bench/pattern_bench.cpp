@@ -76,7 +76,7 @@ void measure_patterns(int n, int tubes, int repetitions, const std::string& only
   fmt::print("no patterns: {:.1f} ms\n", plain_ms);
   const Directivity line{Directivity::Kind::line, {1, 0, 0}, false, 0, 120},
       gaussian{Directivity::Kind::gaussian, {1, 0, 0}, false, 0, 0.3 * degree},
-      tabulated{Directivity::Kind::table, {1, 0, 0}, false, 0, 0, table_with_floor()};
+      tabulated{Directivity::Kind::table, {1, 0, 0}, false, 0, 0, 0, table_with_floor()};
   for (const auto& [name, pattern] :
        {std::pair("line", line), std::pair("gaussian", gaussian), std::pair("table", tabulated)}) {
     if (!only.empty() && only != name) continue;

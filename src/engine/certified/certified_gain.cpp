@@ -120,7 +120,11 @@ Interval CertifiedGain::at(const Interval& w, bool by_segment, double most) cons
     const bool beyond = !value.is_finite() || (!by_segment && value.hi() > most);
     return beyond ? Interval(0, most) : Interval(value.lo(), value.hi());
   };
-  if (d.kind == Directivity::Kind::line) return squared(sinc(d.size * (w - d.centre)));
+  if (d.kind == Directivity::Kind::line) {
+    const Interval u = d.size * (w - d.centre);
+    if (d.shading == 0) return squared(sinc(u));
+    return squared(sinc(u) + d.shading / 2 * (sinc(u - 1.0) + sinc(u + 1.0)));
+  }
   if (d.kind != Directivity::Kind::gaussian || !(w.lo >= -1 && w.hi <= 1)) return as_ball();
   const auto angle_of = [&](double x) { return d.from_axis ? std::acos(x) : std::asin(x); };
   const auto span = [](double a, double b) {
@@ -140,10 +144,14 @@ Ball CertifiedGain::at(const Ball& w, bool by_segment, const Ball& otherwise) co
     case Directivity::Kind::uniform:
       return Ball(1);
     case Directivity::Kind::line: {
-      Ball sinc;
+      const auto sinc = [](const Ball& x) {
+        Ball value;
+        arb_sinc_pi(value.get(), x.get(), ball_bits);
+        return value;
+      };
       const Ball u = size * (w - Ball(d.centre));
-      arb_sinc_pi(sinc.get(), u.get(), ball_bits);
-      return squared(sinc);
+      if (d.shading == 0) return squared(sinc(u));
+      return squared(sinc(u) + Ball(d.shading / 2) * (sinc(u - Ball(1)) + sinc(u + Ball(1))));
     }
     case Directivity::Kind::piston: {
       // 2 J1(x) / x = 0F1(2; -x^2 / 4)
@@ -179,6 +187,7 @@ Ball CertifiedGain::at(const Ball& w, bool by_segment, const Ball& otherwise) co
 }
 
 bool CertifiedGain::has_no_zero(const Ball& w) const {
+  if (pattern->kind == Directivity::Kind::line && pattern->shading > 0) return at(w, false, Ball(0)).lo() > 0;
   if (pattern->kind == Directivity::Kind::line) {
     const Ball u = Ball(pattern->size) * (w - Ball(pattern->centre));
     // The zeros are the integers except 0.

@@ -26,11 +26,11 @@ Interval cosines_of(const glm::dvec3& axis, const Towards& towards) {
 
 /// Bound of the change of a pattern's square root. The direction has an error of `turn_rad`, and its cosine
 /// with the pattern's axis an additional relative error of `stretch`. Largest slopes: sinc x = sin(pi x) /
-/// (pi x) has 1.3703. The function 2 J1(x) / x has 0.37, or 1/8 as a function of x^2. The function exp(-2 ln
-/// 2 (a / size)^2) has 1.0099 / size.
+/// (pi x) has 1.3703, and a shaded line array at most 1 + shading times as much. The function 2 J1(x) / x has
+/// 0.37, or 1/8 as a function of x^2. The function exp(-2 ln 2 (a / size)^2) has 1.0099 / size.
 double root_change(const Directivity& d, double turn_rad, double stretch, const Towards& towards) {
   if (d.kind == Directivity::Kind::uniform) return 0;
-  if (d.kind == Directivity::Kind::line) return 1.3705 * d.size * (turn_rad + stretch);
+  if (d.kind == Directivity::Kind::line) return 1.3705 * (1 + d.shading) * d.size * (turn_rad + stretch);
   if (d.kind == Directivity::Kind::piston)
     return 0.4 * d.size * 1.01 * turn_rad + d.size * d.size / 4 * 1.01 * stretch;
   // Functions of the angle have d acos w = d asin w = dw / sqrt(1 - w^2) in modulus. The change of an angle

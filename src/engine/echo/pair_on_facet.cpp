@@ -5,7 +5,6 @@
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 // Evaluates energies of channels and products of two channels on a facet, with patterns, mirror losses,
 // texture and phase (pair_on_facet.hpp).
@@ -17,10 +16,8 @@ double amplitude_sign(const Directivity& pattern, double cosine) {
   using Double = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
   const double w = std::clamp(cosine, -1.0, 1.0);
   switch (pattern.kind) {
-    case Directivity::Kind::line: {
-      const double x = pattern.size * (w - pattern.centre);
-      return x != 0 && std::sin(std::numbers::pi * x) / x < 0 ? -1 : 1;
-    }
+    case Directivity::Kind::line:
+      return line_amplitude(pattern.size * (w - pattern.centre), pattern.shading) < 0 ? -1 : 1;
     case Directivity::Kind::piston:
       return boost::math::cyl_bessel_j(1, pattern.size * std::sqrt(1 - w * w), Double()) < 0 ? -1 : 1;
     case Directivity::Kind::uniform:

@@ -65,7 +65,7 @@ std::shared_ptr<GainPanels> gains_of(std::span<const Directivity> summed, std::s
   Key key{{tolerance, double(summed.size())}, {}};
   for (const std::span<const Directivity> patterns : {summed, each})
     for (const Directivity& p : patterns) {
-      key.first.insert(key.first.end(), {double(p.kind), double(p.from_axis), p.centre, p.size});
+      key.first.insert(key.first.end(), {double(p.kind), double(p.from_axis), p.centre, p.size, p.shading});
       key.second.push_back(p.table.get());
     }
   if (const auto known = kept.find(key); known != kept.end()) return known->second;

@@ -21,10 +21,10 @@ namespace {
 
 double squared(double x) { return x * x; }
 
-double sinc2(double x) {
+double sinc(double x) {
   const double y = pi * x;
   // For smaller values the square differs from 1 by less than a rounding error.
-  return std::abs(y) < 1e-8 ? 1.0 : squared(std::sin(y) / y);
+  return std::abs(y) < 1e-8 ? 1.0 : std::sin(y) / y;
 }
 
 double piston(double x) {
@@ -86,13 +86,17 @@ double PatternTable::level_db(double angle_rad) const {
   return s.c[0] + x * (s.c[1] + x * (s.c[2] + x * s.c[3]));
 }
 
+double line_amplitude(double u, double shading) {
+  return shading == 0 ? sinc(u) : sinc(u) + shading / 2 * (sinc(u - 1) + sinc(u + 1));
+}
+
 double Directivity::gain_at(double cosine) const {
   const double w = std::clamp(cosine, -1.0, 1.0);
   switch (kind) {
     case Kind::uniform:
       return 1;
     case Kind::line:
-      return sinc2(size * (w - centre));
+      return squared(line_amplitude(size * (w - centre), shading));
     case Kind::piston:
       return piston(size * std::sqrt(1 - w * w));
     case Kind::gaussian:
@@ -125,7 +129,7 @@ double Directivity::growth(double y) const {
   switch (kind) {
     case Kind::uniform:
       return 0;
-    case Kind::line:
+    case Kind::line:  // weights near the centre grow less than uniform weights
       return 2 * log_sinhc(pi * size * y);
     case Kind::piston:
       return 2 * size * y;

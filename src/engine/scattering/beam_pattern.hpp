@@ -42,13 +42,20 @@ class PatternTable {
   double steepest_ = 0;
 };
 
+/// Amplitude pattern of a line array of unit length whose elements have the weight 1 + shading cos(2 pi x) at
+/// the distance x from its centre: sinc u + shading / 2 (sinc(u - 1) + sinc(u + 1)), with sinc u = sin(pi u)
+/// / (pi u). `shading`: 0 for uniform weights, 0.852 for the Hamming window, 1 for the Hann window. The
+/// modulus is at most 1, because weights are not negative and have the mean 1. Source: Harris 1978, section
+/// V.C.
+double line_amplitude(double u, double shading);
+
 /// A power pattern, 1 on its axis, that depends on a direction through one cosine: that between the direction
 /// and `axis`. For a line array `axis` is the direction of the array. For a pattern about the beam's axis it
 /// is the beam's axis.
 struct Directivity {
   enum class Kind {
     uniform,  ///< 1 everywhere
-    line,     ///< sinc^2(size * (cosine - centre)), size = length / wavelength, sinc x = sin(pi x) / (pi x)
+    line,     ///< line_amplitude(size * (cosine - centre), shading)^2, size = length / wavelength
     piston,  ///< (2 J1(x) / x)^2, x = size * sine, size = pi diameter / wavelength; equal in front and behind
     gaussian,  ///< exp(-4 ln 2 (angle / size)^2), size = full width at -3 dB, radians
     table      ///< PatternTable over the angle
@@ -60,6 +67,7 @@ struct Directivity {
   bool from_axis = false;
   double centre = 0;  ///< cosine of the beam's own direction; not used with from_axis
   double size = 0;
+  double shading = 0;  ///< of a line array: line_amplitude()
   std::shared_ptr<const PatternTable> table{};
 
   /// Returns the power in a direction (unit vector) relative to that on the beam's axis.

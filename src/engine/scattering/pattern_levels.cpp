@@ -157,8 +157,10 @@ CosineRange cosines_of_gain(const Directivity& p, double least) {
     return {cosine_of(p, to_rad) - rounding, 1};
   };
   switch (p.kind) {
-    case Kind::line: {  // |sin| <= 1
-      const double off = 1 / (pi * p.size * std::sqrt(least));
+    case Kind::line: {
+      // |sin| <= 1. Shading decreases the modulus beyond u = 2, where it is |sinc u| |1 - s u^2 / (u^2 - 1)|.
+      const double bound = 1 / (pi * std::sqrt(least));
+      const double off = (p.shading == 0 ? bound : std::max(2.0, bound)) / p.size;
       return {p.centre - off, p.centre + off};
     }
     case Kind::gaussian: {

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <typeinfo>
 #include <utility>
+#include <vector>
 
 #include "files/input_error.hpp"
 #include "scene/description/processing_description.hpp"
@@ -68,8 +71,9 @@ Own& kind_as(SensorKeys& keys) {
 struct PatternDescription {
   std::string pattern = "none";   ///< none | line | piston | gaussian | table
   std::string angle = "azimuth";  ///< azimuth | elevation | off_axis: argument of all patterns except piston
-  std::optional<double> aperture_m;           ///< length of a line, diameter of a piston
-  std::optional<double> width_deg;            ///< gaussian: full one-way width at -3 dB
+  std::optional<double> aperture_m;  ///< length of a line, diameter of a piston
+  double shading = 0;                ///< line: amplitude of the cosine of the weights of its elements
+  std::optional<double> width_deg;   ///< gaussian: full one-way width at -3 dB
   std::optional<std::filesystem::path> file;  ///< of a table
   SourcePlace file_place;
 };
@@ -107,9 +111,10 @@ struct SensorDescription {
   double first_ping_s = 0;
   std::optional<int> pings;  ///< default 1; on the lines of a survey, all that fit
   double ping_interval_s = 0.1;
-  bool stop_and_hop = true;        ///< the carrier stands still during a ping
-  double motion_step_beams = 0.1;  ///< largest change of the receiver's direction within an interval of the
-                                   ///< record, in widths of the narrowest beam
+  std::vector<double> ping_times_s;  ///< increasing; instead of the three members before it, if not empty
+  bool stop_and_hop = true;          ///< the carrier stands still during a ping
+  double motion_step_beams = 0.1;    ///< largest change of the receiver's direction within an interval of the
+                                     ///< record, in widths of the narrowest beam
   /// Permitted relative error of a beam's height, as planes approximate its cones (angles.hpp).
   double cone_tolerance = 4.5e-5;
   /// sharp: geometrical shadows. fresnel: energies are weighted by the diffraction at silhouette edges.
@@ -117,6 +122,17 @@ struct SensorDescription {
   PatternDescription transmit, receive;
   SignalDescription signal;
   SensorKeys kind;  ///< keys that only sensors of its kind have
+
+  bool has_several_pings() const {
+    return ping_times_s.empty() ? pings.value_or(1) > 1 : ping_times_s.size() > 1;
+  }
+  /// Returns the shortest time between pings.
+  double shortest_interval_s() const {
+    double shortest_s = ping_times_s.size() > 1 ? std::numeric_limits<double>::infinity() : ping_interval_s;
+    for (std::size_t k = 1; k < ping_times_s.size(); ++k)
+      shortest_s = std::min(shortest_s, ping_times_s[k] - ping_times_s[k - 1]);
+    return shortest_s;
+  }
 };
 
 /// Returns the figures that the kind of a sensor computes from its keys.

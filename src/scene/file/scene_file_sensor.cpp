@@ -23,6 +23,7 @@ void check_pattern(const PatternDescription& pattern, const std::string& side, c
       {"_beam_width_deg", pattern.width_deg.has_value(), {"gaussian"}},
       {"_pattern_file", pattern.file.has_value(), {"table"}},
       {"_pattern_angle", table.has(side + "_pattern_angle"), {"line", "gaussian", "table"}},
+      {"_shading", table.has(side + "_shading"), {"line"}},
   };
   for (const auto& [measure, given, patterns] : rules) {
     const bool takes = std::ranges::find(patterns, pattern.pattern) != patterns.end();
@@ -34,7 +35,7 @@ void check_pattern(const PatternDescription& pattern, const std::string& side, c
           fmt::format("'{}' applies to {}_pattern = {}, not to {}: remove the key, or change the pattern",
                       key, side, one_of(patterns, '"'), choice));
     }
-    if (takes && !given && key != side + "_pattern_angle")
+    if (takes && !given && key != side + "_pattern_angle" && key != side + "_shading")
       throw InputError(table.place_of(side + "_pattern"), fmt::format("{} needs the key '{}'", choice, key));
   }
   if (pattern.pattern == "line" && pattern.angle == "off_axis") {
@@ -81,12 +82,31 @@ void check_amounts(const SensorDescription& sensor, const TomlTable& table) {
         fmt::format("'beams' and 'samples' give {} range bins per ping, but at most {} are allowed: reduce "
                     "one of the two, or distribute the beams over several sensors",
                     cells, limits::ping_cells));
-  const std::int64_t transmissions = sensor.pings.value_or(1) * figures.transmissions;
+  const std::int64_t pings =
+      sensor.ping_times_s.empty() ? sensor.pings.value_or(1) : std::ssize(sensor.ping_times_s);
+  const std::int64_t transmissions = pings * figures.transmissions;
   if (transmissions > limits::sensor_transmissions)
-    throw InputError(table.place_of("pings"),
+    throw InputError(table.place_of(sensor.ping_times_s.empty() ? "pings" : "ping_times_s"),
                      fmt::format("'pings' with {} transmissions each give {} transmissions, but at most {} "
                                  "are allowed: distribute the pings over several scenes",
                                  figures.transmissions, transmissions, limits::sensor_transmissions));
+}
+
+/// Checks listed times of pings. Files of instruments contain times since 1970 as doubles, with a resolution
+/// of a quarter of a microsecond.
+void check_ping_times(const SensorDescription& sensor, const TomlTable& table) {
+  if (sensor.ping_times_s.empty()) return;
+  constexpr double least_interval_s = 1e-6;
+  for (const char* key : {"first_ping_s", "pings", "ping_interval_s"})
+    if (table.has(key))
+      throw InputError(
+          table.place_of(key),
+          fmt::format("'ping_times_s' already sets the times of the pings: remove '{}' or the list", key));
+  for (std::size_t k = 1; k < sensor.ping_times_s.size(); ++k)
+    if (!(sensor.ping_times_s[k] - sensor.ping_times_s[k - 1] >= least_interval_s))
+      throw InputError(table.place_of("ping_times_s"),
+                       fmt::format("'ping_times_s' must increase by at least {} s: {} follows {}",
+                                   least_interval_s, sensor.ping_times_s[k], sensor.ping_times_s[k - 1]));
 }
 
 void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
@@ -118,6 +138,7 @@ void check_sensor(const SensorDescription& sensor, const TomlTable& table) {
                        "'look_at_m' already sets the direction of the sensor: remove the assumed angles from "
                        "[sensors.processing] or 'look_at_m'");
   }
+  check_ping_times(sensor, table);
   if (table.has("motion_step_beams") && sensor.stop_and_hop)
     throw InputError(table.place_of("motion_step_beams"),
                      "'motion_step_beams' needs stop_and_hop = false: add it, or remove the key");
@@ -141,6 +162,11 @@ std::vector<TomlField<SensorDescription>> pattern_fields(const std::string& side
              .choices = {"azimuth", "elevation", "off_axis"}}),
       field(side + "_aperture_m", &P::aperture_m,
             {.meaning = "Length of a line array, or diameter of a piston.", .ranges = {aperture}}),
+      field(side + "_shading", &P::shading,
+            {.meaning =
+                 "Shading s of a line array: its elements have the weights 1 + s cos(2 pi x / length) at the "
+                 "distance x from its centre. 0: uniform. 0.852: Hamming. 1: Hann.",
+             .ranges = {{.lo = 0, .hi = 1}}}),
       field(side + "_beam_width_deg", &P::width_deg,
             {.meaning = "Full one-way width of a Gaussian pattern at -3 dB.", .ranges = {width}}),
       field(side + "_pattern_file", &P::file,
@@ -274,6 +300,10 @@ TomlSection<SensorDescription> sensor_section(const SensorSections& kinds) {
                   .default_value = "1, or all pings of a survey"}),
            field("ping_interval_s", &S::ping_interval_s,
                  {.meaning = "Time between pings.", .ranges = {ping_interval}}),
+           field("ping_times_s", &S::ping_times_s,
+                 {.meaning = "Times of the pings on the trajectory, in increasing order. Replaces "
+                             "`first_ping_s`, `pings` and `ping_interval_s`. Not for a survey.",
+                  .ranges = {{.lo = -1e10, .hi = 1e10}}}),
            field("stop_and_hop", &S::stop_and_hop,
                  {.meaning = "true: the carrier stands still during a ping. false: the carrier moves while "
                              "the sound travels."}),

@@ -46,7 +46,8 @@ struct TriangleSeabed {
     patterns.push_back({Kind::gaussian, axis(0.3, 0.1, -1), true, 0, 0.4});
     patterns.push_back({Kind::gaussian, axis(1, -0.2, 0.1), false, 0.35, 0.5});
     patterns.push_back({Kind::piston, axis(0.2, 0.3, -1), true, 0, 6});
-    patterns.push_back({Kind::table, axis(0.3, 0.1, -1), true, 0, 0,
+    patterns.push_back({Kind::line, axis(1, 0.1, 0.05), false, 0.2, 12, 0.6});
+    patterns.push_back({Kind::table, axis(0.3, 0.1, -1), true, 0, 0, 0,
                         std::make_shared<PatternTable>(std::vector<double>{0, 0.2, 0.5, 1.2},
                                                        std::vector<double>{0, -3, -14, -22})});
     transmit.beams = {patterns[1], patterns[5]};

@@ -47,6 +47,39 @@ TEST(BeamPattern, AmplitudeChangesSignAtTheNulls) {
     EXPECT_EQ(amplitude_sign(piston(10), std::sqrt(1 - sine * sine)), sign) << sine;
 }
 
+TEST(LineAmplitude, IsTheTransformOfTheWeights) {
+  for (const double shading : {0.0, 0.3, 0.852, 1.0})
+    for (const double u : {0.0, 0.4, 1.0, 1.7, -2.0, 5.3}) {
+      const auto weighted = [&](double x) {
+        return (1 + shading * std::cos(2 * pi * x)) * std::cos(2 * pi * u * x);
+      };
+      const double transform =
+          boost::math::quadrature::gauss_kronrod<double, 31>::integrate(weighted, -0.5, 0.5);
+      EXPECT_NEAR(line_amplitude(u, shading), transform, 1e-13) << shading << " " << u;
+    }
+}
+
+TEST(LineAmplitude, HasTheWidthsAndSideLobesOfTheDocumentation) {
+  const struct {
+    double shading, width, side_lobe_db;
+  } rows[] = {{0, 0.886, -13.3}, {0.5, 1.076, -25.7}, {0.852, 1.303, -42.7}, {1, 1.441, -31.5}};
+  for (const auto& [shading, width, side_lobe_db] : rows) {
+    EXPECT_NEAR(db(std::pow(line_amplitude(width / 2, shading), 2)), -3.01, 0.01) << shading;
+    // The main lobe ends at the first null.
+    double u = 0.9, highest = 0;
+    while (std::abs(line_amplitude(u + 1e-3, shading)) < std::abs(line_amplitude(u, shading))) u += 1e-3;
+    for (; u < 20; u += 1e-3) highest = std::max(highest, std::abs(line_amplitude(u, shading)));
+    EXPECT_NEAR(db(highest * highest), side_lobe_db, 0.05) << shading;
+  }
+}
+
+TEST(BeamPattern, AmplitudeOfAShadedArrayChangesSignAtItsNulls) {
+  Directivity shaded = line(4, std::asin(0.3));
+  shaded.shading = 0.75;  // nulls at u = 2, 3, ... and at 1 / sqrt(1 - shading) = 2: no change of sign at 2
+  for (const auto& [u, sign] : {std::pair{0.5, 1}, {1.5, 1}, {2.5, 1}, {3.5, -1}, {-3.5, -1}})
+    EXPECT_EQ(amplitude_sign(shaded, 0.3 + u / 4), sign) << u;
+}
+
 TEST(PairIntegrand, GainsBelowTheSmallestOneCountAsZero) {
   const std::vector<double> mu{0.1};
   const std::vector<std::uint16_t> material{0};
@@ -414,7 +447,8 @@ TEST(PatternIntegral, TablesAreAsGoodAsTheirCornersAllow) {
     angle.push_back(0.002 * k);
     level.push_back(std::max(-30.0, -3 * std::pow(0.2 * k, 2)));
   }
-  Directivity table{Kind::table, {1, 0, 0}, false, 0, 0, std::make_shared<const PatternTable>(angle, level)};
+  Directivity table{
+      Kind::table, {1, 0, 0}, false, 0, 0, 0, std::make_shared<const PatternTable>(angle, level)};
   const std::uint32_t tubes = 100;
   const History history = rough_seabed(17320, tubes);
   std::vector<Directivity> beams(4, table);

@@ -91,8 +91,10 @@ TEST(CosinesOfGain, HoldAllDirectionsOfThatGain) {
                                                      std::vector{-30., -25., 0., -3., -40.});
   Directivity off_axis = table;
   off_axis.from_axis = true;
+  Directivity shaded = pattern(Kind::line, across, 30, 25);
+  shaded.shading = 0.7;
   for (const Directivity& p :
-       {pattern(Kind::line, across, 30, 25), pattern(Kind::gaussian, across, 8 * degree, -50),
+       {pattern(Kind::line, across, 30, 25), shaded, pattern(Kind::gaussian, across, 8 * degree, -50),
         about(Kind::gaussian, across, 8 * degree), about(Kind::piston, across, 20), table, off_axis})
     for (const double least : {0.9, 0.1, 0.01, 1e-6}) {
       const CosineRange range = cosines_of_gain(p, least);

@@ -81,6 +81,10 @@ TEST(BeamPatternKeys, MistakesAreReportedWithTheirPlace) {
       {"receive_pattern = \"line\"\nreceive_aperture_m = 1\nreceive_pattern_angle = \"off_axis\"\n", "14:25",
        "not on \"off_axis\""},
       {"receive_pattern = \"line\"\nreceive_aperture_m = 0\n", "13:22", "must be > 0, <= 1000 metres"},
+      {"receive_pattern = \"piston\"\nreceive_aperture_m = 1\nreceive_shading = 0.5\n", "14:19",
+       "'receive_shading' applies to receive_pattern = \"line\", not to receive_pattern = \"piston\""},
+      {"receive_pattern = \"line\"\nreceive_aperture_m = 1\nreceive_shading = 1.5\n", "14:19",
+       "must be 0 to 1"},
       {"receive_pattern = \"gaussian\"\nreceive_beam_width_rad = 1\n", "13:1", "give it in degrees"},
       {"receive_pattern = \"table\"\nreceive_pattern_file = \"no.csv\"\n", "13:24", "there is no file"},
   };

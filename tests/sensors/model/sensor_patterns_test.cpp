@@ -50,6 +50,17 @@ TEST(SensorPatterns, ReceiveBeamsOfACameraLookAlongTheirAxesAndHearTheWholeFan) 
   EXPECT_EQ(patterns.transmit[0].beams[0].kind, Kind::uniform);
 }
 
+TEST(SensorPatterns, ShadingWeightsTheElementsOfALine) {
+  SensorDescription camera = samples::camera();
+  camera.receive.pattern = "line";
+  camera.receive.aperture_m = 0.1;
+  camera.receive.shading = 1;
+  const BeamPatterns patterns = make_sensor(camera)->patterns(Pose{}, sound_speed);
+  // The Hann window has half of the amplitude at the null of the uniform line, 1/120 in the cosine.
+  const double null = std::asin(1.0 / 120 + std::sin(make_sensor(camera)->beams()[0].azimuth_rad)) / degree;
+  EXPECT_NEAR(patterns.receive[0].gain(toward(null)), 0.25, 1e-12);
+}
+
 TEST(SensorPatterns, WithoutAReceivePatternABeamReceivesItsOwnTubes) {
   SensorDescription camera = samples::camera();
   camera.transmit.pattern = "gaussian";
