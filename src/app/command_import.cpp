@@ -2,21 +2,25 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "app/commands.hpp"
 #include "compare/echo_pairs.hpp"
 #include "compare/output_model_reference.hpp"
+#include "exchange/readers/kmall_scene.hpp"
 #include "files/absolute_path.hpp"
 #include "files/atomic_output.hpp"
 #include "files/staging.hpp"
 #include "files/usage_error.hpp"
 #include "import/foreign_file.hpp"
 #include "import/imported.hpp"
+#include "import/measured_column.hpp"
 #include "import/originals.hpp"
 #include "import/scene_truth.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
+#include "run/survey.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
@@ -32,11 +36,48 @@ std::string list_of(const std::vector<Original>& originals) {
   return list.size() <= longest_list ? list : fmt::format("{} files, listed in list.txt\n", originals.size());
 }
 
+/// Imports a measured water column. The scene gives the poses and beams. Without one, it is that of
+/// `import-scene`.
+int import_column(const ImportOptions& options) {
+  ImportOptions plain = options;
+  if (options.results.size() > 1) throw UsageError("a water column is imported alone: give one file .kmwcd");
+  plain.scene.reset();
+  plain.confined = false;
+  if (const std::string given = words_of(plain);
+      options.like || options.sensor || options.output_model || options.strict || !given.empty())
+    throw UsageError("only --scene and -o apply to a water column: its file states ranges, beams and gain");
+  const KmallSurvey line = read_kmall_survey(options.results[0], true);
+  Inputs inputs = line.inputs();
+  std::optional<SceneDescription> scene;
+  if (options.scene) {
+    scene = read_scene_file(*options.scene, options.confined);
+    const Inputs of_scene = inputs_of(*scene);
+    inputs.insert(inputs.end(), of_scene.begin(), of_scene.end());
+  }
+  OutputFile output(options.output, inputs);
+  std::optional<Staging> staging;
+  if (!scene) {
+    staging.emplace(absolute_path(options.output), 0700);
+    write_kmall_scene(line, {}, staging->path());
+    scene = read_scene_file(staging->path() / "scene.toml");
+  }
+  const MeasuredColumnReport report = write_measured_column(output.path(), line, *open_survey(*scene));
+  output.commit();
+  for (const std::string& note : line.notes) say("{}\n", note);
+  const double share = report.samples == 0 ? 0 : 100.0 * double(report.clipped) / double(report.samples);
+  tell(
+      "wrote {}: {} sensors, {} pings, {} beams; {:.1f} % of the samples have the lowest code and the energy "
+      "0\n",
+      options.output.string(), report.sensors, report.pings, report.beams, share);
+  return 0;
+}
+
 }  // namespace
 
 int import_command(const ImportOptions& options) {
   if (options.output.extension() != ".nc")
     throw UsageError(fmt::format("'{}': the name of an echo file must end in .nc", options.output.string()));
+  if (std::ranges::any_of(options.results, is_kmall_name)) return import_column(options);
   const std::vector<std::filesystem::path> files = files_in_order(options.results);
   std::optional<std::filesystem::path> azimuths;
   if (options.azimuths.ends_with(".csv")) azimuths = options.azimuths;

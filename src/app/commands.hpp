@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "exchange/readers/kmall_scene.hpp"
 #include "import/import_options.hpp"
 #include "run/options.hpp"
 
@@ -80,9 +81,10 @@ struct ExportOptions : CommonOptions {
   std::filesystem::path output;
 };
 
-/// `world` is an SDF file or a Stonefish scenario.
+/// `world` is an SDF file, a Stonefish scenario, or a survey line of a Kongsberg sonar.
 struct ImportSceneOptions {
   std::filesystem::path world, output;
+  KmallSceneOptions kmall;  ///< for survey lines only
   std::vector<std::filesystem::path> model_path;  ///< folders that model:// refers to
   bool quiet = false;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Options of the commands that compare results or import those of other programs: import-scene, compare,
 // import, chart, advise and suite.
+#include <algorithm>
 #include <optional>
 
 #include "app/command_options.hpp"
@@ -10,10 +11,13 @@ namespace tubefoot {
 
 void add_import_scene(CLI::App& app, CommandOptions& requested) {
   ImportSceneOptions& world = requested.import_scene;
-  CLI::App* command = app.add_subcommand("import-scene",
-                                         "Convert the world of another engine to a scene file: geometry, "
-                                         "poses and sonars (docs/exchange-formats.md)");
-  command->add_option("WORLD", world.world, "SDF file (.sdf, .world) or Stonefish scenario (.scn)")
+  CLI::App* command =
+      app.add_subcommand("import-scene",
+                         "Convert the world of another engine, or a survey line of a multibeam, "
+                         "to a scene file (docs/exchange-formats.md, docs/measured.md)");
+  command
+      ->add_option("WORLD", world.world,
+                   "SDF file (.sdf, .world), Stonefish scenario (.scn) or Kongsberg survey line (.kmall)")
       ->required();
   command->add_option("-o,--output", world.output, "folder to write; a failed import leaves no folder")
       ->required()
@@ -24,8 +28,29 @@ void add_import_scene(CLI::App& app, CommandOptions& requested) {
                    "folder of the world. The option may be repeated")
       ->allow_extra_args(false)
       ->option_text("FOLDER");
-  command->add_flag("--quiet", world.quiet, "do not list the parts of the world that are left out");
-  command->footer("Example:\n  tubefoot import-scene harbour.world --model-path models -o out/harbour");
+  command
+      ->add_option(
+          "--seabed", world.kmall.seabed,
+          "survey line: grid or plane, fitted to the soundings of the file, or a raster (default: grid)")
+      ->option_text("SEABED");
+  command
+      ->add_option("--cell-m", world.kmall.cell_m,
+                   "survey line: cell size of --seabed grid (default: 2.5 % of the depth)")
+      ->check(CLI::Range(1e-3, 1e4))
+      ->option_text("METRES");
+  command
+      ->add_option(
+          "--receive-shading", world.kmall.receive_shading,
+          "survey line: shading of the receiver, 0 (uniform) to 1 (Hann window), with the beam width of "
+          "the file (default: 0)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->option_text("S");
+  command
+      ->add_option("--material-table", world.kmall.material_table,
+                   "survey line: table of grazing angles and backscattering strengths of the seabed")
+      ->option_text("FILE");
+  command->add_flag("--quiet", world.quiet, "do not list notes, such as parts that are left out");
+  command->footer("Example:\n  tubefoot import-scene line.kmall -o out/line");
   command->callback([&requested] {
     requested.command = [&requested] { return import_scene_command(requested.import_scene); };
   });
@@ -115,13 +140,16 @@ void add_compare(CLI::App& app, CommandOptions& requested) {
 
 void add_import(CLI::App& app, CommandOptions& requested) {
   ImportOptions& import = requested.import;
-  CLI::App* command = app.add_subcommand(
-      "import",
-      "Convert pictures of another engine to an echo file for 'compare' (docs/engine-validation.md)");
+  CLI::App* command =
+      app.add_subcommand("import",
+                         "Convert pictures of another engine, or a measured water column, to an echo file "
+                         "(docs/engine-validation.md, docs/measured.md)");
   command
-      ->add_option("RESULT", import.results,
-                   "pictures, or folders of pictures: .npy, .npz, .csv, .png, .tif, .exr, .nc. Each picture "
-                   "is one ping, in the order of the file names")
+      ->add_option(
+          "RESULT", import.results,
+          "pictures, or folders of pictures: .npy, .npz, .csv, .png, .tif, .exr, .nc. Each picture "
+          "is one ping, in the order of the file names. Or a Kongsberg water column: .kmwcd, with the "
+          ".kmall of the same name beside it")
       ->required();
   command
       ->add_option("-o,--output", import.output,
@@ -221,7 +249,9 @@ void add_import(CLI::App& app, CommandOptions& requested) {
       "Example:\n  tubefoot import frames/*.png --like out/reference/echoes.nc --profile stonefish -o "
       "candidate.nc");
   command->callback([&requested, like, scene] {
-    if (like->empty() && scene->empty()) throw CLI::RequiredError("--like REFERENCE or --scene SCENE");
+    const bool measured = std::ranges::any_of(requested.import.results, is_kmall_name);
+    if (!measured && like->empty() && scene->empty())
+      throw CLI::RequiredError("--like REFERENCE or --scene SCENE");
     requested.command = [&requested] { return import_command(requested.import); };
   });
 }
