@@ -36,3 +36,15 @@ def test_height_field_is_recovered():
     before, after = (np.sqrt(np.mean((heights - found["true_heights"])[seen]**2))
                      for heights in (found["initial_heights"], found["heights"]))
     assert after < 0.25 * before
+
+
+def test_measured_and_simulated_extents_agree(monkeypatch):
+    pytest.importorskip("netCDF4")
+    pytest.importorskip("scipy")
+    monkeypatch.chdir(SOURCES)
+    if not (SOURCES / "build/release/tubefoot").exists():
+        pytest.skip("build/release/tubefoot does not exist")
+    found = run_notebook("measured-and-simulated.ipynb")
+    assert "95 % within" in found["notes"]
+    known = [row for row in found["extents"] if row["overlap"]]
+    assert known and all(row["overlap"] == "yes" for row in known)
