@@ -49,7 +49,9 @@ class Tools:
         """Runs a command, once per folder unless `again`."""
         if (command, folder) in self.done and not again:
             return
-        done = subprocess.run(["sh", "-c", command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        with_module = dict(os.environ, PYTHONPATH=str(self.program.resolve().parent / "python"))  # as after make python
+        done = subprocess.run(["sh", "-c", command], cwd=folder, env=with_module, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              text=True)
         if done.returncode:
             sys.exit(f"{command}\n{done.stdout[-3000:]}")
         self.done.add((command, folder))

@@ -142,6 +142,8 @@ FIGURES = [
            "out/wrong-profile/multibeam-depth.png", 1200),
     Figure("pictures/scene-window.png", (f"{TUBEFOOT} check window.toml --png out/window.png",), "out/window.png", 1300,
            files=(("window.toml", WINDOW_SCENE),)),
+    *(Figure(f"pictures/measured-{kind}.png", picture=f"out/os02-a-compared/mode-260-320-290-{kind}.png", width=1300,
+             follows="docs/measured.md") for kind in ("fan", "extent")),
     Figure("pictures/howto-validate.png", picture="out/mine.png", width=1300, follows="docs/engine-validation.md"),
     Figure("pictures/viewer.png", (*WELLHEAD, f"{TUBEFOOT} view out/wellhead -o out/wellhead.html --sensor camera"),
            draw="viewer_shots:viewer"),

@@ -132,11 +132,6 @@ KmallResiduals residuals_of(const KmallSurvey& survey) {
   std::vector<double> distances_m;
   for (const KmallPing& ping : survey.pings) {
     stop_if_wanted();
-    if (ping.transmitter >= survey.installation.transmitters.size() ||
-        !survey.installation.transmitters[ping.transmitter] ||
-        ping.receiver >= survey.installation.receivers.size() ||
-        !survey.installation.receivers[ping.receiver])
-      continue;
     const WaterColumn water{profile_at(survey, transducer_depth_m(survey, ping), ping.sound_speed_m_s), {}};
     for (const KmallSounding& sounding : ping.soundings)
       if (sounding.is_valid)

@@ -53,6 +53,12 @@ INSTEAD = {
         "minutes", "tubefoot advise scenes/chart/flat-bed.toml --tolerance 0.5dB"),
     "tubefoot run scenes/wellhead/scene.toml -o out --tolerance 0.5dB": (
         "minutes", "tubefoot run scenes/chart/flat-bed.toml -o out --tolerance 0.5dB"),
+    f"{PROGRAM} run out/os02-a/scene.toml --pictures none -o out/os02-a-run": (
+        "minutes", f"{PROGRAM} run out/os02-a/scene.toml --sensor mode-320-380-320 --pictures none -o out/os02-a-run"),
+    "/usr/bin/python3 -m tubefoot.measured out/os02-a-measured.nc out/os02-a-run/echoes.nc --simulated-lambert-db -27 "
+    "-o out/os02-a-compared": (
+        "compares all modes", "/usr/bin/python3 -m tubefoot.measured out/os02-a-measured.nc out/os02-a-run/echoes.nc "
+        "--simulated-lambert-db -27 --resamples 20 -o out/os02-a-compared"),
     "scenes/big-terrain/make_terrain.py": (
         "200 MB", "scenes/big-terrain/make_terrain.py --side 400 -o scenes/big-terrain/terrain"),
     f"{PROGRAM} run scenes/big-terrain/strip.toml -o out/strip": ("its strip is of the large bed", None),

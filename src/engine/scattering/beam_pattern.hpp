@@ -42,11 +42,11 @@ class PatternTable {
   double steepest_ = 0;
 };
 
-/// Amplitude pattern of a line array of unit length whose elements have the weight 1 + shading cos(2 pi x) at
-/// the distance x from its centre: sinc u + shading / 2 (sinc(u - 1) + sinc(u + 1)), with sinc u = sin(pi u)
-/// / (pi u). `shading`: 0 for uniform weights, 0.852 for the Hamming window, 1 for the Hann window. The
-/// modulus is at most 1, because weights are not negative and have the mean 1. Source: Harris 1978, section
-/// V.C.
+/// Amplitude pattern of a line array of unit length: sinc u + shading / 2 (sinc(u - 1) + sinc(u + 1)).
+/// The function sinc u is sin(pi u) / (pi u). The elements have the weight 1 + shading cos(2 pi x) at the
+/// distance x from the centre. `shading`: 0 for uniform weights, 0.852 for the Hamming window, 1 for the Hann
+/// window. The modulus is at most 1, because weights are not negative and have the mean 1. Source: Harris
+/// 1978, section V.C.
 double line_amplitude(double u, double shading);
 
 /// A power pattern, 1 on its axis, that depends on a direction through one cosine: that between the direction

@@ -350,6 +350,7 @@ TEST(SceneFile, FullSceneOfThisTestHasEveryKey) {
                            "\nposition_drift_m_per_hour = \nposition_noise_m = "  // processing_keys_test.cpp
                            "\nmotion_step_beams = \nreceive_along_track_deg = \nstabilisation = "
                            "\nstabilisation_heading_s = "  // motion_keys_test.cpp
+                           "\nping_times_s = "             // ping_times_keys_test.cpp
                            "\nsector_edges_deg = \nsector_frequencies_khz = \nsector_tilts_deg = "
                            "\nsector_delays_us = \nsector_pulse_lengths_us = "
                            "\nsector_absorptions_db_per_km = "  // multibeam_sectors_test.cpp
