@@ -124,10 +124,7 @@ class KmallSceneWriter {
         "{:.3f} m",
         plane_.centre_m.z, slope_deg(), plane_.used, plane_.removed, plane_.rms_m));
     if (plane_.is_narrow)
-      note(
-          "the soundings are a narrow strip, which does not determine the slope of the plane in the "
-          "direction "
-          "of its width: this slope is 0");
+      note("the soundings are a narrow strip: the slope of the plane across the strip is set to 0");
     if (!(plane_.centre_m.z < 0))
       throw InputError(whole(), fmt::format("the soundings are above the water line: their mean height is "
                                             "{:.3f} m",

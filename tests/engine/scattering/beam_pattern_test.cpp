@@ -74,10 +74,10 @@ TEST(LineAmplitude, HasTheWidthsAndSideLobesOfTheDocumentation) {
 }
 
 TEST(BeamPattern, AmplitudeOfAShadedArrayChangesSignAtItsNulls) {
-  Directivity shaded = line(4, std::asin(0.3));
+  Directivity shaded = line(8, std::asin(0.3));
   shaded.shading = 0.75;  // nulls at u = 2, 3, ... and at 1 / sqrt(1 - shading) = 2: no change of sign at 2
   for (const auto& [u, sign] : {std::pair{0.5, 1}, {1.5, 1}, {2.5, 1}, {3.5, -1}, {-3.5, -1}})
-    EXPECT_EQ(amplitude_sign(shaded, 0.3 + u / 4), sign) << u;
+    EXPECT_EQ(amplitude_sign(shaded, 0.3 + u / 8), sign) << u;
 }
 
 TEST(PairIntegrand, GainsBelowTheSmallestOneCountAsZero) {
