@@ -128,7 +128,10 @@ def test_local_planes_ignore_a_few_wrong_ranges():
 def test_identical_files_agree_everywhere(tmp_path):
     file = write_file(tmp_path / "a.nc", speckled(gaussian_fan(4), 1))
     comparison = measured.compare_measured(file, file, resamples=30)
-    known = [row for row in comparison.rows if row["kind"] == "predicted" and row["overlap"]]
+    # A file that states no speckle predicts Rayleigh amplitudes instead of its own.
+    statistics = ("intensity_moment", "k_inverse_shape", "exponential_distance")
+    known = [row for row in comparison.rows
+             if row["kind"] == "predicted" and row["overlap"] and row["quantity"] not in statistics]
     assert len(known) > 50 and {row["overlap"] for row in known} == {"yes"}
     assert all(row["measured"] == row["simulated"] for row in known)
     assert all(set(row) == set(measured.COLUMNS) for row in comparison.rows)

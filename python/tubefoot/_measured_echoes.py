@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Multibeam echoes of an echo file, and the seabed that they show. Part of :mod:`tubefoot.measured`."""
+"""Echoes of a fan in an echo file, and the seabed that they show. Part of :mod:`tubefoot.measured`."""
 
 from __future__ import annotations
 

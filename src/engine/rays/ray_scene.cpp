@@ -147,7 +147,9 @@ void RayScene::State::trace(GridPoint apex, double reach_m, const std::function<
     if (onwards != nullptr) send_onwards(*onwards, packet, valid);
     round_directions(packet, rays.ray.dir_x, rays.ray.dir_y, rays.ray.dir_z);
     for (int k = 0; k < lanes; ++k) {
-      rays.ray.tfar[k] = float(reach_m);
+      // Without AVX-512, Embree 3 ignores `valid` in packets of sixteen rays. It skips rays with tfar <
+      // tnear.
+      rays.ray.tfar[k] = valid[k] != 0 ? float(reach_m) : -1.0f;
       rays.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
     }
     first_hits(valid, scene, rays);

@@ -164,8 +164,8 @@ std::vector<TomlField<SensorDescription>> pattern_fields(const std::string& side
             {.meaning = "Length of a line array, or diameter of a piston.", .ranges = {aperture}}),
       field(side + "_shading", &P::shading,
             {.meaning =
-                 "Shading s of a line array: its elements have the weights 1 + s cos(2 pi x / length) at the "
-                 "distance x from its centre. 0: uniform. 0.852: Hamming. 1: Hann.",
+                 "Shading s of a line array of length L. Elements at the distance x from the centre have the "
+                 "weight 1 + s cos(2 pi x / L). 0: uniform. 0.852: Hamming. 1: Hann.",
              .ranges = {{.lo = 0, .hi = 1}}}),
       field(side + "_beam_width_deg", &P::width_deg,
             {.meaning = "Full one-way width of a Gaussian pattern at -3 dB.", .ranges = {width}}),
