@@ -132,6 +132,12 @@ KmallResiduals residuals_of(const KmallSurvey& survey) {
   std::vector<double> distances_m;
   for (const KmallPing& ping : survey.pings) {
     stop_if_wanted();
+    const auto is_described = [](const auto& heads, std::size_t head) {
+      return head < heads.size() && heads[head];
+    };
+    if (!is_described(survey.installation.transmitters, ping.transmitter) ||
+        !is_described(survey.installation.receivers, ping.receiver))
+      continue;
     const WaterColumn water{profile_at(survey, transducer_depth_m(survey, ping), ping.sound_speed_m_s), {}};
     for (const KmallSounding& sounding : ping.soundings)
       if (sounding.is_valid)

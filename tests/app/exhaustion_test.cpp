@@ -105,8 +105,9 @@ TEST_F(Exhaustion, OfThreadsLeavesARunWithThoseThereAre) {
   ASSERT_EQ(run_program(run_words("whole")).exit_code, 0);
   const auto whole = contents("whole");
   int done = 0, fewer = 0;
-  // Below 4 the initializers of the libraries have too few threads.
-  for (const int most : {0, 3, 5, 6, 7, 8, 9, 10, 11, 12}) {
+  // Below 4 the initializers of the libraries have too few threads. The encoder of pictures starts further
+  // ones, so the outcome for about 8 depends on the order in which threads end.
+  for (const int most : {0, 3, 5, 6, 7, 8, 9, 10, 11, 12, 14, 16}) {
     SCOPED_TRACE(most);
     Surroundings few;
     few.before = {"/usr/bin/env", std::string("LD_PRELOAD=") + TUBEFOOT_FEW_THREADS,
