@@ -84,7 +84,7 @@ struct ExportOptions : CommonOptions {
 /// `world` is an SDF file, a Stonefish scenario, or a survey line of a Kongsberg sonar.
 struct ImportSceneOptions {
   std::filesystem::path world, output;
-  KmallSceneOptions kmall;  ///< for survey lines only
+  KmallSceneOptions kmall;                        ///< for survey lines only
   std::vector<std::filesystem::path> model_path;  ///< folders that model:// refers to
   bool quiet = false;
 };
