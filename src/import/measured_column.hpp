@@ -14,7 +14,6 @@ namespace tubefoot {
 struct MeasuredColumnReport {
   std::size_t sensors = 0, pings = 0, beams = 0;
   std::size_t clipped = 0, samples = 0;  ///< samples with the lowest code; all recorded samples
-  std::vector<std::string> notes;
 };
 
 /// Writes a measured water column as an echo file with the variables of a run (docs/output-files.md).

@@ -102,6 +102,9 @@ KmallSounding sounding_in(const KmallFields& f, const KmallPing& ping) {
   };
   s.water_column_angle_deg = value(40);
   s.absorption_db_per_km = value(44);
+  constexpr double most_absorption_db_per_km = 1e5;
+  s.is_valid =
+      s.is_valid && s.absorption_db_per_km >= 0 && s.absorption_db_per_km <= most_absorption_db_per_km;
   s.angle_re_receiver_deg = value(72) + value(76);
   s.two_way_travel_time_s = value(80) + value(84);
   s.latitude_deg = ping.latitude_deg + value(88);

@@ -64,7 +64,7 @@ struct KmallSector {
 
 /// A sounding (#MRZ).
 struct KmallSounding {
-  bool is_valid = false;  ///< detected by amplitude or phase, and not rejected
+  bool is_valid = false;  ///< detected by amplitude or phase, not rejected, with a possible absorption
   std::size_t sector = 0;
   double angle_re_receiver_deg = 0, two_way_travel_time_s = 0;  ///< with their corrections
   double water_column_angle_deg = 0;

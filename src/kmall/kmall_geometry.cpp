@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
@@ -42,13 +43,9 @@ std::optional<Ray> ray_to(const PathEnd& end, glm::dvec3 point_m, double waterli
 }  // namespace
 
 glm::dmat3 rotation_of(double roll_deg, double pitch_deg, double heading_deg) {
-  const double r = glm::radians(roll_deg), p = glm::radians(pitch_deg), h = glm::radians(heading_deg);
-  const double cr = std::cos(r), sr = std::sin(r), cp = std::cos(p), sp = std::sin(p), ch = std::cos(h),
-               sh = std::sin(h);
-  // Columns: the axes of the array.
-  return {{ch * cp, sh * cp, -sp},
-          {ch * sp * sr - sh * cr, sh * sp * sr + ch * cr, cp * sr},
-          {ch * sp * cr + sh * sr, sh * sp * cr - ch * sr, cp * cr}};
+  return glm::mat3_cast(glm::angleAxis(glm::radians(heading_deg), glm::dvec3(0, 0, 1)) *
+                        glm::angleAxis(glm::radians(pitch_deg), glm::dvec3(0, 1, 0)) *
+                        glm::angleAxis(glm::radians(roll_deg), glm::dvec3(1, 0, 0)));
 }
 
 glm::dvec3 arm_of(const KmallMounting& mounting, std::size_t sub_array) {
@@ -130,7 +127,10 @@ std::optional<glm::dvec3> recomputed(const KmallSurvey& survey, const KmallPing&
 
 KmallResiduals residuals_of(const KmallSurvey& survey) {
   std::vector<double> distances_m;
-  for (const KmallPing& ping : survey.pings) {
+  // A sample of the pings suffices, and a long line would take minutes.
+  const std::size_t step = survey.pings.size() / most_checked_pings + 1;
+  for (std::size_t k = 0; k < survey.pings.size(); k += step) {
+    const KmallPing& ping = survey.pings[k];
     stop_if_wanted();
     const auto is_described = [](const auto& heads, std::size_t head) {
       return head < heads.size() && heads[head];

@@ -44,7 +44,10 @@ struct KmallResiduals {
   std::size_t soundings = 0;
   double median_m = 0, percentile_95_m = 0;
 };
-/// Compares all valid soundings. 0 soundings if none can be recomputed.
+/// Largest number of pings that residuals_of() compares.
+constexpr std::size_t most_checked_pings = 100;
+/// Compares the valid soundings of pings that are spread over the line. 0 soundings if none can be
+/// recomputed.
 KmallResiduals residuals_of(const KmallSurvey& survey);
 
 }  // namespace tubefoot

@@ -14,7 +14,6 @@
 namespace tubefoot {
 namespace {
 
-constexpr double beyond_motion_s = 0.2;
 /// Beams of two pings are equal if their angles differ by less.
 constexpr double equal_angles_deg = 0.02;
 
@@ -113,8 +112,7 @@ class Collector {
                         ping.number, last_s, ping.water_column_rate_hz, most_samples));
       const auto end = static_cast<std::size_t>(samples) + 1;
       // Beams of soundings may change from ping to ping; the first ping of a mode defines them.
-      CollectedMode& mode =
-          mode_of(ping, beams, ping.water_column_rate_hz, ping.sound_speed_m_s, ping.sectors, false);
+      CollectedMode& mode = mode_of(ping, beams, ping.water_column_rate_hz, ping.sectors, false);
       mode.mode.first_sample = 1;
       mode.mode.end_sample = std::max(mode.mode.end_sample, end);
       mode.mode.pings.push_back({ping.time_s, ping.number, {}});
@@ -125,7 +123,7 @@ class Collector {
     if (without_motion_ > 0)
       survey_.notes.push_back(fmt::format("{} ping{} left out: no attitude (#SKM) within {} s",
                                           without_motion_, without_motion_ == 1 ? " is" : "s are",
-                                          beyond_motion_s));
+                                          most_beyond_motion_s));
     if (without_soundings_ > 0)
       survey_.notes.push_back(fmt::format("{} ping{} left out: no soundings (#MRZ) of the same frequencies",
                                           without_soundings_, without_soundings_ == 1 ? " is" : "s are"));
@@ -187,8 +185,7 @@ class Collector {
     const BeamList beams = listed<KmallWaterBeam>(column.beams, &KmallWaterBeam::angle_deg,
                                                   [](const KmallWaterBeam& b) { return !b.levels.empty(); });
     if (beams.angles_deg.empty()) return;
-    CollectedMode& mode =
-        mode_of(*soundings, beams, column.sample_rate_hz, column.sound_speed_m_s, sectors, true);
+    CollectedMode& mode = mode_of(*soundings, beams, column.sample_rate_hz, sectors, true);
     if (mode.mode.pings.empty()) mode.mode.first_sample = column.beams[beams.numbers.front()].first_sample;
     for (const KmallWaterBeam& beam : column.beams) {
       if (beam.levels.empty()) continue;
@@ -200,7 +197,7 @@ class Collector {
   }
 
   /// Returns the mode of a ping, which is added if it is new.
-  CollectedMode& mode_of(const KmallPing& ping, const BeamList& beams, double rate_hz, double sound_speed_m_s,
+  CollectedMode& mode_of(const KmallPing& ping, const BeamList& beams, double rate_hz,
                          const std::vector<KmallSector>& sectors, bool compares_beams) {
     constexpr double equal_rates_hz = 0.5;
     for (CollectedMode& known : modes_)
@@ -233,7 +230,6 @@ class Collector {
     mode.mode.swath_from_deg = -ping.swath_port_deg;
     mode.mode.swath_to_deg = -ping.swath_starboard_deg;
     mode.mode.sample_rate_hz = rate_hz;
-    mode.mode.sound_speed_m_s = sound_speed_m_s;
     mode.mode.transmit_width_deg = ping.transmit_width_deg;
     mode.mode.receive_width_deg = ping.receive_width_deg;
     return mode;
@@ -245,6 +241,7 @@ class Collector {
     const BeamList& beams = collected.beams;
     mode.beam_angles_deg = beams.angles_deg;
     mode.beam_numbers = beams.numbers;
+    constexpr double farthest_deg = 89.9;
     std::vector<std::size_t> order;
     for (std::size_t k = 0; k < beams.sectors.size(); ++k) {
       const std::size_t sector = beams.sectors[k];
@@ -253,12 +250,11 @@ class Collector {
         throw InputError(
             {survey_.soundings_file.string(), 0, 0},
             fmt::format("the beams of sector {} are not adjacent: expected sectors side by side", sector));
-      constexpr double farthest_deg = 89.9;
       mode.sector_edges_deg.push_back(k == 0 ? std::max(-farthest_deg, beams.angles_deg.front() - 1)
                                              : (beams.angles_deg[k - 1] + beams.angles_deg[k]) / 2);
       order.push_back(sector);
     }
-    mode.sector_edges_deg.push_back(std::min(89.9, beams.angles_deg.back() + 1));
+    mode.sector_edges_deg.push_back(std::min(farthest_deg, beams.angles_deg.back() + 1));
     std::string name = "mode";
     for (const std::size_t sector : order) {
       mode.sectors.push_back(collected.sectors.at(sector));
@@ -324,8 +320,8 @@ bool is_kmall_name(const std::filesystem::path& file) {
 }
 
 std::optional<KmallMotion> motion_at(const std::vector<KmallMotion>& motion, double time_s) {
-  if (motion.size() < 2 || time_s < motion.front().time_s - beyond_motion_s ||
-      time_s > motion.back().time_s + beyond_motion_s)
+  if (motion.size() < 2 || time_s < motion.front().time_s - most_beyond_motion_s ||
+      time_s > motion.back().time_s + most_beyond_motion_s)
     return {};
   const auto sample_after = [&](double at_s) {
     const auto after = std::ranges::lower_bound(motion, at_s, {}, &KmallMotion::time_s);

@@ -35,7 +35,6 @@ struct KmallMode {
   double sample_rate_hz = 0;
   std::size_t first_sample = 0,
               end_sample = 0;  ///< smallest range of samples that contains all beams and pings
-  double sound_speed_m_s = 0;  ///< at the transducer
   double transmit_width_deg = 0, receive_width_deg = 0;  ///< nominal widths of the arrays
   std::vector<KmallModePing> pings;
 };
@@ -63,8 +62,10 @@ constexpr std::size_t most_kmall_modes = 64;
 /// and for more than most_kmall_modes modes.
 KmallSurvey read_kmall_survey(const std::filesystem::path& file, bool needs_column);
 
-/// Returns the attitude at a time: linear between samples, and beyond them by at most 0.2 s. Empty further
-/// away.
+/// Largest time before the first and after the last sample of the motion sensor at which the attitude is
+/// extrapolated.
+constexpr double most_beyond_motion_s = 0.2;
+/// Returns the attitude at a time: linear between samples, and extrapolated beyond them. Empty further away.
 std::optional<KmallMotion> motion_at(const std::vector<KmallMotion>& motion, double time_s);
 
 /// Returns whether a file name ends in .kmall or .kmwcd.

@@ -296,6 +296,32 @@ TEST_F(KmallScenes, OfStratifiedWaterHaveAProfile) {
   EXPECT_EQ(std::stod(rows[2].at("sound_speed_m_s")), 1505);
 }
 
+TEST_F(KmallScenes, ContainNoKeysFromTextsOfTheFile) {
+  kmall_for_tests::Line line = kmall_for_tests::two_modes();
+  const std::string sonar = "EM 2042 - synthetic";
+  ASSERT_NE(line.installation.find(sonar), std::string::npos);
+  line.installation.replace(line.installation.find(sonar), sonar.size(), "EM\n[evil]\nkey = 1\n#");
+  KmallSceneOptions options;
+  options.seabed = folder.write("sea\"bed.asc", "").string();
+  const SceneDescription scene = import_survey(built(line), options);
+  EXPECT_EQ(bytes_of(scene_file("scene")).find("\n[evil]"), std::string::npos);
+  ASSERT_EQ(scene.terrains.size(), 1u);
+  EXPECT_THAT(bytes_of(scene_file("scene")), HasSubstr("sea\\\"bed.asc"));
+}
+
+TEST_F(KmallScenes, HavePositionsBeforeTheFirstPing) {
+  kmall_for_tests::Line line = kmall_for_tests::two_modes();
+  constexpr double metres_per_degree = 111229;
+  const double first_s = line.pings[0].time_s, displaced_m = 9;
+  line.positions = {
+      {0, line.pings[0].latitude_deg - displaced_m / metres_per_degree, line.pings[0].longitude_deg}};
+  import_survey(built(line));
+  // The track begins shortly before the first ping, which is at the origin of the local frame.
+  const double early_s = first_s - 0.04;
+  EXPECT_NEAR(track_value(folder / "scene/track.csv", early_s - std::floor(first_s), "north_m"),
+              -displaced_m * 0.04 / first_s, 1e-3);
+}
+
 TEST_F(KmallScenes, ThatDetermineNoSeabedAreRejected) {
   kmall_for_tests::Line above = kmall_for_tests::two_modes();
   for (kmall_for_tests::Ping& ping : above.pings)

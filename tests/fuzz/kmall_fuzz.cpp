@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fuzzes survey lines of Kongsberg sonars, with soundings and a water column in one file. A line is
-// rejected, or has modes with ordered beams, and the soundings that can be recomputed are finite.
+// rejected, or has modes with ordered beams and a scene that can be read. Recomputed soundings are finite.
 #include <algorithm>
 #include <cmath>
 
@@ -40,6 +40,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const KmallResiduals residuals = residuals_of(survey);
     if (!std::isfinite(residuals.median_m) || !std::isfinite(residuals.percentile_95_m))
       fuzz::finding("a sounding at no place");
+    const auto folder = fuzz::scratch_folder() / "scene";
+    std::filesystem::create_directories(folder);
+    write_kmall_scene(survey, {}, folder);
   });
   return 0;
 }

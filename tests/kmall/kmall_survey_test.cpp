@@ -62,6 +62,17 @@ auto near(const std::vector<double>& expected, double tolerance) {
   return Pointwise(DoubleNear(tolerance), expected);
 }
 
+TEST_F(KmallSurveys, UseNoSoundingsWithAnImpossibleAbsorption) {
+  ASSERT_GE(line.pings[0].soundings.size(), 3u);
+  line.pings[0].soundings[0].absorption_db_per_km = -1;
+  line.pings[0].soundings[1].absorption_db_per_km = 1e6;
+  const KmallSurvey survey = read();
+  EXPECT_FALSE(survey.pings[0].soundings[0].is_valid);
+  EXPECT_FALSE(survey.pings[0].soundings[1].is_valid);
+  EXPECT_TRUE(survey.pings[0].soundings[2].is_valid);
+  EXPECT_NEAR(survey.modes[0].absorptions_db_per_km[0], 60, 1e-5);
+}
+
 TEST_F(KmallSurveys, HaveAModePerCombinationOfSectorsAndBeams) {
   const KmallSurvey survey = read();
   ASSERT_THAT(names_of(survey), ElementsAre("mode-200-300", "mode-400"));
@@ -84,7 +95,6 @@ TEST_F(KmallSurveys, HaveAModePerCombinationOfSectorsAndBeams) {
   EXPECT_EQ(two.sample_rate_hz, 10e3);
   EXPECT_EQ(two.first_sample, 10u);
   EXPECT_EQ(two.end_sample, 210u);
-  EXPECT_EQ(two.sound_speed_m_s, 1500);
   EXPECT_THAT(one.beam_angles_deg, near({-30, 0, 30}, 1e-5));
   EXPECT_EQ(one.sample_rate_hz, 12.5e3);
   EXPECT_EQ(survey.pings.size(), 6u);

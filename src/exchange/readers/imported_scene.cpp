@@ -13,18 +13,6 @@
 namespace tubefoot {
 namespace {
 
-std::string toml_quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (static_cast<unsigned char>(c) < ' ' || c == 127)
-      out += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
-    else
-      out += c;
-  }
-  return out + '"';
-}
-
 /// Rounds to twelve decimals of a degree. Numbers that people wrote are restored, and the error is below a
 /// picometre in 50 m.
 double told_deg(double degrees) { return std::round(degrees * 1e12) / 1e12 + 0.0; }
@@ -41,6 +29,18 @@ std::string place_keys(const Placement& placed) {
 }
 
 }  // namespace
+
+std::string toml_quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) < ' ' || c == 127)
+      out += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
+    else
+      out += c;
+  }
+  return out + '"';
+}
 
 std::string scene_text(const ImportedScene& scene) {
   std::string text =

@@ -3,20 +3,20 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <glm/trigonometric.hpp>
 #include <iterator>
-#include <numbers>
 #include <stdexcept>
 
 #include "engine/scattering/beam_pattern.hpp"
 #include "exchange/obj_mesh.hpp"
 #include "exchange/readers/kmall_seabed.hpp"
+#include "exchange/readers/scene_readers.hpp"
 #include "files/checked_file.hpp"
 #include "files/input_registry.hpp"
+#include "files/shown.hpp"
 #include "kmall/kmall_geometry.hpp"
 #include "scene/rasters/georeference.hpp"
 #include "sensors/kinds/scene_file.hpp"
@@ -52,6 +52,11 @@ class KmallSceneWriter {
     first_s_ = first_s;
     const KmallPing& first = survey.pings.front();
     frame_ = LocalFrame::at_lat_lon(first.latitude_deg, first.longitude_deg, 0);
+    for (const KmallPing& ping : survey.pings)
+      add_place({ping.time_s, ping.latitude_deg, ping.longitude_deg});
+    for (const KmallPosition& position : survey.positions)
+      if (position.time_s < first.time_s || position.time_s > survey.pings.back().time_s) add_place(position);
+    std::ranges::stable_sort(places_, {}, &Place::time_s);
     report_.notes = survey.notes;
   }
 
@@ -77,30 +82,34 @@ class KmallSceneWriter {
 
   SourcePlace whole() const { return {survey_.soundings_file.string(), 0, 0}; }
 
-  /// Returns the place of the reference point in the local frame, without its height. It is linear between
-  /// pings. Beyond them, it has the mean speed of the line.
+  /// The reference point in the local frame, without its height.
+  struct Place {
+    double time_s;
+    glm::dvec2 at_m;
+  };
+
+  void add_place(const KmallPosition& position) {
+    places_.push_back(
+        {position.time_s, frame_.from_lat_lon(position.latitude_deg, position.longitude_deg, 0, whole())});
+  }
+
+  /// Returns the reference point at a time. It is linear between places. Beyond them, it has the mean speed
+  /// of the line.
   glm::dvec2 place_at(double time_s) const {
-    const std::vector<KmallPing>& pings = survey_.pings;
-    const auto place = [&](const KmallPing& ping) {
-      return glm::dvec2(frame_.from_lat_lon(ping.latitude_deg, ping.longitude_deg, 0, whole()));
-    };
-    if (pings.size() == 1 || !(pings.back().time_s > pings.front().time_s)) return place(pings.front());
-    const KmallPing *a = &pings.front(), *b = &pings.back();
-    if (time_s >= a->time_s && time_s <= b->time_s) {
-      const auto after = std::ranges::lower_bound(pings, time_s, {}, &KmallPing::time_s);
-      if (after->time_s == time_s) return place(*after);
-      a = &*std::prev(after);
-      b = &*after;
+    const Place *a = &places_.front(), *b = &places_.back();
+    if (!(b->time_s > a->time_s)) return a->at_m;
+    if (time_s > a->time_s && time_s <= b->time_s) {
+      b = &*std::ranges::lower_bound(places_, time_s, {}, &Place::time_s);
+      a = std::prev(b);
     }
-    const glm::dvec2 from = place(*a), to = place(*b);
-    return from + (time_s - a->time_s) / (b->time_s - a->time_s) * (to - from);
+    return a->at_m + (time_s - a->time_s) / (b->time_s - a->time_s) * (b->at_m - a->at_m);
   }
 
   /// Soundings in the local frame, with heights above the water line.
   std::vector<glm::dvec3> soundings() const {
     std::vector<glm::dvec3> points;
     for (const KmallPing& ping : survey_.pings) {
-      const glm::dvec2 reference = frame_.from_lat_lon(ping.latitude_deg, ping.longitude_deg, 0, whole());
+      const glm::dvec2 reference = place_at(ping.time_s);
       const double heading = glm::radians(ping.heading_deg);
       const glm::dvec2 forward(std::sin(heading), std::cos(heading)), starboard(forward.y, -forward.x);
       for (const KmallSounding& s : ping.soundings)
@@ -173,8 +182,8 @@ class KmallSceneWriter {
         "time_s,east_m,north_m,up_m,heading_deg,pitch_deg,roll_deg\n";
     for (const double time_s : times_s) {
       // The ends may be beyond the attitude.
-      const double known_s =
-          std::clamp(time_s, survey_.motion.front().time_s - 0.2, survey_.motion.back().time_s + 0.2);
+      const double known_s = std::clamp(time_s, survey_.motion.front().time_s - most_beyond_motion_s,
+                                        survey_.motion.back().time_s + most_beyond_motion_s);
       const KmallMotion motion = *motion_at(survey_.motion, known_s);
       const glm::dvec2 place = place_at(time_s);
       track += fmt::format("{:.6f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}\n", time_s - start_s_, place.x,
@@ -187,8 +196,9 @@ class KmallSceneWriter {
   void head() {
     const KmallPing& first = survey_.pings.front();
     line("# Made by 'tubefoot import-scene' of the survey line {}.",
-         survey_.soundings_file.filename().string());
-    line("# Sonar: {}. Format: {}.", survey_.installation.sonar, survey_.installation.revision);
+         shown_line(survey_.soundings_file.filename().string()));
+    line("# Sonar: {}. Format: {}.", shown_line(survey_.installation.sonar),
+         shown_line(survey_.installation.revision));
     line("# z = 0 is the water line. Comments name assumptions; docs/measured.md explains them.");
     line("title = \"survey line\"");
     line("\n[georeference]\norigin_lat_lon_deg = [{:.9f}, {:.9f}]", first.latitude_deg, first.longitude_deg);
@@ -258,8 +268,8 @@ class KmallSceneWriter {
     } else if (options_.seabed == "grid") {
       grid(margin_m);
     } else {
-      line("\n[[terrain]]\nkind = \"raster\"\nfile = \"{}\"",
-           std::filesystem::absolute(options_.seabed).string());
+      line("\n[[terrain]]\nkind = \"raster\"\nfile = {}",
+           toml_quoted(std::filesystem::absolute(options_.seabed).string()));
     }
   }
 
@@ -400,6 +410,7 @@ class KmallSceneWriter {
   const KmallSceneOptions& options_;
   const std::filesystem::path& folder_;
   LocalFrame frame_;
+  std::vector<Place> places_;  ///< of the reference point, in order of time
   double start_s_ = 0, first_s_ = 0, last_s_ = 0, sound_speed_m_s_ = 1500;
   FittedPlane plane_;
   std::vector<glm::dvec3> soundings_;

@@ -58,6 +58,8 @@ ImportedScene read_world(const std::filesystem::path& world,
 /// Writes scene.toml and its meshes into an existing folder. Throws InputError for an invalid scene, and
 /// std::runtime_error on a write error.
 void write_imported_scene(const ImportedScene& scene, const std::filesystem::path& folder);
+/// Returns a text as a string of TOML, with its quotes. Control characters are escaped.
+std::string toml_quoted(const std::string& text);
 /// Returns the contents of scene.toml.
 std::string scene_text(const ImportedScene& scene);
 
