@@ -298,7 +298,7 @@ const TomlSection<ObjectDescription>& object_section() {
                field("unit_m", &MeshFile::unit_m,
                      {.meaning = "Length of one unit of the file, for example 0.001 for millimetres. "
                                  "Default: 1 for OBJ, PLY, STL, OFF and glTF, and the stated unit for "
-                                 "COLLADA and FBX. Required for 3DS.",
+                                 "COLLADA (1 if it states none) and FBX. Required for 3DS.",
                       .ranges = {mesh_unit}}),
                classes_field("materials", &MeshFile::materials,
                              {.meaning = "Names of faces in the mesh and their materials in the scene. Other "

@@ -90,8 +90,12 @@ void warn_of_rounding(NamedMesh& mesh, const std::string& file) {
 NamedMesh mesh_of_model(const std::filesystem::path& file, FileFormat format, const MeshAxes& axes) {
   const std::string name = file.string();
   Model model = read_model(file, format);
-  const std::optional<std::string> up = axes.up ? axes.up : model.declared.up;
-  const std::optional<double> unit_m = axes.unit_m ? axes.unit_m : model.declared.unit_m;
+  std::optional<std::string> up = axes.up ? axes.up : model.declared.up;
+  if (!up) up = axes.up_unless_stated;
+  std::optional<double> unit_m = axes.unit_m ? axes.unit_m : model.declared.unit_m;
+  if (!unit_m) unit_m = axes.unit_unless_stated_m;
+  const bool by_default = !unit_m && model.declared.default_unit_m;
+  if (by_default) unit_m = model.declared.default_unit_m;
   if (!up || !unit_m)
     throw InputError(
         {name, 0, 0},
@@ -103,6 +107,11 @@ NamedMesh mesh_of_model(const std::filesystem::path& file, FileFormat format, co
                     !unit_m ? "'unit_m' (its length in metres)" : ""));
   NamedMesh mesh = triangulate(std::move(model.polygons), name);
   to_metres_z_up(mesh, *up, *unit_m);
+  if (by_default)
+    mesh.warnings.push_back(fmt::format(
+        "{}: it states no unit of length, so its unit is {} m, the default of its format; another length "
+        "needs 'unit_m' of the object, or --unit-m of import-scene",
+        name, *unit_m));
   warn_of_rounding(mesh, name);
   return mesh;
 }
@@ -130,7 +139,8 @@ NamedMesh read_mesh_file(const std::filesystem::path& file, const MeshAxes& axes
     fail(fmt::format("begins like {}: give the file the extension of this format, not {}", name_of(format),
                      extension));
   NamedMesh mesh = triangulate(parse(mesh_text(file), name), name);
-  to_metres_z_up(mesh, axes.up.value_or("z"), axes.unit_m.value_or(1));
+  to_metres_z_up(mesh, axes.up.value_or(axes.up_unless_stated.value_or("z")),
+                 axes.unit_m.value_or(axes.unit_unless_stated_m.value_or(1)));
   return mesh;
 }
 

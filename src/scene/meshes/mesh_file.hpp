@@ -15,6 +15,9 @@ namespace tubefoot {
 struct MeshAxes {
   std::optional<std::string> up;  ///< axis that is up: x | y | z
   std::optional<double> unit_m;
+  // For files that do not state them:
+  std::optional<std::string> up_unless_stated{};
+  std::optional<double> unit_unless_stated_m{};
 };
 
 /// Facets, and the names of their faces in the file.
@@ -28,7 +31,7 @@ struct NamedMesh : ComponentMesh {
 /// Reads a mesh file in metres, z up. The extension identifies OBJ, PLY (ASCII, binary), STL (ASCII,
 /// binary) and OFF. These formats do not state units and axes; the defaults are metres and z up. The first
 /// bytes identify COLLADA, glTF, 3DS and FBX, which Assimp reads. They are rejected if neither the file nor
-/// the scene states the up axis and the unit.
+/// the scene states the up axis and the unit. The unit of COLLADA is 1 m by default, with a warning.
 ///
 /// Every face becomes part of the scene, manifold or not. Polygons are divided into triangles. A warning
 /// counts faces with fewer than three corners. Points without a face are removed. Throws InputError with

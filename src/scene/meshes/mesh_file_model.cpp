@@ -193,6 +193,7 @@ DeclaredAxes collada_axes(std::string_view content) {
     if (up.find(word) != up.npos) axes.up = axis;
   std::string_view metre = between(asset, "<unit", ">");
   const std::size_t quote = std::min(metre.find("meter=\""), metre.find("meter='"));
+  if (asset.find("<unit") == asset.npos) axes.default_unit_m = 1;
   if (quote == metre.npos) return axes;
   metre.remove_prefix(quote + 7);
   double unit_m = 0;

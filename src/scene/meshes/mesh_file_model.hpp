@@ -15,6 +15,7 @@ namespace tubefoot {
 struct DeclaredAxes {
   std::optional<std::string> up;
   std::optional<double> unit_m;
+  std::optional<double> default_unit_m{};  ///< that of the format, if the model may omit its unit and does
 };
 
 /// A model of another program: all its meshes, placed by their nodes, in its own axes and units.
@@ -27,7 +28,8 @@ struct Model {
 /// lights, cameras and animations are not read. Throws InputError.
 Model read_model(const std::filesystem::path& file, FileFormat format);
 
-/// Returns the axes and units in COLLADA's `asset`. Missing or invalid values are left out.
+/// Returns the axes and units in COLLADA's `asset`. Missing or invalid values are left out. Without a unit,
+/// the default is 1 m (COLLADA 1.4.1 and 1.5, element `unit`).
 DeclaredAxes collada_axes(std::string_view content);
 
 /// The bytes of a model's files, by the names that the model uses.

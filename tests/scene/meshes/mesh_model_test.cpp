@@ -139,7 +139,8 @@ TEST(Models, WhatNeitherFileNorSceneSaysIsRefused) {
   refused({"m.3ds", studio_model()}, {}, both);
   refused({"m.3ds", studio_model()}, {"z", {}}, unit);
   refused({"m.3ds", studio_model()}, {{}, 0.01}, axis);
-  refused({"m.dae", collada_model("")}, {}, both);
+  refused({"m.dae", collada_model("")}, {}, axis);
+  refused({"m.dae", collada_model("<unit meter=\"-1\"/><up_axis>Z_UP</up_axis>")}, {}, unit);
   refused({"m.dae", collada_model("<unit name=\"cm\"/><up_axis>Z_UP</up_axis>")}, {}, unit);
   refused({"m.dae", collada_model("<unit meter=\"0.01\"/>")}, {}, axis);
   refused({"m.fbx", fbx_model("")}, {}, both);
@@ -151,6 +152,31 @@ TEST(Models, WhatNeitherFileNorSceneSaysIsRefused) {
            fbx_model("\t\tP: \"UpAxis\", \"int\", \"Integer\", \"\",1\n\t\tP: \"UpAxisSign\", \"int\", "
                      "\"Integer\", \"\",-1\n\t\tP: \"UnitScaleFactor\", \"double\", \"Number\", \"\",1\n")},
           {}, axis);
+}
+
+TEST(Models, ColladaWithoutAUnitIsInMetres) {
+  const TestFolder folder;
+  const Sample sample{"m.dae", collada_model("<up_axis>Z_UP</up_axis>")};
+  const NamedMesh mesh = read(folder, sample);
+  EXPECT_LT(glm::distance(box_of(mesh).hi, glm::dvec3(4, 2, 0.5)), 1e-6);
+  EXPECT_THAT(mesh.warnings, Contains(HasSubstr("states no unit of length, so its unit is 1 m")));
+  // Other lengths replace the default, and then there is no warning.
+  for (const MeshAxes& axes : {MeshAxes{{}, 0.01, {}, {}}, MeshAxes{{}, {}, {}, 0.01}}) {
+    const NamedMesh scaled = read(folder, sample, axes);
+    EXPECT_LT(glm::distance(box_of(scaled).hi, glm::dvec3(0.04, 0.02, 0.005)), 1e-6);
+    EXPECT_TRUE(scaled.warnings.empty());
+  }
+  // Stated values precede those for files without them.
+  const MeshAxes unless_stated{{}, {}, "y", 0.01};
+  EXPECT_LT(
+      glm::distance(box_of(read(folder, {"m.dae", collada_model("<unit meter='2'/><up_axis>Z_UP</up_axis>")},
+                                unless_stated))
+                        .hi,
+                    glm::dvec3(8, 4, 1)),
+      1e-6);
+  EXPECT_LT(glm::distance(box_of(read(folder, {"m.dae", collada_model("")}, unless_stated)).hi,
+                          glm::dvec3(0.04, 0, 0.02)),
+            1e-6);
 }
 
 TEST(Models, TheSceneHasTheLastWordOnAxesAndUnits) {
