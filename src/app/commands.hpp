@@ -86,6 +86,7 @@ struct ImportSceneOptions {
   std::filesystem::path world, output;
   KmallSceneOptions kmall;                        ///< for survey lines only
   std::vector<std::filesystem::path> model_path;  ///< folders that model:// refers to
+  std::optional<double> unit_m;                   ///< unit of meshes that state none
   bool quiet = false;
 };
 

@@ -24,10 +24,16 @@ void add_import_scene(CLI::App& app, CommandOptions& requested) {
       ->option_text("FOLDER");
   command
       ->add_option("--model-path", world.model_path,
-                   "folder of models (model://NAME/...). Files may come only from this folder and from the "
+                   "folder of models (model://NAME/...), searched before those of GZ_SIM_RESOURCE_PATH, "
+                   "SDF_PATH and GAZEBO_MODEL_PATH. Files may come only from these folders and from the "
                    "folder of the world. The option may be repeated")
       ->allow_extra_args(false)
       ->option_text("FOLDER");
+  command
+      ->add_option("--unit-m", world.unit_m,
+                   "length of one unit of mesh files that state none, such as OBJ and STL (default: 1)")
+      ->check(CLI::Range(1e-9, 1e6))
+      ->option_text("METRES");
   command
       ->add_option(
           "--seabed", world.kmall.seabed,

@@ -97,7 +97,7 @@ TEST_F(Worlds, ReadShapesAndTellWhatTheyDoNot) {
                 "<pose>0 0 7 0 0 0</pose>", "p") +
           model("<geometry><mesh><uri>file://triangle.obj</uri><scale>-1 2 1</scale></mesh></geometry>", "",
                 "m") +
-          model("<geometry><capsule><radius>1</radius></capsule></geometry>", "", "capsule") +
+          model("<geometry><heightmap><uri>h.png</uri></heightmap></geometry>", "", "heightmap") +
           model("<geometry><mesh><uri>triangle.obj</uri><submesh><name>x</name></submesh></mesh></geometry>",
                 "", "sub") +
           "<include><uri>model://boat</uri></include><light name='x'/><physics/>");
@@ -112,8 +112,8 @@ TEST_F(Worlds, ReadShapesAndTellWhatTheyDoNot) {
   EXPECT_EQ(mirrored.points_m[1], glm::dvec3(-1, 0, 0));
   EXPECT_EQ(mirrored.triangles[0], (std::array<std::uint32_t, 3>{0, 2, 1}));
   EXPECT_EQ(scene.objects[3].scale, (std::array<double, 3>{1, 2, 1}));
-  for (const char* told :
-       {"<capsule>", "<submesh>", "<include> of 'model://boat'", "1 x <physics>", "lambert_db = -27"})
+  for (const char* told : {"<heightmap>", "no part of the mesh has the name 'x'",
+                           "<include> of 'model://boat'", "1 x <light>, 1 x <physics>", "lambert_db = -27"})
     EXPECT_THAT(scene.noticed, Contains(HasSubstr(told)));
 }
 
@@ -164,16 +164,17 @@ TEST_F(Worlds, ReadSonarsInTheEnginesWords) {
       if (k == name) return value;
     return std::string();
   };
-  EXPECT_EQ(key(0, "beams"), "64");
-  EXPECT_EQ(std::stod(key(0, "horizontal_deg")), 80);
+  // The plugin makes the number of beams odd, and the outermost beams lie at the stated azimuths.
+  EXPECT_EQ(key(0, "beams"), "65");
+  EXPECT_EQ(std::stod(key(0, "horizontal_deg")), 81.25);
+  // Cones of 20 degrees about elevations of 0 to -20 degrees fill 30 degrees on either side of the axis.
+  EXPECT_NEAR(std::stod(key(0, "vertical_deg")), 60, 1e-12);
   EXPECT_EQ(key(0, "samples"), "100");  // 15 m at 1500 / (2 x 5000) m
   EXPECT_EQ(key(0, "frequency_khz"), "900");
-  // Its middle is 20 degrees to port of east and 10 down. Angles about z grow to port.
-  const double down = 10 * std::numbers::pi / 180, port = 20 * std::numbers::pi / 180;
+  // Its middle is 20 degrees to port of east. Angles about z grow to port.
+  const double port = 20 * std::numbers::pi / 180;
   const glm::dvec3 ahead = scene.sensors[0].own.turn * glm::dvec3(0, 1, 0);
-  EXPECT_LT(glm::length(ahead - glm::dvec3(std::cos(down) * std::cos(port), std::cos(down) * std::sin(port),
-                                           -std::sin(down))),
-            1e-14);
+  EXPECT_LT(glm::length(ahead - glm::dvec3(std::cos(port), std::sin(port), 0)), 1e-14);
   EXPECT_EQ(scene.sensors[0].own.position_m, glm::dvec3(1, 0, 5));
   EXPECT_EQ(key(1, "spacing"), "\"distance\"");
   EXPECT_EQ(std::stod(key(1, "horizontal_deg")), 90);

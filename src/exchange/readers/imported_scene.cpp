@@ -5,8 +5,10 @@
 
 #include "exchange/obj_mesh.hpp"
 #include "exchange/readers/scene_readers.hpp"
+#include "exchange/readers/sonar_places.hpp"
 #include "files/checked_file.hpp"
 #include "files/shown.hpp"
+#include "scene/scene.hpp"
 #include "sensors/kinds/scene_file.hpp"
 #include "sensors/recordings/pose_angles.hpp"
 
@@ -64,7 +66,7 @@ std::string scene_text(const ImportedScene& scene) {
       text += fmt::format("scale = [{}, {}, {}]\n", object.scale[0], object.scale[1], object.scale[2]);
   }
   std::vector<ImportedSensor> sensors = scene.sensors;
-  if (sensors.empty()) sensors.push_back({"example", {{"kind", "\"imaging\""}}, {}});
+  if (sensors.empty()) sensors.push_back(example_sonar());
   for (std::size_t k = 0; k < sensors.size(); ++k) {
     text += fmt::format("\n[[trajectories]]\nname = \"of sonar {}\"\nkind = \"fixed\"\n{}", k,
                         place_keys(sensors[k].own));
@@ -75,7 +77,7 @@ std::string scene_text(const ImportedScene& scene) {
   return text;
 }
 
-void write_imported_scene(const ImportedScene& scene, const std::filesystem::path& folder) {
+void write_imported_scene(ImportedScene& scene, const std::filesystem::path& folder) {
   for (const ImportedMesh& mesh : scene.meshes) {
     ObjMesh obj(
         folder / mesh.file,
@@ -83,14 +85,19 @@ void write_imported_scene(const ImportedScene& scene, const std::filesystem::pat
     obj.object(mesh.file.stem().string(), {}, mesh.mesh.points_m, mesh.mesh.triangles);
     obj.close();
   }
-  const std::string text = scene_text(scene);
-  write_file(folder / "scene.toml", std::string_view(text));
+  const auto write = [&] {
+    const std::string text = scene_text(scene);
+    write_file(folder / "scene.toml", std::string_view(text));
+    return read_scene_file(folder / "scene.toml");
+  };
   try {
-    read_scene_file(folder / "scene.toml");
+    if (place_sonars(scene, load_scene(write()))) write();
   } catch (const InputError& error) {
     // The temporary folder is deleted; its name would mean nothing to the user.
     std::string why = error.what();
-    if (const std::size_t name = why.find("scene.toml"); name != std::string::npos) why = why.substr(name);
+    const std::string in_folder = folder.string() + "/";
+    for (std::size_t at = why.find(in_folder); at != why.npos; at = why.find(in_folder, at))
+      why.erase(at, in_folder.size());
     throw InputError({scene.world.string(), 0, 0},
                      "the readable parts of the world do not form a scene: " + why);
   }

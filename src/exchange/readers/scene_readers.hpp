@@ -51,13 +51,16 @@ struct ImportedScene {
 
 /// Reads an SDF world (.sdf, .world; the root element decides) or a Stonefish scenario. `model_path`:
 /// folders of model:// and package://, from which files may come in addition to the folder of the world.
-/// Throws InputError with line and column for other files and for a world without geometry.
+/// `unit_m`: unit of meshes that state none. Throws InputError with line and column for other files and for
+/// a world without geometry.
 ImportedScene read_world(const std::filesystem::path& world,
-                         const std::vector<std::filesystem::path>& model_path);
+                         const std::vector<std::filesystem::path>& model_path,
+                         std::optional<double> unit_m = {});
 
-/// Writes scene.toml and its meshes into an existing folder. Throws InputError for an invalid scene, and
-/// std::runtime_error on a write error.
-void write_imported_scene(const ImportedScene& scene, const std::filesystem::path& folder);
+/// Writes scene.toml and its meshes into an existing folder. Places the example sonar of a scene without
+/// sonars, and sonars that lie on a facet. Adds remarks on them, and on sonars inside objects, to the scene.
+/// Throws InputError for an invalid scene, and std::runtime_error on a write error.
+void write_imported_scene(ImportedScene& scene, const std::filesystem::path& folder);
 /// Returns a text as a string of TOML, with its quotes. Control characters are escaped.
 std::string toml_quoted(const std::string& text);
 /// Returns the contents of scene.toml.

@@ -4,14 +4,15 @@
 #include "exchange/readers/world_parts.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <glm/common.hpp>
 
 #include "exchange/sonar_keys.hpp"
 #include "files/absolute_path.hpp"
-#include "files/companions.hpp"
 #include "files/shown.hpp"
 #include "scene/meshes/mesh_file.hpp"
 #include "sensors/kinds/scene_file.hpp"
@@ -35,6 +36,17 @@ bool has_size(const ImportedObject& object) {
   });
 }
 
+/// Throws InputError for a template, from which another program makes the world.
+void refuse_template(const fs::path& world) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> programs{
+      {{".xacro", "xacro"}, {".erb", "erb"}, {".em", "empy"}}};
+  for (const auto& [extension, program] : programs)
+    if (world.extension() == extension)
+      throw InputError(
+          {world.string(), 0, 0},
+          fmt::format("is a template of {0}, expected a world: run {0}, and import its output", program));
+}
+
 std::string unique_in(std::map<std::string, int>& taken, const std::string& name) {
   std::string unique = name;
   int& next = taken[name];
@@ -46,15 +58,33 @@ std::string unique_in(std::map<std::string, int>& taken, const std::string& name
   return unique;
 }
 
+/// Keeps the triangles whose lists of names contain the name of the part. Returns false if there are none.
+bool cut_to(NamedMesh& mesh, const SubMesh& part) {
+  if (part.name.empty()) return true;
+  std::vector<bool> is_part(mesh.names.size());
+  for (std::size_t k = 0; k < mesh.names.size(); ++k)
+    is_part[k] = std::ranges::find(mesh.names[k], part.name) != mesh.names[k].end();
+  std::vector<std::array<std::uint32_t, 3>> kept;
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k)
+    if (k < mesh.names_of.size() && is_part[mesh.names_of[k]]) kept.push_back(mesh.triangles[k]);
+  if (kept.empty()) return false;
+  mesh.triangles = std::move(kept);
+  drop_unused_points(mesh);
+  if (!part.centred) return true;
+  glm::dvec3 lo = mesh.points_m.front(), hi = lo;
+  for (const glm::dvec3& p : mesh.points_m) {
+    lo = glm::min(lo, p);
+    hi = glm::max(hi, p);
+  }
+  for (glm::dvec3& p : mesh.points_m) p -= (lo + hi) / 2.0;
+  return true;
+}
+
 }  // namespace
 
-WorldParts::WorldParts(const XmlInput& xml, const fs::path& world, ExchangeFormat format,
-                       const std::vector<fs::path>& model_path)
-    : xml_(xml),
-      axes_(axes_of(format)),
-      world_(world),
-      folder_(absolute_path(world).parent_path()),
-      model_path_(model_path) {
+WorldParts::WorldParts(XmlInput& xml, const fs::path& world, ExchangeFormat format,
+                       const std::vector<fs::path>& model_path, std::optional<double> unit_m)
+    : xml_(xml), axes_(axes_of(format)), world_(world), files_(world, model_path), unit_m_(unit_m) {
   scene_.world = world;
 }
 
@@ -66,65 +96,61 @@ void WorldParts::notice(pugi::xml_node node, const std::string& what) {
     ++not_told_;
 }
 
-std::optional<fs::path> WorldParts::found(pugi::xml_node node, const std::string& uri) {
-  std::string name = uri;
-  const auto strip = [&](const char* scheme) {
-    const bool is = name.starts_with(scheme);
-    if (is) name.erase(0, std::string_view(scheme).size());
-    return is;
-  };
-  const bool of_models = strip("model://") || strip("package://");
-  if (!of_models) strip("file://");
-  if (name.empty() || name.find("://") != std::string::npos || name.find('\0') != std::string::npos) {
-    notice(node, fmt::format("'{}' is left out: it does not name a mesh file", shown_line(uri)));
-    return {};
-  }
-  std::vector<fs::path> folders{folder_};
-  if (of_models) {
-    folders = model_path_;
-    if (folders.empty()) {
-      notice(node, fmt::format("'{}' is left out: give the folder of the models with --model-path",
-                               shown_line(uri)));
-      return {};
-    }
-  }
-  std::vector<fs::path> allowed = model_path_;
-  allowed.push_back(folder_);
-  bool outside = false;
-  for (const fs::path& folder : folders) {
-    const fs::path file =
-        fs::path(name).is_absolute() && !of_models ? fs::path(name) : folder / fs::path(name).relative_path();
-    std::error_code error;
-    if (!fs::is_regular_file(file, error)) continue;
-    if (std::ranges::any_of(allowed,
-                            [&](const fs::path& one) { return !place_outside(absolute_path(one), file); }))
-      return file;
-    outside = true;
-  }
-  notice(
-      node,
-      outside
-          ? fmt::format(
-                "'{}' is left out: it lies outside of the world's folder; give its folder with --model-path",
-                shown_line(uri))
-          : fmt::format("'{}' is left out: there is no such file", shown_line(uri)));
-  return {};
+void WorldParts::visit(pugi::xml_node node) {
+  constexpr std::size_t most = 2'000'000;
+  if (++visited_ > most)
+    xml_.fail(node, fmt::format("the world has more than {} elements with its included models: import its "
+                                "models separately",
+                                most));
 }
 
-std::optional<std::size_t> WorldParts::mesh(pugi::xml_node node, const std::string& uri) {
-  const std::optional<fs::path> file = found(node, uri);
-  if (!file) return {};
-  const fs::path key = fs::weakly_canonical(*file);
+fs::path WorldParts::folder_of(pugi::xml_node node) const {
+  return absolute_path(xml_.file_of(node)).parent_path();
+}
+
+pugi::xml_node WorldParts::included(pugi::xml_node node, const std::string& uri) {
+  const auto left_out = [&](const std::string& why) {
+    notice(node, fmt::format("<include> of '{}' is left out: {}", shown_line(trimmed(uri)), why));
+    return pugi::xml_node();
+  };
+  try {
+    const WorldFiles::Place place = files_.model(uri, folder_of(node));
+    if (!place.file) return left_out(place.why);
+    const pugi::xml_node root = xml_.open(*place.file);
+    const fs::path file = fs::weakly_canonical(*place.file);
+    if (std::ranges::find(scene_.inputs, file) == scene_.inputs.end()) scene_.inputs.push_back(file);
+    return root;
+  } catch (const InputError& error) {
+    return left_out(error.what());
+  }
+}
+
+std::optional<std::size_t> WorldParts::mesh(pugi::xml_node node, const std::string& uri,
+                                            const SubMesh& part) {
+  const auto left_out = [&](const std::string& why) {
+    notice(node, fmt::format("'{}' is left out: {}", shown_line(trimmed(uri)), why));
+  };
+  const WorldFiles::Place place = files_.file(uri, folder_of(node));
+  if (!place.file) {
+    left_out(place.why);
+    return {};
+  }
+  const fs::path file = fs::weakly_canonical(*place.file);
+  const auto key = std::pair(file, part);
   if (const auto known = read_.find(key); known != read_.end()) return known->second;
   std::optional<std::size_t> number;
   try {
-    NamedMesh read = read_mesh_file(*file);
+    // Gazebo and Stonefish use the coordinates of a file that states no vertical axis as they are.
+    NamedMesh read = read_mesh_file(*place.file, {{}, {}, "z", unit_m_});
     for (const std::string& warning : read.warnings)
-      notice(node, fmt::format("'{}': {}", shown_line(uri), shown_line(warning)));
-    scene_.inputs.push_back(key);
-    number = mesh(key.stem().string(), std::move(read));
+      notice(node, fmt::format("'{}': {}", shown_line(trimmed(uri)), shown_line(warning)));
+    if (std::ranges::find(scene_.inputs, file) == scene_.inputs.end()) scene_.inputs.push_back(file);
+    if (cut_to(read, part))
+      number = mesh(file.stem().string() + (part.name.empty() ? "" : "_" + part.name), std::move(read));
+    else
+      left_out(fmt::format("no part of the mesh has the name '{}'", shown_line(part.name)));
   } catch (const InputError& error) {
-    notice(node, fmt::format("'{}' is left out: {}", shown_line(uri), error.what()));
+    left_out(error.what());
   }
   read_[key] = number;
   return number;
@@ -150,6 +176,19 @@ void WorldParts::read_own_scene(pugi::xml_node parent) {
       xml_.fail(node, fmt::format("two materials have the name '{}'", name));
     scene_.materials.push_back({name, xml_.attribute_number(node, "lambert_db", assumed_db)});
   }
+}
+
+void WorldParts::sound_speed(pugi::xml_node node, double m_s) {
+  constexpr double slowest_m_s = 1300, fastest_m_s = 1700;  // limits of a scene
+  if (!(m_s >= slowest_m_s && m_s <= fastest_m_s))
+    notice(node, fmt::format("its sound speed of {} m/s is left out: expected {} to {} m/s", m_s, slowest_m_s,
+                             fastest_m_s));
+  else if (!scene_.sound_speed_m_s)
+    scene_.sound_speed_m_s = m_s;
+  else if (*scene_.sound_speed_m_s != m_s)
+    notice(node, fmt::format("its sound speed of {} m/s is left out, because the water of the scene has {} "
+                             "m/s",
+                             m_s, *scene_.sound_speed_m_s));
 }
 
 std::string WorldParts::material(const std::string& name) {
@@ -178,6 +217,9 @@ std::size_t WorldParts::mirrored(std::size_t of, glm::dvec3 sign) {
 }
 
 void WorldParts::add_object(pugi::xml_node node, ImportedObject object, const Placement& placed) {
+  constexpr std::size_t most = 100'000;
+  if (scene_.objects.size() >= most)
+    xml_.fail(node, fmt::format("the world has more than {} objects: import its models separately", most));
   object.name = unique(object.name);
   if (object.shape != "mesh" && !has_size(object))
     return notice(node, fmt::format("'{}' is left out: all of its lengths must be above 0", object.name));
@@ -253,9 +295,12 @@ ImportedScene WorldParts::finish() {
     throw InputError({world_.string(), 0, 0},
                      scene_.noticed.empty()
                          ? "has no geometry: expected a mesh, box, sphere, cylinder, cone or plane"
-                         : "has no geometry that tubefoot reads; the first part that is left out: " +
-                               scene_.noticed.front());
+                         : fmt::format("has no geometry that tubefoot reads ({} of {} <include> read); the "
+                                       "first part that is left out: {}",
+                                       included_, included_ + not_included_, scene_.noticed.front()));
   if (not_told_ > 0) scene_.noticed.push_back(fmt::format("there are {} more notes", not_told_));
+  if (included_ + not_included_ > 0)
+    scene_.noticed.push_back(fmt::format("read {} of {} <include>", included_, included_ + not_included_));
   for (const std::string& name : assumed_)
     scene_.noticed.push_back(
         fmt::format("material '{}' has no scattering strength in the world; lambert_db = {} is assumed: "
@@ -263,9 +308,11 @@ ImportedScene WorldParts::finish() {
                     name, assumed_db));
   for (const auto& [name, count] : passed_over_)
     scene_.noticed.push_back(fmt::format("left out: {} x <{}>", count, name));
-  if (scene_.sensors.empty())
+  std::vector<std::string> unneeded;
+  for (const auto& [name, count] : without_effect_) unneeded.push_back(fmt::format("{} x <{}>", count, name));
+  if (!unneeded.empty())
     scene_.noticed.push_back(
-        "no sonar was found: scene.toml has an example sonar at the origin, which looks ahead");
+        fmt::format("without effect on the echoes of a scene at rest: {}", fmt::join(unneeded, ", ")));
   if (!scene_.sound_speed_m_s)
     scene_.noticed.push_back("the world does not describe the water: scene.toml uses defaults");
   return std::move(scene_);
@@ -279,15 +326,20 @@ ComponentMesh plane_mesh(double width, double length) {
   return mesh;
 }
 
-ImportedScene read_world(const fs::path& world, const std::vector<fs::path>& model_path) {
-  const XmlInput xml(world);
+ImportedScene read_world(const fs::path& world, const std::vector<fs::path>& model_path,
+                         std::optional<double> unit_m) {
+  refuse_template(world);
+  XmlInput xml(world);
   const std::string root = xml.root().name();
   if (root != "sdf" && root != "scenario")
-    throw InputError(xml.place_of(xml.root()),
-                     fmt::format("begins with <{}>: expected <sdf> (Gazebo) or <scenario> (Stonefish)",
-                                 name_in(xml.root())));
+    throw InputError(
+        xml.place_of(xml.root()),
+        fmt::format("begins with <{}>: expected <sdf> (Gazebo) or <scenario> (Stonefish){}",
+                    name_in(xml.root()),
+                    root == "robot" ? "; 'gz sdf -p FILE' converts a robot in URDF to SDF" : ""));
   const bool stonefish = root == "scenario";
-  WorldParts parts(xml, world, stonefish ? ExchangeFormat::stonefish : ExchangeFormat::sdf, model_path);
+  WorldParts parts(xml, world, stonefish ? ExchangeFormat::stonefish : ExchangeFormat::sdf, model_path,
+                   unit_m);
   (stonefish ? read_stonefish : read_sdf)(parts);
   return parts.finish();
 }

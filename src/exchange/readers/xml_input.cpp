@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads XML files of unknown origin with limits on size and nesting and without a document type. It maps
-// elements to line and column and parses numbers.
+// elements to file, line and column, and parses numbers.
 #include "exchange/readers/xml_input.hpp"
 
 #include <fmt/format.h>
@@ -20,22 +20,58 @@ constexpr std::string_view blanks = " \t\r\n";
 
 }  // namespace
 
-XmlInput::XmlInput(const std::filesystem::path& file) : file_(file) {
-  text_ = read_whole(file, {file.string(), 0, 0}, most_bytes, "an SDF world or a Stonefish scenario (XML)");
-  lines_.push_back(0);
-  for (std::size_t at = 0; at < text_.size(); ++at)
-    if (text_[at] == '\n') lines_.push_back(at + 1);
-  const pugi::xml_parse_result parsed = document_.load_buffer(
-      text_.data(), text_.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
+struct XmlInput::Document {
+  std::filesystem::path file;
+  std::string text;
+  std::vector<std::size_t> lines;  ///< begin of each line
+  pugi::xml_document tree;
+
+  SourcePlace place_at(std::ptrdiff_t offset) const {
+    if (offset < 0 || static_cast<std::size_t>(offset) > text.size()) return {file.string(), 0, 0};
+    const auto at = static_cast<std::size_t>(offset);
+    const auto after = std::ranges::upper_bound(lines, at);
+    return {file.string(), static_cast<int>(after - lines.begin()),
+            static_cast<int>(at - *std::prev(after)) + 1};
+  }
+};
+
+XmlInput::XmlInput(const std::filesystem::path& file) { open(file); }
+XmlInput::~XmlInput() = default;
+
+pugi::xml_node XmlInput::root() const { return documents_.front()->tree.document_element(); }
+
+pugi::xml_node XmlInput::open(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::path key = std::filesystem::weakly_canonical(file, error);
+  if (const auto known = by_file_.find(key); known != by_file_.end())
+    return known->second->tree.document_element();
+  auto made = std::make_unique<Document>();
+  made->file = file;
+  made->text =
+      read_whole(file, {file.string(), 0, 0}, most_bytes, "an SDF world or a Stonefish scenario (XML)");
+  bytes_ += made->text.size();
+  if (bytes_ > most_bytes_in_all)
+    throw InputError({file.string(), 0, 0},
+                     fmt::format("brings the included files to {} bytes: expected at most {} MB together; "
+                                 "import the models separately",
+                                 bytes_, most_bytes_in_all >> 20));
+  made->lines.push_back(0);
+  for (std::size_t at = 0; at < made->text.size(); ++at)
+    if (made->text[at] == '\n') made->lines.push_back(at + 1);
+  const pugi::xml_parse_result parsed = made->tree.load_buffer(
+      made->text.data(), made->text.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
   if (!parsed)
-    throw InputError(place_at(parsed.offset),
+    throw InputError(made->place_at(parsed.offset),
                      fmt::format("is not valid XML: {}", harmless(parsed.description())));
-  for (const pugi::xml_node node : document_.children())
+  const Document& document = *made;
+  by_root_.emplace(document.tree.internal_object(), &document);
+  documents_.push_back(std::move(made));
+  for (const pugi::xml_node node : document.tree.children())
     if (node.type() == pugi::node_doctype)
       fail(node, "has a document type, which tubefoot does not accept: remove <!DOCTYPE ...>");
   // An iterative walk, so that the stack does not grow with the nesting.
   int depth = 0;
-  for (pugi::xml_node node = root(); node;) {
+  for (pugi::xml_node node = document.tree.document_element(); node;) {
     if (depth > most_nesting) fail(node, fmt::format("is nested deeper than {} elements", most_nesting));
     if (const pugi::xml_node inner = node.first_child()) {
       node = inner;
@@ -48,20 +84,21 @@ XmlInput::XmlInput(const std::filesystem::path& file) : file_(file) {
     }
     node = depth > 0 ? node.next_sibling() : pugi::xml_node();
   }
+  by_file_.emplace(key, &document);
+  return document.tree.document_element();
 }
 
-SourcePlace XmlInput::place_at(std::ptrdiff_t offset) const {
-  if (offset < 0 || static_cast<std::size_t>(offset) > text_.size()) return {file_.string(), 0, 0};
-  const auto at = static_cast<std::size_t>(offset);
-  const auto after = std::ranges::upper_bound(lines_, at);
-  return {file_.string(), static_cast<int>(after - lines_.begin()),
-          static_cast<int>(at - *std::prev(after)) + 1};
+const XmlInput::Document& XmlInput::document_of(pugi::xml_node node) const {
+  const auto known = by_root_.find(node.root().internal_object());
+  return known == by_root_.end() ? *documents_.front() : *known->second;
 }
+
+const std::filesystem::path& XmlInput::file_of(pugi::xml_node node) const { return document_of(node).file; }
 
 SourcePlace XmlInput::place_of(pugi::xml_node node) const {
   // pugixml counts from the name of an element.
   const std::ptrdiff_t offset = node.offset_debug();
-  return place_at(offset > 0 && node.type() == pugi::node_element ? offset - 1 : offset);
+  return document_of(node).place_at(offset > 0 && node.type() == pugi::node_element ? offset - 1 : offset);
 }
 
 void XmlInput::fail(pugi::xml_node node, const std::string& what) const {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
@@ -11,17 +13,27 @@
 
 namespace tubefoot {
 
-/// An XML file of unknown origin. It must not have a document type and thus defines no entities. Its
-/// nesting is limited to that of ordinary worlds.
+/// An XML file of unknown origin, and the XML files that it includes. A file must not have a document type
+/// and thus defines no entities. Its nesting is limited to that of ordinary worlds.
 class XmlInput {
  public:
   static constexpr std::size_t most_bytes = std::size_t{16} << 20;
+  /// Bytes of all files together.
+  static constexpr std::size_t most_bytes_in_all = std::size_t{64} << 20;
   static constexpr int most_nesting = 64;
 
   /// Throws InputError at the place of the error.
   explicit XmlInput(const std::filesystem::path& file);
+  ~XmlInput();
+  XmlInput(const XmlInput&) = delete;
+  XmlInput& operator=(const XmlInput&) = delete;
 
-  pugi::xml_node root() const { return document_.document_element(); }
+  /// Returns the root element of the first file.
+  pugi::xml_node root() const;
+  /// Reads a further file, once, and returns its root element. Throws InputError at the place of the error.
+  pugi::xml_node open(const std::filesystem::path& file);
+  /// Returns the file that contains a node.
+  const std::filesystem::path& file_of(pugi::xml_node node) const;
   SourcePlace place_of(pugi::xml_node node) const;
   [[noreturn]] void fail(pugi::xml_node node, const std::string& what) const;
 
@@ -37,12 +49,13 @@ class XmlInput {
   double attribute_number(pugi::xml_node node, const char* attribute, double otherwise) const;
 
  private:
-  SourcePlace place_at(std::ptrdiff_t offset) const;
+  struct Document;
+  const Document& document_of(pugi::xml_node node) const;
 
-  std::filesystem::path file_;
-  std::string text_;
-  std::vector<std::size_t> lines_;  ///< begin of each line
-  pugi::xml_document document_;
+  std::vector<std::unique_ptr<const Document>> documents_;
+  std::map<const void*, const Document*> by_root_;
+  std::map<std::filesystem::path, const Document*> by_file_;
+  std::size_t bytes_ = 0;
 };
 
 /// Returns the name of an element on one line, safe for display.
