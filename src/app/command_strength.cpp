@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "app/commands.hpp"
 #include "files/memory_at_hand.hpp"
 #include "files/usage_error.hpp"
 #include "run/console/say.hpp"
 #include "run/settings.hpp"
+#include "strength/strength_comparison.hpp"
 #include "strength/strength_output.hpp"
 #include "strength/strength_request.hpp"
 
@@ -57,7 +60,8 @@ StrengthRequest request_of(const StrengthOptions& options) {
 
 int strength_command(const StrengthOptions& options) {
   const StrengthRequest request = request_of(options);
-  StrengthOutput output(options.output, {options.mesh});
+  StrengthOutput output(options.output,
+                        options.compared ? Inputs{options.mesh, *options.compared} : Inputs{options.mesh});
   const ThreadLimit limit(options.threads.value_or(0));
   const ComponentMesh mesh = strength_mesh(options.mesh, options.unit_m, options.up);
   std::vector<std::string> warnings = mesh.warnings;
@@ -66,13 +70,17 @@ int strength_command(const StrengthOptions& options) {
   if (const auto small = too_small_for(mesh, request.frequencies_hz.front(), request.sound_speed))
     warnings.push_back(options.mesh.string() + ": " + *small);
   print_warnings(warnings, options.quiet);
-  const double bytes_a_cell = options.reference ? 300 : 160;  // numbers and their text
+  const double bytes_a_cell =  // numbers and their text
+      (options.reference ? 300 : 160) + (options.compared ? 40 : 0);
   require_memory(bytes_a_cell * static_cast<double>(request.azimuths_deg.size()) *
                      static_cast<double>(request.elevations_deg.size()) *
                      static_cast<double>(request.frequencies_hz.size()),
                  {options.mesh.string()}, "the table of target strengths",
                  "increase the steps of the ranges");
-  const StrengthTable table = strength_of(mesh, options.mesh.filename().string(), request, options.quiet);
+  std::optional<StrengthComparison> comparison;
+  if (options.compared) comparison = read_comparison(*options.compared, request);
+  StrengthTable table = strength_of(mesh, options.mesh.filename().string(), request, options.quiet);
+  table.comparison = std::move(comparison);
   output.write(table);
   if (std::ranges::all_of(table.silhouette_m2, [](double area) { return area == 0; }))
     print_warnings({fmt::format("{}: no facet is visible from any of these directions: each facet has no "
@@ -86,6 +94,7 @@ int strength_command(const StrengthOptions& options) {
   tell("frequencies    {}\n", request.frequencies_hz.size());
   tell("strength       {:.2f} to {:.2f} dB re 1 m2\n", weakest, strongest);
   if (table.certified()) tell("{}", in_words(bounds_held(table), table));
+  if (table.comparison) tell("{}", in_words(differences_of(table), table));
   tell("wrote {}\n", options.output.string());
   return 0;
 }

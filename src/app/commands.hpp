@@ -53,6 +53,7 @@ struct StrengthOptions {
   double sound_speed = 1500, roughness_m = 0;
   bool reference = false;
   double tolerance = 1e-3;  ///< tolerance of the reference
+  std::optional<std::filesystem::path> compared;
   std::optional<double> unit_m;
   std::optional<std::string> up;
   std::optional<int> threads;

@@ -135,6 +135,13 @@ void add_strength(CLI::App& app, CommandOptions& requested) {
       ->check(finite_number(0, true))
       ->needs(reference);
   command
+      ->add_option(
+          "--compare", strength.compared,
+          "CSV file with other target strengths at some of these directions and frequencies: columns "
+          "azimuth_deg, frequency_hz, target_strength_db and optionally elevation_deg. The output "
+          "then contains the differences")
+      ->option_text("FILE");
+  command
       ->add_option("--unit", strength.unit_m,
                    "length of the mesh unit in m (default: the unit that the file states, else 1)")
       ->check(finite_number(0, true));

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iterator>
 
 #include "engine/signal/certified_strength.hpp"
@@ -12,6 +13,7 @@
 #include "files/checked_file.hpp"
 #include "files/usage_error.hpp"
 #include "sensors/formats/netcdf_stream.hpp"
+#include "strength/strength_comparison.hpp"
 
 namespace tubefoot {
 
@@ -21,6 +23,15 @@ namespace {
 
 double strength_bound_db(const StrengthTable& table, std::size_t k) {
   return target_strength_bound_db({table.length_m[k], table.bound_m[k], table.grid_bound_m[k]});
+}
+
+/// Two cells, which are empty if the comparison has no value.
+std::string comparison_cells(const StrengthTable& table, std::size_t elevation, std::size_t azimuth,
+                             std::size_t frequency) {
+  const double difference = difference_db(table, elevation, azimuth, frequency);
+  if (std::isnan(difference)) return ",,";
+  return fmt::format(",{:.6f},{:.6f}",
+                     table.comparison->strength_db[table.index(elevation, azimuth, frequency)], difference);
 }
 
 }  // namespace
@@ -57,7 +68,9 @@ void StrengthOutput::write(const StrengthTable& table) {
 std::string to_csv(const StrengthTable& table) {
   std::string text =
       "elevation_deg,azimuth_deg,frequency_hz,target_strength_db,length_re_m,length_im_m,silhouette_m2";
-  text += table.certified() ? ",length_bound_m,target_strength_bound_db\n" : "\n";
+  if (table.certified()) text += ",length_bound_m,target_strength_bound_db";
+  if (table.comparison) text += ",compared_strength_db,difference_db";
+  text += '\n';
   const StrengthRequest& request = table.request;
   // Certified numbers have all digits; a bound would otherwise have to include the omitted digits.
   const auto number = [&](double value) {
@@ -77,6 +90,7 @@ std::string to_csv(const StrengthTable& table) {
         if (table.certified())
           fmt::format_to(std::back_inserter(text), ",{:.16e},{:.16e}", table.bound_m[k],
                          strength_bound_db(table, k));
+        if (table.comparison) text += comparison_cells(table, e, a, f);
         text += '\n';
       }
   return text;
@@ -84,7 +98,8 @@ std::string to_csv(const StrengthTable& table) {
 
 void write_netcdf(const StrengthTable& table, const fs::path& file) {
   NetcdfStream stream(file);
-  stream.reserve(table.length_m.size() * (table.certified() ? 48 : 24) + table.silhouette_m2.size() * 8);
+  stream.reserve(table.length_m.size() * (table.certified() ? 48 : 24) +
+                 table.length_m.size() * (table.comparison ? 8 : 0) + table.silhouette_m2.size() * 8);
   const NetcdfGroup group(stream, stream.id());
   const StrengthRequest& request = table.request;
   group.attribute("Conventions", "CF-1.8");
@@ -131,6 +146,12 @@ void write_netcdf(const StrengthTable& table, const fs::path& file) {
               table.grid_bound_m);
     group.put({"target_strength_bound", NC_DOUBLE, all, "dB", "certified half-width of the target strength"},
               bounds_db);
+  }
+  if (table.comparison) {
+    group.attribute("compared_with", table.comparison->name);
+    group.put({"compared_strength", NC_DOUBLE, all, "dB",
+               "target strength of the compared file; NaN if it has none"},
+              table.comparison->strength_db);
   }
   stream.finish();
 }

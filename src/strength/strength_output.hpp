@@ -29,7 +29,8 @@ class StrengthOutput {
 std::string to_csv(const StrengthTable& table);
 void write_netcdf(const StrengthTable& table, const std::filesystem::path& file);
 /// Draws target strength over azimuth or elevation, one line for each of up to five frequencies. For a
-/// single direction, it draws target strength over frequency. For more values, it draws a map.
+/// single direction, it draws target strength over frequency. For more values, it draws a map. With a
+/// comparison, each line has a diagram with both target strengths, and one with their difference.
 void write_picture(const StrengthTable& table, const std::filesystem::path& file);
 
 }  // namespace tubefoot

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/signal/target_strength.hpp"
 #include "sensors/pictures/canvas.hpp"
@@ -19,7 +20,9 @@ namespace tubefoot {
 namespace {
 
 constexpr double shown_db = 60;  // range of levels below the strongest
+constexpr double clip_db = 10;   // of shown differences: nulls of a pattern differ by any amount
 constexpr std::size_t most_lines = 5;
+constexpr std::size_t diagram_width = 760, diagram_height = 520;  // of to_svg()
 
 struct Axis {
   std::string name;
@@ -53,11 +56,13 @@ class Cube {
   bool is_frequency(std::size_t rank) const { return order_[rank] == 2; }
   double strongest() const { return strongest_; }
   double db(std::size_t first, std::size_t second, std::size_t third) const {
-    std::array<std::size_t, 3> at{};
-    at[order_[0]] = first;
-    at[order_[1]] = second;
-    at[order_[2]] = third;
-    return target_strength_db(table_.at(at[1], at[0], at[2]));
+    const auto [azimuth, elevation, frequency] = place(first, second, third);
+    return target_strength_db(table_.at(elevation, azimuth, frequency));
+  }
+  /// Target strength of the comparison; NaN if it has none.
+  double compared_db(std::size_t first, std::size_t second, std::size_t third) const {
+    const auto [azimuth, elevation, frequency] = place(first, second, third);
+    return table_.comparison->strength_db[table_.index(elevation, azimuth, frequency)];
   }
   std::string named(std::size_t rank, std::size_t k) const {
     const double value = axis(rank).values[k];
@@ -66,6 +71,15 @@ class Cube {
   }
 
  private:
+  /// Indices of azimuth, elevation and frequency.
+  std::array<std::size_t, 3> place(std::size_t first, std::size_t second, std::size_t third) const {
+    std::array<std::size_t, 3> at{};
+    at[order_[0]] = first;
+    at[order_[1]] = second;
+    at[order_[2]] = third;
+    return at;
+  }
+
   const StrengthTable& table_;
   std::array<Axis, 3> axes_;
   std::array<std::size_t, 3> order_{0, 1, 2};
@@ -84,6 +98,57 @@ void write_lines(const StrengthTable& table, const Cube& cube, const std::filesy
     diagram.series.push_back(std::move(series));
   }
   write_png_of_svg(to_svg(diagram), file);
+}
+
+/// Draws both target strengths of one line of the table.
+Diagram both_strengths(const StrengthTable& table, const Cube& cube, std::size_t line) {
+  const std::string third = cube.is_frequency(1) ? "" : ", " + cube.named(2, 0);
+  Diagram diagram{title_of(table) + ", " + cube.named(1, line) + third,
+                  cube.axis(0).name,
+                  "target strength (dB re 1 m2)",
+                  {{"tubefoot", "", {}, true}, {table.comparison->name, "", {}, true}},
+                  Scale::linear,
+                  0,
+                  ""};
+  for (std::size_t k = 0; k < cube.axis(0).values.size(); ++k) {
+    const double at = cube.axis(0).values[k], weakest = cube.strongest() - shown_db,
+                 other = cube.compared_db(k, line, 0);
+    diagram.series[0].points.emplace_back(at, std::max(cube.db(k, line, 0), weakest));
+    if (!std::isnan(other)) diagram.series[1].points.emplace_back(at, std::max(other, weakest));
+  }
+  return diagram;
+}
+
+/// Draws the difference of one line of the table from the comparison.
+Diagram strength_difference(const StrengthTable& table, const Cube& cube, std::size_t line) {
+  Diagram diagram{fmt::format("tubefoot minus {}, clipped at {:g} dB", table.comparison->name, clip_db),
+                  cube.axis(0).name,
+                  "difference (dB)",
+                  {{"difference", "", {}, true}, {"no difference", "", {}, true}},
+                  Scale::linear,
+                  0,
+                  ""};
+  for (std::size_t k = 0; k < cube.axis(0).values.size(); ++k) {
+    const double at = cube.axis(0).values[k], other = cube.compared_db(k, line, 0);
+    if (!std::isnan(other))
+      diagram.series[0].points.emplace_back(at, std::clamp(cube.db(k, line, 0) - other, -clip_db, clip_db));
+    diagram.series[1].points.emplace_back(at, 0);
+  }
+  return diagram;
+}
+
+/// Draws a row per line of the table: both target strengths, and next to them their difference.
+void write_compared_lines(const StrengthTable& table, const Cube& cube, const std::filesystem::path& file) {
+  const std::size_t rows = cube.axis(1).values.size();
+  std::string panels;
+  for (std::size_t line = 0; line < rows; ++line)
+    for (const auto& [diagram, x] : {std::pair(both_strengths(table, cube, line), std::size_t{0}),
+                                     std::pair(strength_difference(table, cube, line), diagram_width)})
+      panels += fmt::format("<svg x=\"{}\" y=\"{}\"{}", x, line * diagram_height, to_svg(diagram).substr(4));
+  write_png_of_svg(
+      fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\">\n{}</svg>\n",
+                  2 * diagram_width, rows * diagram_height, panels),
+      file);
 }
 
 /// Returns the index of the axis value nearest to a fraction of the axis.
@@ -147,7 +212,7 @@ void write_map(const StrengthTable& table, const Cube& cube, const std::filesyst
 void write_picture(const StrengthTable& table, const std::filesystem::path& file) {
   const Cube cube(table);
   if (cube.axis(1).values.size() <= most_lines && cube.axis(2).values.size() == 1)
-    write_lines(table, cube, file);
+    table.comparison ? write_compared_lines(table, cube, file) : write_lines(table, cube, file);
   else
     write_map(table, cube, file);
 }

@@ -59,7 +59,8 @@ double radius_of(const ComponentMesh& mesh) {
 
 /// Estimates the distance of two adjacent facets from a curved surface that they may approximate. A chord
 /// of a circle that turns by an angle over a length deviates from it by angle times length over 8.
-/// Triangles deviate by up to twice that. The distance is 0 at sharp edges and for coplanar facets.
+/// Triangles deviate by up to twice that. The shorter facet counts, because the longer one can be flat, as
+/// between the side and the cap of a capsule. The distance is 0 at sharp edges and for coplanar facets.
 struct Coarse {
   double off_m = 0, edge_m = 0;
 };
@@ -75,7 +76,7 @@ Coarse coarseness(const ComponentMesh& mesh, const EdgeOfFacet& one, const EdgeO
   if (!(glm::length(h) > 0) || !(glm::length(g) > 0)) return {};
   const double angle = std::atan2(glm::length(glm::cross(h, g)), -glm::dot(h, g));
   if (angle > sharp_rad || angle < flat_rad) return {};
-  return {angle * (glm::length(h) + glm::length(g)) / 2 / 4, length};
+  return {angle * std::min(glm::length(h), glm::length(g)) / 4, length};
 }
 
 }  // namespace

@@ -24,6 +24,12 @@ struct StrengthRequest {
   std::optional<double> tolerance{};
 };
 
+/// Target strengths of another method or of a measurement.
+struct StrengthComparison {
+  std::string name;                 ///< of the file
+  std::vector<double> strength_db;  ///< in the order of StrengthTable::length_m; NaN: the file has no value
+};
+
 /// Backscattering lengths by elevation, azimuth and frequency, with frequency varying fastest, and areas of
 /// the silhouette by direction.
 struct StrengthTable {
@@ -34,6 +40,7 @@ struct StrengthTable {
   /// Bounds of the lengths relative to those of the exact mesh. `grid_bound_m` is the part that the rounding
   /// of vertices to the grid of a view causes (CertifiedLength). Both are empty if lengths are not certified.
   std::vector<double> bound_m{}, grid_bound_m{};
+  std::optional<StrengthComparison> comparison{};  ///< see strength_comparison.hpp
 
   bool certified() const { return !bound_m.empty(); }
   std::size_t directions() const { return request.elevations_deg.size() * request.azimuths_deg.size(); }

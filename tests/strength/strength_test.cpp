@@ -6,13 +6,17 @@
 #include <netcdf.h>
 
 #include <cmath>
+#include <complex>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
+#include "files/input_error.hpp"
 #include "files/usage_error.hpp"
 #include "fixtures/program.hpp"
 #include "fixtures/test_folder.hpp"
 #include "scene/meshes/primitives.hpp"
+#include "strength/strength_comparison.hpp"
 #include "strength/strength_output.hpp"
 #include "strength/strength_request.hpp"
 #include "strength/strength_table.hpp"
@@ -272,6 +276,111 @@ TEST(StrengthCommand, WritesAFolderAndRefusesWhatIsWrong) {
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_THAT(none.err, HasSubstr("point.obj"));
   EXPECT_FALSE(std::filesystem::exists(folder / "x.csv"));
+}
+
+// Values of the file appear at their directions and frequencies, and differences follow from them.
+TEST(StrengthComparison, AssignsRowsToDirections) {
+  const TestFolder folder;
+  const std::filesystem::path file = folder.write(
+      "other.csv",
+      "frequency_hz,azimuth_deg,target_strength_db\n10000,0,-3\n10000,360.0000001,-4\n20000,0,-5\n");
+  const auto read = [&](const std::filesystem::path& from, const StrengthRequest& requested) {
+    try {
+      read_comparison(from, requested);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing was refused");
+  };
+  EXPECT_THAT(read(file, request), HasSubstr("other.csv: no row has a requested direction and frequency"));
+  StrengthRequest level{{-90, 0, 90, 270}, {0}, {1e4, 4e4}, 1500, {}, "rigid"};
+  EXPECT_THAT(read(file, level), AllOf(HasSubstr("other.csv:3:"), HasSubstr("second value for elevation 0")));
+  const std::filesystem::path good = folder.write(
+      "good.csv",
+      "elevation_deg,azimuth_deg,frequency_hz,target_strength_db\n0,0,1e4,-3\n0,270,1e4,-6\n5,0,1e4,-9\n");
+  const StrengthComparison comparison = read_comparison(good, level);
+  ASSERT_EQ(comparison.strength_db.size(), 8U);
+  EXPECT_EQ(comparison.name, "good.csv");
+  EXPECT_EQ(comparison.strength_db[0], -6);  // -90 is 270 degrees
+  EXPECT_EQ(comparison.strength_db[2], -3);
+  EXPECT_EQ(comparison.strength_db[6], -6);
+  for (const std::size_t k : {1U, 3U, 4U, 5U, 7U}) EXPECT_TRUE(std::isnan(comparison.strength_db[k])) << k;
+  for (const char* wrong :
+       {"", "azimuth_deg,frequency_hz\n0,1e4\n", "azimuth_deg,frequency_hz,target_strength_db\n0,1e4,nan\n",
+        "azimuth_deg,frequency_hz,target_strength_db\n0,x,1\n"})
+    EXPECT_THAT(read(folder.write("wrong.csv", wrong), level), HasSubstr("wrong.csv")) << wrong;
+}
+
+TEST(StrengthComparison, SummarisesDifferences) {
+  StrengthTable table{request, "box.obj", {}, {}};
+  table.request.azimuths_deg = {0, 90, 180};
+  table.request.elevations_deg = {5};
+  table.request.frequencies_hz = {1e3, 2e3};
+  using Length = std::complex<double>;
+  table.length_m = {1, 1, Length(0, 10), 1, 0.1, 1};
+  table.silhouette_m2 = {1, 1, 1};
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(std::isnan(difference_db(table, 0, 0, 0)));
+  table.comparison = StrengthComparison{"other.csv", {-1, none, 22, none, -20, none}};
+  EXPECT_NEAR(difference_db(table, 0, 1, 0), -2, 1e-12);
+  const std::vector<StrengthDifference> differences = differences_of(table);
+  ASSERT_EQ(differences.size(), 2U);
+  EXPECT_EQ(differences[0].directions, 3U);
+  EXPECT_NEAR(differences[0].median_db, 1, 1e-12);
+  EXPECT_NEAR(differences[0].largest_db, 2, 1e-12);
+  EXPECT_EQ(differences[0].largest_azimuth, 1U);
+  EXPECT_NEAR(differences[0].mean_db,
+              10 * std::log10(101.01 / (std::pow(10, -0.1) + std::pow(10, 2.2) + 0.01)), 1e-12);
+  EXPECT_EQ(differences[1].directions, 0U);
+  EXPECT_THAT(in_words(differences, table), AllOf(HasSubstr("1000 Hz: 3 directions, median 1.00 dB"),
+                                                  HasSubstr("largest 2.00 dB at elevation 5, azimuth 90"),
+                                                  HasSubstr("2000 Hz: the file has no value")));
+  const std::string csv = to_csv(table);
+  EXPECT_THAT(csv, HasSubstr(",compared_strength_db,difference_db\n"));
+  EXPECT_THAT(csv, HasSubstr(",22.000000,-2.000000\n"));
+  EXPECT_THAT(csv, HasSubstr(",,\n"));
+  const TestFolder folder;
+  write_netcdf(table, folder / "compared.nc");
+  int id = 0, variable = 0;
+  ASSERT_EQ(nc_open((folder / "compared.nc").c_str(), NC_NOWRITE, &id), NC_NOERR);
+  std::vector<double> compared(6);
+  ASSERT_EQ(nc_inq_varid(id, "compared_strength", &variable), NC_NOERR);
+  EXPECT_EQ(nc_get_var_double(id, variable, compared.data()), NC_NOERR);
+  nc_close(id);
+  EXPECT_EQ(compared[2], 22);
+  EXPECT_TRUE(std::isnan(compared[1]));
+}
+
+// The output of the command can be compared with itself. The picture then has two diagrams per frequency.
+TEST(StrengthCommand, ComparesWithItsOwnTable) {
+  const TestFolder folder;
+  const std::filesystem::path mesh = folder / "plate.obj", own = folder / "own.csv",
+                              picture = folder / "own.png";
+  std::ofstream(mesh) << "v -0.05 -0.03 0\nv 0.05 -0.03 0\nv 0.05 0.03 0\nv -0.05 0.03 0\nf 1 2 3 4\n";
+  const auto run = [&](const std::filesystem::path& output, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"strength",     mesh.string(), "--frequencies", "100kHz,200kHz",
+                                       "--elevations", "60",          "--azimuths",    "0:90:10",
+                                       "--quiet",      "-o",          output.string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments);
+  };
+  ASSERT_EQ(run(own, {}).exit_code, 0);
+  const auto compared = run(picture, {"--compare", own.string()});
+  EXPECT_EQ(compared.exit_code, 0) << compared.err;
+  EXPECT_THAT(compared.out,
+              HasSubstr("difference     200000 Hz: 10 directions, median 0.00 dB, 90 % below 0.00 dB"));
+  const std::string png = bytes_of(picture);
+  ASSERT_GT(png.size(), 24U);
+  const auto number = [&](std::size_t at) {
+    unsigned value = 0;
+    for (std::size_t k = 0; k < 4; ++k) value = value << 8 | static_cast<unsigned char>(png[at + k]);
+    return value;
+  };
+  EXPECT_EQ(number(16), 2280U);  // two diagrams of 760 pixels, times 1.5
+  EXPECT_EQ(number(20), 1560U);  // one row of 520 pixels per frequency
+  // The compared file is an input, which the output may not replace.
+  EXPECT_EQ(run(own, {"--compare", own.string()}).exit_code, 2);
+  EXPECT_EQ(run(picture, {"--compare", (folder / "none.csv").string()}).exit_code, 2);
 }
 
 }  // namespace
