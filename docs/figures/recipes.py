@@ -138,6 +138,10 @@ FIGURES = [
            "out/labelled/sonar-labels-0000.png", 1200),
     Figure("pictures/refraction.png", ("build/release/tubefoot_refraction_study scenes/refraction/scene.toml out/refraction.png",),
            "out/refraction.png", 900),
+    *(Figure(f"pictures/target-strength-{model}.png",
+             (f"{TUBEFOOT} strength scenes/betssi/{model}.obj --frequencies {frequencies} --azimuths 0:180:{step} "
+              f"--compare scenes/betssi/{model}.csv -o out/{model}",), f"out/{model}/strength.png", 1300)
+      for model, frequencies, step in (("m3", "1kHz", 0.6), ("m5a", "1kHz,3kHz,10kHz", 0.2), ("m5b", "1kHz,3kHz,10kHz", 0.2))),
     Figure("pictures/wrong-profile.png", (run("processing/wrong-profile.toml", "wrong-profile"),),
            "out/wrong-profile/multibeam-depth.png", 1200),
     Figure("pictures/scene-window.png", (f"{TUBEFOOT} check window.toml --png out/window.png",), "out/window.png", 1300,

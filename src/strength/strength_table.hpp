@@ -57,7 +57,7 @@ ComponentMesh strength_mesh(const std::filesystem::path& file, std::optional<dou
                             const std::optional<std::string>& up);
 
 /// Returns a warning for a body smaller than a wavelength, for which Kirchhoff's approximation is invalid
-/// (validation/signals.md, "Target strength").
+/// (validation/target-strength.md).
 std::optional<std::string> too_small_for(const ComponentMesh& mesh, double lowest_frequency_hz,
                                          double sound_speed);
 /// Returns warnings about a reflecting mesh: open or overfull edges, and facets that are too coarse for a

@@ -229,7 +229,7 @@ TEST(TargetStrength, FacetsOfASphereAreAsFarOffAsTheSheetSays) {
 TEST(TargetStrength, JechsBenchmark) {
   struct Row {
     double khz, rigid_sphere, soft_sphere, soft_cylinder;
-    /// error of Kirchhoff's approximation, from validation/signals.md
+    /// error of Kirchhoff's approximation, from validation/target-strength.md
     double rigid_off, soft_off, cylinder_off;
   };
   const ComponentMesh ball = sphere_facets({0.01}, 4e-6, {}), rod = cylinder_facets({0.01, 0.07}, 2e-6, {});
