@@ -38,7 +38,9 @@ class Tracer {
 
   std::vector<RayNode> trace() {
     nodes_.push_back({RayEvent::launch, state_, {}});
-    while (nodes_.back().event != RayEvent::end && nodes_.size() < options_.most_nodes) step();
+    while (nodes_.back().event != RayEvent::end && nodes_.size() < options_.most_nodes &&
+           reflections_ < options_.most_reflections)
+      step();
     return std::move(nodes_);
   }
 
@@ -93,6 +95,7 @@ class Tracer {
     }
     const bool bounces = next.event == RayEvent::bottom || next.event == RayEvent::surface;
     if (turns || bounces) down_ = !down_;
+    if (bounces) ++reflections_;
     next.state.sine = down_ ? s2 : -s2;
     next.state.cosine = p_ * profile_.speed_in(layer, next.state.depth_m);
     add(layer, sums, s1, s2, turns, next.state);
@@ -150,6 +153,7 @@ class Tracer {
   double p_ = 0, launch_sine_ = 0;
   double launch_dx_dp_ = 0;  // launch sine times the sum of dx/dp
   bool down_ = true;
+  std::size_t reflections_ = 0;
   RayState state_;
   std::vector<RayNode> nodes_;
 };

@@ -39,12 +39,14 @@ struct RayTraceOptions {
   double longest_range_m = 0;  ///< horizontal; the trace ends there
   /// Limit of nodes, because a nearly vertical ray between two reflectors is long.
   std::size_t most_nodes = 100'000;
+  /// The trace ends with this reflection.
+  std::size_t most_reflections = std::numeric_limits<std::size_t>::max();
 };
 
 /// Follows a ray through any number of layers as exact arcs, with turning points, and with reflections at
 /// the surface and bottom of the options. The launch angle is in radians, positive down. The last node is an
-/// `end` unless the limit of nodes is reached. Throws std::invalid_argument for a launch outside of the
-/// water between surface and bottom, and for a vertical launch.
+/// `end` unless a limit of nodes or reflections is reached. Throws std::invalid_argument for a launch outside
+/// of the water between surface and bottom, and for a vertical launch.
 std::vector<RayNode> trace_ray(const WaterColumn& water, double launch_depth_m, double launch_rad,
                                const RayTraceOptions& options);
 

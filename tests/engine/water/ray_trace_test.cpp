@@ -244,5 +244,15 @@ TEST(RayArc, TubesOnTheBottomAtShortRange) {
   }
 }
 
+TEST(RayTrace, EndsWithTheLastPermittedReflection) {
+  const auto nodes =
+      trace_ray({SoundSpeedProfile(1500), {}}, 10, 45 * degree,
+                {.surface_m = 0, .bottom_m = 20, .longest_range_m = 1e4, .most_reflections = 2});
+  ASSERT_EQ(nodes.size(), 3U);
+  EXPECT_EQ(nodes[1].event, RayEvent::bottom);
+  EXPECT_EQ(nodes[2].event, RayEvent::surface);
+  EXPECT_NEAR(nodes[2].state.range_m, 30, 1e-9);
+}
+
 }  // namespace
 }  // namespace tubefoot
