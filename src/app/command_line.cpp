@@ -189,8 +189,8 @@ int obeyed(int argc, char** argv) {
       "comparison found a larger error than allowed");
   CommandOptions requested;
   for (const auto add : {add_run, add_join, add_check, add_audit, add_footprints, add_coverage, add_strength,
-                         add_view, add_refine, add_export, add_import_scene, add_compare, add_import,
-                         add_chart, add_advise, add_presets, add_keys, add_suite})
+                         add_rays, add_view, add_refine, add_export, add_import_scene, add_compare,
+                         add_import, add_chart, add_advise, add_presets, add_keys, add_suite})
     add(app, requested);
   std::vector<std::string> words = present_words(argc, argv);
   if (!has_command(app, words)) return wrong_input;

@@ -19,6 +19,7 @@ struct CommandOptions {
   FootprintOptions footprints;
   CoverageOptions coverage;
   StrengthOptions strength;
+  RaysOptions rays;
   ViewOptions view;
   RefineOptions refine;
   ExportOptions exported;
@@ -62,6 +63,7 @@ void add_audit(CLI::App& app, CommandOptions& requested);
 void add_footprints(CLI::App& app, CommandOptions& requested);
 void add_coverage(CLI::App& app, CommandOptions& requested);
 void add_strength(CLI::App& app, CommandOptions& requested);
+void add_rays(CLI::App& app, CommandOptions& requested);
 void add_view(CLI::App& app, CommandOptions& requested);
 void add_refine(CLI::App& app, CommandOptions& requested);
 void add_export(CLI::App& app, CommandOptions& requested);

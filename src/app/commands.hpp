@@ -60,6 +60,20 @@ struct StrengthOptions {
   bool quiet = false;
 };
 
+/// Options of `rays`: the water is that of a scene or of a profile. Lists have the format of lengths_of() and
+/// angles_of().
+struct RaysOptions : CommonOptions {
+  std::optional<std::filesystem::path> profile;  ///< table of sound speeds, instead of a scene
+  std::optional<std::string> sensor, from;       ///< the source: a sensor, or a position
+  std::string pings = "0";
+  std::vector<std::string> to;  ///< positions, or tables of positions
+  std::string ranges, depths, angles;
+  std::optional<double> bottom_m, frequency_khz;
+  std::optional<int> reflections;
+  int turns = 16;
+  std::optional<std::filesystem::path> output, picture, environment;
+};
+
 /// `scene` is a scene file or the folder of a run.
 struct ViewOptions : CommonOptions {
   std::optional<std::filesystem::path> moved_scene;  ///< present path of the scene of a result folder
@@ -163,6 +177,7 @@ int audit_command(const AuditOptions& options);
 int footprints_command(const FootprintOptions& options);
 int coverage_command(const CoverageOptions& options);
 int strength_command(const StrengthOptions& options);
+int rays_command(const RaysOptions& options);
 
 int view_command(const ViewOptions& options);
 int refine_command(const RefineOptions& options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Options of the commands that describe a scene or its contents: check, audit, footprints, coverage,
-// strength, view, refine, export, presets and keys.
+// strength, rays, view, refine, export, presets and keys.
 #include "app/command_options.hpp"
 
 namespace tubefoot {
@@ -161,6 +161,95 @@ void add_strength(CLI::App& app, CommandOptions& requested) {
       "Example:\n  tubefoot strength mine.stl --unit 1e-3 --frequencies 38kHz,120kHz -o out/mine");
   command->callback(
       [&requested] { requested.command = [&requested] { return strength_command(requested.strength); }; });
+}
+
+void add_rays(CLI::App& app, CommandOptions& requested) {
+  RaysOptions& rays = requested.rays;
+  CLI::App* command = app.add_subcommand(
+      "rays", "Compute eigenrays in the water, or a fan of rays, as a table and a picture (docs/rays.md)");
+  CLI::Option* scene = command->add_option("SCENE", rays.scene, "scene file (docs/scene-keys.md)");
+  command
+      ->add_option(
+          "--profile", rays.profile,
+          "instead of SCENE: CSV file with the columns depth_m and sound_speed_m_s. The surface is at "
+          "height 0")
+      ->excludes(scene)
+      ->option_text("FILE");
+  CLI::Option* from =
+      command
+          ->add_option("--from", rays.from,
+                       "position of the source in m, z upwards (default: the sensor of the scene)")
+          ->option_text("X,Y,Z");
+  command->add_option("--sensor", rays.sensor, "sensor that is the source (default: the first of the scene)")
+      ->excludes(from)
+      ->option_text("NAME");
+  command->add_option("--pings", rays.pings, "ping of the sensor, counted from 0 (default: 0)")
+      ->excludes(from)
+      ->option_text("N");
+  command
+      ->add_option("--to", rays.to,
+                   "compute the eigenrays to this position in m, or to the positions of a CSV file with the "
+                   "columns x_m, y_m and z_m. The option may be repeated")
+      ->allow_extra_args(false)
+      ->option_text("X,Y,Z");
+  command
+      ->add_option(
+          "--ranges", rays.ranges,
+          "with --depths: horizontal ranges of the points, as FIRST:LAST:STEP or a list, in m or km. "
+          "With --angles: range at which the rays end")
+      ->option_text("LIST");
+  CLI::Option* depths =
+      command
+          ->add_option("--depths", rays.depths,
+                       "depths of the points below the surface, as FIRST:LAST:STEP or a list")
+          ->option_text("LIST");
+  command
+      ->add_option("--angles", rays.angles,
+                   "instead of eigenrays, trace a fan of rays with these launch angles in degrees, positive "
+                   "downwards, as FIRST:LAST:STEP or a list")
+      ->excludes(depths)
+      ->option_text("LIST");
+  command
+      ->add_option("--reflections", rays.reflections,
+                   "largest number of reflections at the sea surface and at --bottom (default: 0; with "
+                   "--angles, any number)")
+      ->check(CLI::Range(0, 100));
+  command
+      ->add_option(
+          "--bottom", rays.bottom_m,
+          "depth in m of a level bottom that reflects. Rays ignore the terrain of the scene (default: "
+          "no bottom)")
+      ->check(finite_number(-1e8, false));
+  command
+      ->add_option("--turns", rays.turns,
+                   "largest number of turning points of a ray without reflections (default: 16)")
+      ->check(CLI::Range(0, 100));
+  command
+      ->add_option(
+          "--frequency-khz", rays.frequency_khz,
+          "frequency of the absorption (default: that of the sensor; without a sensor, the absorption "
+          "is that of the scene file or 0)")
+      ->check(finite_number(0, true));
+  command->add_option("-o,--output", rays.output, "CSV file to write (default: print the table)")
+      ->option_text("FILE");
+  command
+      ->add_option("--picture", rays.picture,
+                   "draw the paths and the sound speed profile into this file: .png or .svg")
+      ->option_text("FILE");
+  command
+      ->add_option(
+          "--environment", rays.environment,
+          "also write a BELLHOP environment file (.env) for the same water, source and points, or for "
+          "the same fan")
+      ->option_text("FILE");
+  command->add_option("--threads", rays.threads, "number of threads (default: all cores)")
+      ->check(CLI::Range(1, 4096));
+  add_scene_flags(*command, rays);
+  command->footer(
+      "Example:\n  tubefoot rays scenes/refraction/scene.toml --ranges 10:70:20 --depths 15 -o rays.csv\n"
+      "  tubefoot rays --profile cast.csv --from 0,0,-50 --angles -10:10:1 --ranges 5km --picture fan.svg");
+  command->callback(
+      [&requested] { requested.command = [&requested] { return rays_command(requested.rays); }; });
 }
 
 void add_view(CLI::App& app, CommandOptions& requested) {
