@@ -27,12 +27,12 @@ void check_words(const RaysOptions& options) {
   if (options.profile && !options.from)
     throw UsageError("--profile has no sensor: give the position of the source with --from X,Y,Z");
   if (options.angles.empty()) {
-    if (options.to.empty() && (options.ranges.empty() || options.depths.empty()))
+    if (options.ranges.empty() != options.depths.empty())
+      throw UsageError("--ranges and --depths belong together: give both");
+    if (options.to.empty() && options.ranges.empty())
       throw UsageError("no points: expected --to X,Y,Z, or --ranges and --depths, or --angles for a fan");
     if (options.environment && !options.to.empty())
       throw UsageError("--environment needs points on a grid: give --ranges and --depths instead of --to");
-    if (options.ranges.empty() != options.depths.empty())
-      throw UsageError("--ranges and --depths belong together: give both");
   } else {
     if (!options.to.empty()) throw UsageError("--angles traces a fan, which has no points: remove --to");
     if (options.ranges.empty())

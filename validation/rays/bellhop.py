@@ -46,7 +46,11 @@ def cases(quick):
             ("Munk, layers of 10 m", table([(z, munk(z)) for z in range(0, 5001, 10)]))]
     if quick:
         return [Case(name, water, "0,0,-1000", ["10km"], DEPTHS, 5000, 2, [0, 10], 4001) for name, water in deep[:2]]
-    found = [Case(name, water, "0,0,-1000", ["10km", "100km"], DEPTHS, 5000, 2, [0, 100, 10], 10001) for name, water in deep]
+    found = []
+    for name, water in deep:
+        steps = [0] if name.startswith("iso") else [0, 100, 10]  # straight rays do not depend on the step
+        found += [Case(name, water, "0,0,-1000", [place], DEPTHS, 5000, 2, steps, beams)
+                  for place, beams in (("10km", 10001), ("100km", 4001))]
     return found + [Case("suite, layered-water", None, None, ["16", "32", "48"], "20", None, 0, [0, 0.1], 4001)]
 
 
