@@ -56,9 +56,11 @@ class ReflectedSearch {
   /// A traced ray: how far below the point it passes, and its turns and reflections.
   struct Launch {
     double launch_rad = 0, miss_m = 0;
-    int turns = 0, reflections = 0;
+    int turns = 0, surface = 0, bottom = 0;
     bool arrives = false;
     bool below() const { return miss_m > 0; }
+    bool downwards() const { return launch_rad > 0; }
+    int reflections() const { return surface + bottom; }
   };
 
   std::vector<RayNode> nodes(double launch_rad) const {
@@ -70,22 +72,26 @@ class ReflectedSearch {
     const std::vector<RayNode> traced = nodes(launch_rad);
     for (const RayNode& node : traced) {
       result.turns += node.turned_at_m ? 1 : 0;
-      result.reflections += node.event == RayEvent::surface || node.event == RayEvent::bottom ? 1 : 0;
+      result.surface += node.event == RayEvent::surface ? 1 : 0;
+      result.bottom += node.event == RayEvent::bottom ? 1 : 0;
     }
     result.arrives = traced.back().event == RayEvent::end;
     result.miss_m = traced.back().state.depth_m - depth_m_;
     return result;
   }
 
-  /// Whether neighbours follow the same path, or paths that differ by one event.
+  /// Whether neighbours turn and reflect in the same order. The depth of their ends is then a smooth function
+  /// of the launch angle.
   static bool same_path(const Launch& a, const Launch& b) {
-    return std::abs(a.turns + a.reflections - b.turns - b.reflections) <= 1 && a.arrives == b.arrives;
+    const bool straight = a.turns + a.reflections() == 0;
+    return a.arrives == b.arrives && a.turns == b.turns && a.surface == b.surface && a.bottom == b.bottom &&
+           (straight || a.downwards() == b.downwards());
   }
 
   void between(const Launch& a, const Launch& b, int halvings) {
     constexpr int most_halvings = 28;
-    if (!a.arrives && !b.arrives) return;
-    if (std::min(a.reflections, b.reflections) > options_.most_reflections) return;
+    const bool too_many = std::min(a.reflections(), b.reflections()) > options_.most_reflections;
+    if (a.downwards() == b.downwards() && (too_many || (!a.arrives && !b.arrives))) return;
     if (!same_path(a, b) && halvings < most_halvings) {
       const Launch middle = launched((a.launch_rad + b.launch_rad) / 2);
       between(a, middle, halvings + 1);
@@ -133,7 +139,7 @@ class ReflectedSearch {
     const Launch& root = std::abs(a.miss_m) <= std::abs(b.miss_m) ? a : b;
     // A jump of the depth, where neighbours take different paths, is no ray.
     if (!(std::abs(root.miss_m) <= 1e-6 + 1e-9 * range_m_)) return;
-    if (root.reflections == 0 || root.reflections > options_.most_reflections) return;
+    if (root.reflections() == 0 || root.reflections() > options_.most_reflections) return;
     const std::vector<RayNode> traced = nodes(root.launch_rad);
     const RayState& end = traced.back().state;
     RayArrival arrival;

@@ -37,9 +37,9 @@ struct RayArrival {
 /// Returns all eigenrays, earliest first.
 ///
 /// EigenrayFinder finds the rays without reflections. For the others, launch angles are traced at steps of
-/// `finest_rad`, finer where neighbours differ by more than one turn or reflection. A sign change of the
-/// depth at the range of the point brackets an eigenray. Next to a caustic, a pair of reflected rays that are
-/// closer together than a step can be missed. Vertical rays have closed forms.
+/// `finest_rad`. Intervals in which the order of turns and reflections changes are halved. A change of sign
+/// of the depth, relative to the point, brackets an eigenray. Next to a caustic, a pair of reflected rays
+/// that are closer together than a step can be missed. Vertical rays have closed forms.
 ///
 /// The depths must lie between surface and bottom. Throws std::invalid_argument otherwise, and for a point at
 /// the source.

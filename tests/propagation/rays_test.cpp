@@ -73,7 +73,7 @@ double number_in(const std::map<std::string, std::string>& row, const std::strin
 TEST(RayArrivals, EqualTheImagesInIsovelocityWater) {
   const WaterColumn water = isovelocity();
   constexpr double deep_m = 80, source_m = 23, point_m = 61;
-  for (const double range_m : {40.0, 300.0, 5000.0}) {
+  for (const double range_m : {40.0, 300.0, 5000.0, 100e3, 1e6}) {
     constexpr int most = 5;
     const std::vector<RayArrival> found =
         arrivals(water, source_m, point_m, range_m,
