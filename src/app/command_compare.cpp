@@ -11,6 +11,7 @@
 
 #include "app/commands.hpp"
 #include "compare/attribution/attribution.hpp"
+#include "compare/attribution/bin_labels.hpp"
 #include "compare/attribution/perfect_engine.hpp"
 #include "compare/calibration.hpp"
 #include "compare/comparison.hpp"
@@ -205,10 +206,13 @@ int compare_command(const CompareOptions& options) {
   const ThreadLimit limit(description ? description->run.threads : 0);
   std::optional<SceneAtHand> scene;
   if (description) scene.emplace(*description, reference, options.any_scene, pairs.notes);
-  std::optional<EchoContents> ideal;
+  std::optional<EchoContents> ideal, ideal_angles;
   std::vector<std::optional<PointsForecast>> forecasts;
   if (sampling) {
-    ideal = perfect_echoes(*scene, reference, *sampling, options.sensor, options.quiet);
+    PerfectEchoes perfect = perfect_echoes(*scene, reference, *sampling, options.sensor,
+                                           output_model && needs_solid_angles(*output_model), options.quiet);
+    ideal = std::move(perfect.energies);
+    ideal_angles = std::move(perfect.solid_angles);
     for (const EchoPairs::Sensor& pair : pairs.sensors)
       forecasts.push_back(output_model ? std::nullopt : points_forecast(*scene, *pair.reference, *sampling));
   } else if (options.ideal) {
@@ -222,19 +226,29 @@ int compare_command(const CompareOptions& options) {
   std::vector<SensorFit> fits;
   if (terms.any()) fits = fit_candidate(candidate, pairs, terms);
   const std::vector<SensorErrors> sensors = errors_of(pairs, options.worst);
+  std::vector<SceneLabels> labels;
+  if (scene && diagnosed)
+    for (const EchoPairs::Sensor& pair : pairs.sensors) {
+      const SensorEchoes& echoes = *pair.reference;
+      const std::vector<std::size_t> pings = diagnosed_pings({echoes.pings, echoes.beams, echoes.samples});
+      labels.push_back(bin_labels(
+          *scene, echoes, [&](std::size_t ping) { return std::ranges::binary_search(pings, ping); },
+          options.quiet));
+    }
   std::vector<Diagnosis> diagnoses;
   std::vector<IdealShare> shares;
   if (ideal) {
     if (output_model)
-      apply_output_model(*output_model, *ideal, pair_echoes(*ideal, *ideal, options.sensor, true));
+      apply_output_model(*output_model, *ideal, pair_echoes(*ideal, *ideal, options.sensor, true),
+                         ideal_angles);
     const EchoPairs of_ideal = pair_echoes(reference, *ideal, options.sensor, options.any_scene);
-    diagnoses = diagnose(pairs, as_given, &of_ideal);
+    diagnoses = diagnose(pairs, as_given, &of_ideal, labels, fits);
     const std::vector<SensorErrors> errors = errors_of(of_ideal, 0);
     for (std::size_t k = 0; k < sensors.size(); ++k)
       shares.push_back({sampling ? sampling->words() : "the sampling of " + *options.ideal,
                         errors[k].errors.l1, errors[k].errors.rms_db, sensors[k].errors.l1, forecasts[k]});
   } else if (diagnosed) {
-    diagnoses = diagnose(pairs, as_given, nullptr);
+    diagnoses = diagnose(pairs, as_given, nullptr, labels, fits);
   }
   std::vector<Attribution> attributions;
   if (scene && (options.attribute || options.html))

@@ -203,8 +203,10 @@ void add_import(CLI::App& app, CommandOptions& requested) {
       ->excludes(range);
   command
       ->add_option("--azimuths", import.azimuths,
-                   "directions of beams: even (equiangular) or tangent (equidistant) within the sector of "
-                   "the reference, FILE.csv (azimuth_deg), or FIRST:LAST in degrees (default: those that the "
+                   "directions of beams within the sector of the reference: even (equiangular), tangent "
+                   "(equidistant), tangent:3 (equidistant in each of 3 views side by side) or tangent:20deg "
+                   "(in views of at most 20 degrees); FILE.csv (azimuth_deg), or FIRST:LAST in degrees "
+                   "(default: those that the "
                    "file states, else those of the reference)")
       ->option_text("VALUE");
   command

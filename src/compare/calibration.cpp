@@ -82,15 +82,20 @@ std::vector<SensorFit> fit_candidate(EchoContents& candidate, const EchoPairs& p
   return fits;
 }
 
-std::vector<Diagnosis> diagnose(const EchoPairs& pairs, const EchoContents& as_given,
-                                const EchoPairs* ideal) {
+std::vector<Diagnosis> diagnose(const EchoPairs& pairs, const EchoContents& as_given, const EchoPairs* ideal,
+                                const std::vector<SceneLabels>& labels, const std::vector<SensorFit>& fits) {
   std::vector<Diagnosis> diagnoses;
   for (std::size_t k = 0; k < pairs.sensors.size(); ++k) {
     const EchoPairs::Sensor& pair = pairs.sensors[k];
     const auto given = std::ranges::find(as_given.sensors, pair.candidate->name, &SensorEchoes::name);
-    diagnoses.push_back(diagnose(
-        {echo_pair(pair), pair.reference->beam_azimuth_deg, given->energy,
-         ideal ? std::span<const double>(ideal->sensors[k].candidate->energy) : std::span<const double>()}));
+    DiagnosisInput input{echo_pair(pair), pair.reference->beam_azimuth_deg, given->energy, {}};
+    if (ideal) input.ideal_j = ideal->sensors[k].candidate->energy;
+    if (!labels.empty() && !labels[k].elevation_deg.empty()) input.labels = &labels[k];
+    if (!fits.empty()) {
+      input.fit = &fits[k].fit;
+      input.l1_before_fit = fits[k].before.l1;
+    }
+    diagnoses.push_back(diagnose(input));
   }
   return diagnoses;
 }

@@ -34,8 +34,9 @@ struct SensorFit {
 std::vector<SensorFit> fit_candidate(EchoContents& candidate, const EchoPairs& pairs, FitTerms terms);
 
 /// Diagnoses every candidate. `as_given` has the energies of the candidate as read. `ideal` has those of a
-/// perfect engine with the same sampling, or is null.
-std::vector<Diagnosis> diagnose(const EchoPairs& pairs, const EchoContents& as_given, const EchoPairs* ideal);
+/// perfect engine with the same sampling, or is null. `labels` and `fits` have one element per pair, or none.
+std::vector<Diagnosis> diagnose(const EchoPairs& pairs, const EchoContents& as_given, const EchoPairs* ideal,
+                                const std::vector<SceneLabels>& labels, const std::vector<SensorFit>& fits);
 
 /// The results as lines of the table, and as JSON.
 /// @{

@@ -38,9 +38,17 @@ void put_solid_angles(BoundedPicture& picture, const SensorEchoes& energies, dou
 
 }  // namespace
 
-void apply_output_model(const OutputModel& output_model, EchoContents& reference, const EchoPairs& pairs) {
-  std::optional<EchoContents> angles;
-  if (output_model.solid_angles) angles = read_echo_file(*output_model.solid_angles);
+bool needs_solid_angles(const OutputModel& output_model) {
+  return std::ranges::any_of(output_model.steps, [](const OutputModelStep& step) {
+    return std::holds_alternative<MeanStep>(step.kind) || std::holds_alternative<CountStep>(step.kind);
+  });
+}
+
+void apply_output_model(const OutputModel& output_model, EchoContents& reference, const EchoPairs& pairs,
+                        const std::optional<EchoContents>& own_angles) {
+  std::optional<EchoContents> angles = own_angles;
+  const double strength_db = own_angles ? 0 : output_model.solid_angle_strength_db;
+  if (!angles && output_model.solid_angles) angles = read_echo_file(*output_model.solid_angles);
   for (const EchoPairs::Sensor& pair : pairs.sensors) {
     const auto sensor =
         std::ranges::find_if(reference.sensors, [&](const SensorEchoes& s) { return &s == pair.reference; });
@@ -52,7 +60,7 @@ void apply_output_model(const OutputModel& output_model, EchoContents& reference
                            {}};
     if (angles) {
       const EchoPairs matched = pair_echoes(reference, *angles, sensor->name, true);
-      put_solid_angles(picture, *matched.sensors.front().candidate, output_model.solid_angle_strength_db);
+      put_solid_angles(picture, *matched.sensors.front().candidate, strength_db);
     }
     for (const OutputModelStep& step : output_model.steps) apply(step, picture);
     sensor->energy = std::move(picture.value);

@@ -56,16 +56,26 @@ std::string finite(const Json& value) {
 }
 
 std::string findings_of(const Json& sensor) {
-  const Json& findings = sensor["diagnosis"]["findings"];
-  if (findings.empty()) return "<p>No mistake found.</p>\n";
-  std::string rows;
-  for (const Json& finding : findings)
+  const Json &findings = sensor["diagnosis"]["findings"], &not_found = sensor["diagnosis"]["not_found"];
+  std::string rows, limits;
+  for (const Json& finding : findings) {
+    const Json& share = finding["share"];
     rows += fmt::format(
-        "<tr><td class=\"fault\">{}</td><td>{}</td><td class=\"number\">{} &plusmn; {} {}</td></tr>\n",
+        "<tr><td class=\"fault\">{}</td><td>{}</td><td class=\"number\">{} &plusmn; {} {}</td><td "
+        "class=\"number\">{}</td><td>{}</td></tr>\n",
         number(finding["fault"]), number(finding["words"]), number(finding["size"]), number(finding["error"]),
-        number(finding["unit"]));
-  return "<div class=\"wide\"><table><tr><th>finding</th><th>description</th><th>size</th></tr>\n" + rows +
-         "</table></div>\n";
+        number(finding["unit"]), share.is_number() ? fmt::format("{:.0f} %", 100 * share.get<double>()) : "-",
+        number(finding["look_for"]));
+  }
+  for (const Json& size : not_found)
+    limits += fmt::format("{}{} below {} {}{}", limits.empty() ? "" : "; ", number(size["fault"]),
+                          number(size["size"]), number(size["unit"]),
+                          size["remark"] == "" ? "" : " (" + number(size["remark"]) + ")");
+  if (!limits.empty()) limits = "<p class=\"faint\">Not found, and not resolved: " + limits + ".</p>\n";
+  if (rows.empty()) return "<p>No mistake found.</p>\n" + limits;
+  return "<div class=\"wide\"><table><tr><th>finding</th><th>description</th><th>size</th><th>of the "
+         "error</th><th>what to look for</th></tr>\n" +
+         rows + "</table></div>\n" + limits;
 }
 
 std::string shares_of(const Json& sensor) {
@@ -161,7 +171,7 @@ std::string attribution_of(const Json& sensor) {
 void add_rows(const Json& value, const std::string& path, std::string& rows) {
   if (value.is_object()) {
     for (const auto& [key, inner] : value.items())
-      if (key != "findings" && key != "attribution")
+      if (key != "findings" && key != "not_found" && key != "attribution")
         add_rows(inner, path.empty() ? key : path + "." + key, rows);
   } else if (value.is_array()) {
     for (std::size_t k = 0; k < value.size(); ++k) add_rows(value[k], fmt::format("{}[{}]", path, k), rows);

@@ -55,7 +55,9 @@ void add_displacements(const Diagnosis& diagnosis, const BinAxes& declared, Verd
                            samples.edges.front() - finding.size * step_m,
                            samples.edges.back() - finding.size * step_m);
     else if (finding.fault == "tangent-spacing")
-      remedy = finding.size > 0 ? "; --azimuths tangent corrects this" : "; --azimuths even corrects this";
+      remedy = finding.size > 0
+                   ? fmt::format("; --azimuths tangent:{} corrects this", diagnosis.alignment.warp.views)
+                   : "; --azimuths even corrects this";
     else if (finding.fault != "beam-shift" && finding.fault != "azimuth-scale" &&
              finding.fault != "range-scale" && finding.fault != "swapped-ports")
       continue;

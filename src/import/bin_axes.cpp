@@ -26,19 +26,53 @@ Bins even_bins(double first, double last, std::size_t count) {
   return bin_intervals(std::move(edges));
 }
 
-/// Returns bins whose centres are the centres of equal parts of a straight line perpendicular to the axis
-/// of the fan.
-Bins tangent_bins(const Bins& reference, std::size_t count) {
-  const double middle = (reference.edges.front() + reference.edges.back()) / 2,
-               half = (reference.edges.back() - reference.edges.front()) / 2;
-  if (!(half < 90)) throw UsageError("--azimuths tangent needs a fan of less than 180 degrees");
+/// Number of views side by side in the words "tangent", "tangent:3" or "tangent:20deg" (views of at most 20
+/// degrees), for a fan of this width.
+std::size_t views_of(const std::string& words, double width_deg, std::size_t beams) {
+  if (words == "tangent") return 1;
+  std::string_view number = std::string_view(words).substr(std::string_view("tangent:").size());
+  const bool is_width = number.ends_with("deg");
+  if (is_width) number.remove_suffix(3);
+  double value = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (error != std::errc() || end != number.data() + number.size() || !(value > 0) ||
+      (!is_width && value != std::floor(value)))
+    throw UsageError(
+        fmt::format("--azimuths {}: expected a number of views, as in tangent:3, or their largest width, as "
+                    "in tangent:20deg",
+                    words));
+  const double views = is_width ? std::ceil(width_deg / value - 1e-9) : value;
+  if (views > static_cast<double>(beams))
+    throw UsageError(
+        fmt::format("--azimuths {}: {:.0f} views are more than the {} beams", words, views, beams));
+  return static_cast<std::size_t>(std::max(views, 1.0));
+}
+
+/// Returns bins that are equal parts of straight lines, one per view. Views lie side by side, perpendicular
+/// to their axes. All views have the rounded mean number of beams, and the last one has the remainder.
+Bins tangent_bins(const Bins& reference, std::size_t count, std::size_t views) {
+  const double first = reference.edges.front(), width = reference.edges.back() - first;
+  if (!(width / static_cast<double>(views) < 180))
+    throw UsageError("--azimuths tangent needs views of less than 180 degrees");
+  const auto of_view =
+      static_cast<std::size_t>(std::round(static_cast<double>(count) / static_cast<double>(views)));
+  if (of_view * (views - 1) >= count)
+    throw UsageError(fmt::format("{} beams cannot be divided among {} views", count, views));
   Bins bins;
-  const auto at = [&](double place) {
-    return middle +
-           std::atan((2 * place / static_cast<double>(count) - 1) * std::tan(half * degree)) / degree;
-  };
-  for (std::size_t k = 0; k < count; ++k) bins.centres.push_back(at(static_cast<double>(k) + 0.5));
-  for (std::size_t k = 0; k <= count; ++k) bins.edges.push_back(at(static_cast<double>(k)));
+  bins.edges.push_back(first);
+  for (std::size_t view = 0; view < views; ++view) {
+    const std::size_t before = view * of_view, beams = view + 1 < views ? of_view : count - before;
+    const double share = width / static_cast<double>(count), half = share * static_cast<double>(beams) / 2,
+                 middle = first + share * static_cast<double>(before) + half;
+    const auto at = [&](double place) {
+      return middle +
+             std::atan((2 * place / static_cast<double>(beams) - 1) * std::tan(half * degree)) / degree;
+    };
+    for (std::size_t k = 0; k < beams; ++k) {
+      bins.centres.push_back(at(static_cast<double>(k) + 0.5));
+      bins.edges.push_back(at(static_cast<double>(k) + 1));
+    }
+  }
   return bins;
 }
 
@@ -72,9 +106,11 @@ Bins beam_bins(std::size_t count, const AxesOfFile& file, const Bins& reference,
   if (word == "even") {
     bins = even_bins(reference.edges.front(), reference.edges.back(), count);
     from = "equiangular over the sector of the reference";
-  } else if (word == "tangent") {
-    bins = tangent_bins(reference, count);
-    from = "equidistant over the sector of the reference";
+  } else if (word == "tangent" || word.starts_with("tangent:")) {
+    const std::size_t views = views_of(word, reference.edges.back() - reference.edges.front(), count);
+    bins = tangent_bins(reference, count, views);
+    from =
+        fmt::format("equidistant in {} view{} over the sector of the reference", views, views > 1 ? "s" : "");
   } else if (word.ends_with(".csv")) {
     bins = bins_about(listed_azimuths(word));
     from = "from " + word;

@@ -25,7 +25,7 @@ struct ImportOptions {
   std::string order;  ///< range-first, beam-first or two-sided
   std::optional<bool> flip_beams, flip_range;
   std::string scale;         ///< energy, amplitude, db, db:REFERENCE or 8bit
-  std::string azimuths;      ///< even, tangent, FILE.csv or FIRST:LAST
+  std::string azimuths;      ///< even, tangent, tangent:VIEWS, FILE.csv or FIRST:LAST
   std::string ranges;        ///< FIRST:LAST
   std::string range_origin;  ///< edges or centres
   std::string cartesian;     ///< fan or COLUMN:ROW:METRES

@@ -22,7 +22,8 @@ struct Profile {
 
 // HoloOcean: client, sensors.py: float32 (RangeBins, AzimuthBins), mean per bin; it does not state the sign
 // of azimuths.
-// Stonefish b21eb8e1: the shader writes bin i to row N-1-i; beams are columns of a perspective view.
+// Stonefish b21eb8e1: the shader writes bin i to row N-1-i; beams are columns of perspective views of at most
+// 20 degrees (OpenGLFLS.cpp: FLS_MAX_SINGLE_FOV), of which the last one has the remaining beams.
 // DAVE nps_uw_multibeam_sonar 47dae1f: index = sample x beams + k, reversed beams, min(255, gain |P|).
 // OceanSim 2809388: azimuths start at 90 - hfov / 2 (starboard); bins by their left edges. Each row is
 // divided by its maximum, or all rows by the common maximum.
@@ -30,8 +31,9 @@ constexpr Profile profiles[] = {
     {"holoocean", "range-first", false, false, "energy", "", "",
      "rows are ranges, the nearest first; columns go from port to starboard; values are means per bin from 0 "
      "to 1"},
-    {"stonefish", "range-first", false, true, "energy", "tangent", "",
-     "rows are ranges, the farthest first; columns are equidistant; values are means per bin times a gain, "
+    {"stonefish", "range-first", false, true, "energy", "tangent:20deg", "",
+     "rows are ranges, the farthest first; columns are equidistant in views of at most 20 degrees; values "
+     "are means per bin times a gain, "
      "blurred and clamped to 1"},
     {"dave", "range-first", true, false, "amplitude", "", "",
      "rows are ranges, the nearest first; columns go from starboard to port; values are amplitudes times a "

@@ -77,8 +77,25 @@ void run_rays(const Survey& survey, const SensorPlace& place, const BeamSampling
   }
 }
 
-void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampling& sampling,
-                 SensorEchoes& to, bool quiet) {
+/// Adds the solid angles of hits, divided by the square of the range of their bins, so that they have the
+/// unit of an energy.
+void add_solid_angles(const History& history, std::span<const std::uint32_t> beam_of_tube,
+                      std::span<const std::uint32_t> beams, const RangeSamples& samples,
+                      std::vector<double>& angles) {
+  const auto count = static_cast<std::size_t>(samples.count);
+  for (const RayHit hit : history.hits) {
+    const double place = std::floor((hit.slant_range_m - samples.first_m) / samples.step_m);
+    if (!(place >= 0 && place < samples.count)) continue;
+    const double range_m = samples.first_m + (place + 0.5) * samples.step_m;
+    angles[beams[beam_of_tube[hit.tube]] * count + static_cast<std::size_t>(place)] +=
+        hit.solid_angle_sr / (range_m * range_m);
+  }
+}
+
+/// Traces the rays of each transmission, in columns or at random points. Writes energies into `to` and solid
+/// angles into `angles`, unless it is null.
+void run_traced(const Survey& survey, const SensorPlace& place, const BeamSampling& sampling,
+                SensorEchoes& to, SensorEchoes* angles, bool quiet) {
   const Sensor& sensor = *survey.sensors[place.sensor].sensor;
   const Transmissions transmissions(survey, RunRequest{});
   TransmissionsAround around(transmissions);
@@ -87,16 +104,30 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
   for (std::size_t p = 0; p < place.pings.size(); ++p) {
     stop_if_wanted();
     const Transmissions& near = around.at(survey.sensor_set->transmissions_of(place.sensor), place.pings[p]);
-    std::vector<double> energy(sensor.beams().size() * to.samples);
+    std::vector<double> energy(sensor.beams().size() * to.samples), of_angles(angles ? energy.size() : 0);
     for (std::size_t number = 0; number < sensor.transmissions(); ++number) {
       const Transmission transmission = near.received_by(place.sensor, place.pings[p], number);
       const RaySurface rays(transmission);
       const SensorModel model = transmission.model(place.sensor);
       const TubeSet whole = transmission.tubes();
+      const std::vector<std::uint32_t>& beam_of_tube = sensor.beam_of_tube(number);
+      const auto& beams = sensor.beams_of_transmission(number);
+      const auto add = [&](const History& history) {
+        const Echo echo = transmission.echo(history, place.sensor, model.model);
+        for (std::size_t b = 0; b < beams.size(); ++b)
+          for (std::size_t k = 0; k < to.samples; ++k)
+            energy[beams[b] * to.samples + k] += echo.energy[b * to.samples + k];
+        if (angles) add_solid_angles(history, beam_of_tube, beams, sensor.samples(), of_angles);
+      };
+      if (sampling.columns == 0) {
+        History history{whole, transmission.scene().grid.unit_m(), {}, {}};
+        trace_rays(*rays, history, {RaySampling::random, sampling.rays, RaySettings::Per::beam, 1},
+                   beam_of_tube, [&] { add(history); });
+        continue;
+      }
       const CutTubes cut = [&] {
         try {
-          return cut_into_columns(whole, sensor.beam_of_tube(number),
-                                  static_cast<std::size_t>(sampling.columns));
+          return cut_into_columns(whole, beam_of_tube, static_cast<std::size_t>(sampling.columns));
         } catch (const std::invalid_argument& error) {
           throw UsageError(fmt::format("--ideal {}x{}: in sensor '{}', {}", sampling.columns, sampling.rays,
                                        sensor.description().name, error.what()));
@@ -110,14 +141,11 @@ void run_columns(const Survey& survey, const SensorPlace& place, const BeamSampl
                      hit.tube = cut.whole[hit.tube];
                      history.hits.push_back(hit);
                    }
-                   const Echo echo = transmission.echo(history, place.sensor, model.model);
-                   const auto& beams = sensor.beams_of_transmission(number);
-                   for (std::size_t b = 0; b < beams.size(); ++b)
-                     for (std::size_t k = 0; k < to.samples; ++k)
-                       energy[beams[b] * to.samples + k] += echo.energy[b * to.samples + k];
+                   add(history);
                  });
     }
     copier.copy(p, energy);
+    if (angles) Copier(*angles, place).copy(p, of_angles);
     progress.step();
   }
 }
@@ -182,6 +210,10 @@ std::string BeamSampling::words() const {
                      : fmt::format("{} random points per beam", rays);
 }
 
+std::string BeamSampling::option() const {
+  return columns > 0 ? fmt::format("{}x{}", columns, rays) : fmt::format("points:{}", rays);
+}
+
 std::optional<BeamSampling> beam_sampling(const std::string& words) {
   const auto number = [](std::string_view text) -> std::optional<std::int64_t> {
     std::int64_t value = 0;
@@ -214,24 +246,31 @@ std::optional<BeamSampling> beam_sampling(const std::string& words) {
   return sampling;
 }
 
-EchoContents perfect_echoes(const SceneAtHand& scene, const EchoContents& reference,
-                            const BeamSampling& sampling, const std::optional<std::string>& only,
-                            bool quiet) {
-  EchoContents ideal = reference;
-  if (only) std::erase_if(ideal.sensors, [&](const SensorEchoes& s) { return s.name != *only; });
-  for (SensorEchoes& sensor : ideal.sensors) {
+PerfectEchoes perfect_echoes(const SceneAtHand& scene, const EchoContents& reference,
+                             const BeamSampling& sampling, const std::optional<std::string>& only,
+                             bool with_solid_angles, bool quiet) {
+  PerfectEchoes ideal{reference, std::nullopt};
+  if (only) std::erase_if(ideal.energies.sensors, [&](const SensorEchoes& s) { return s.name != *only; });
+  for (SensorEchoes& sensor : ideal.energies.sensors) sensor.energy_bound.clear();
+  if (with_solid_angles) ideal.solid_angles = ideal.energies;
+  for (std::size_t k = 0; k < ideal.energies.sensors.size(); ++k) {
     stop_if_wanted();
+    SensorEchoes& sensor = ideal.energies.sensors[k];
     const SensorPlace place = scene.place_of(sensor);
-    sensor.energy_bound.clear();
-    if (sampling.columns > 1) {
-      if (!is_plain(scene.survey(), place.sensor))
-        throw UsageError(fmt::format(
-            "--ideal {}x{}: columns of rays cannot follow all paths of sensor '{}': use 1x{}, or points:N",
-            sampling.columns, sampling.rays, sensor.name, sampling.rays));
-      run_columns(scene.survey(), place, sampling, sensor, quiet);
-    } else {
+    const bool traced = sampling.columns > 1 || with_solid_angles;
+    if (traced && !is_plain(scene.survey(), place.sensor))
+      throw UsageError(fmt::format(
+          fmt::runtime(with_solid_angles
+                           ? "--ideal {}: an output model with means needs the solid angles of rays, which "
+                             "are not defined for all paths of sensor '{}': use an output model without means"
+                           : "--ideal {}: columns of rays cannot follow all paths of sensor '{}': use one "
+                             "column, or points:N"),
+          sampling.option(), sensor.name));
+    if (traced)
+      run_traced(scene.survey(), place, sampling, sensor,
+                 with_solid_angles ? &ideal.solid_angles->sensors[k] : nullptr, quiet);
+    else
       run_rays(scene.survey(), place, sampling, sensor, quiet);
-    }
   }
   return ideal;
 }

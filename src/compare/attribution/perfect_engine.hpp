@@ -17,19 +17,29 @@ namespace tubefoot {
 struct BeamSampling {
   /// Columns side by side, at the centres of equal parts of the beam; 0: random points.
   std::int64_t columns = 0;
-  std::int64_t rays = 0;      ///< rays of each column, at equal angles; for random points, rays of the beam
-  std::string words() const;  ///< for example "1 x 512 rays per beam"
+  std::int64_t rays = 0;       ///< rays of each column, at equal angles; for random points, rays of the beam
+  std::string words() const;   ///< for example "1 x 512 rays per beam"
+  std::string option() const;  ///< for example "1x512"
 };
 
 /// Parses "1x512" (columns x rows) or "points:512". Returns nothing for other words, which name a file.
 /// Throws UsageError for numbers outside the permitted range.
 std::optional<BeamSampling> beam_sampling(const std::string& words);
 
+/// Echoes of a perfect engine, and the solid angles of its rays.
+struct PerfectEchoes {
+  EchoContents energies;
+  /// Solid angle of the hits of each bin, divided by the square of the centre of its range; as the file
+  /// `solid_angles` of an output model with strength 1
+  std::optional<EchoContents> solid_angles;
+};
+
 /// Computes the echoes of a perfect engine for all sensors of the reference, or for `only` one. Throws
 /// UsageError if the beams of the scene cannot be cut into the columns, and InputError under the same
 /// conditions as a run.
-EchoContents perfect_echoes(const SceneAtHand& scene, const EchoContents& reference,
-                            const BeamSampling& sampling, const std::optional<std::string>& only, bool quiet);
+PerfectEchoes perfect_echoes(const SceneAtHand& scene, const EchoContents& reference,
+                             const BeamSampling& sampling, const std::optional<std::string>& only,
+                             bool with_solid_angles, bool quiet);
 
 /// Expected errors of random points.
 struct PointsForecast {

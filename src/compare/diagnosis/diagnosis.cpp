@@ -1,40 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Diagnosis of a candidate: aligns the reference with it, subtracts the noise floor, and looks for
-// systematic errors. These are geometric displacements, blur, gain, range dependence, noise, errors at
-// shadows, and quantisation. It divides the relative L1 error into the parts that these errors explain.
+// Diagnosis of a candidate: corrects the gains of its pings, aligns the reference with it, and subtracts the
+// noise floor. findings.hpp names the systematic errors.
 #include "compare/diagnosis/diagnosis.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "compare/diagnosis/coarse_search.hpp"
-#include "compare/diagnosis/residuals.hpp"
+#include "compare/diagnosis/findings.hpp"
 
 namespace tubefoot {
 namespace {
 
-// A finding exceeds five standard errors and a least relevant size.
-constexpr double error_bars = 5, least_level_db = 0.3, least_exponent = 0.1, least_edge = 0.25;
-constexpr std::size_t least_wrongly_lit = 12;
+constexpr double least_ping_gain_db = 0.3;
 
 /// The selected pings of the input, as arrays of their own.
 struct Excerpt {
   EchoShape shape;
+  std::vector<std::size_t> pings;  ///< numbers in the input
   std::vector<double> reference, candidate;
   std::vector<double> ranges_m, azimuths_deg;
 };
 
 Excerpt excerpt_of(const DiagnosisInput& input, std::size_t most_bins) {
   const EchoShape& all = input.pair.shape;
-  const std::size_t bins = all.beams * all.samples;
-  const std::size_t pings = std::clamp<std::size_t>(most_bins / std::max<std::size_t>(bins, 1), 1, all.pings);
-  Excerpt excerpt{{pings, all.beams, all.samples}, {}, {}, {}, {}};
-  for (std::size_t k = 0; k < pings; ++k) {
-    const auto first = static_cast<std::ptrdiff_t>(k * all.pings / pings * bins),
-               last = first + static_cast<std::ptrdiff_t>(bins);
+  const std::vector<std::size_t> pings = diagnosed_pings(all, most_bins);
+  Excerpt excerpt{{pings.size(), all.beams, all.samples}, pings, {}, {}, {}, {}};
+  for (const std::size_t ping : pings) {
+    const auto first = static_cast<std::ptrdiff_t>(ping * all.beams * all.samples),
+               last = first + static_cast<std::ptrdiff_t>(all.beams * all.samples);
     excerpt.reference.insert(excerpt.reference.end(), input.pair.reference_j.begin() + first,
                              input.pair.reference_j.begin() + last);
     excerpt.candidate.insert(excerpt.candidate.end(), input.pair.candidate_j.begin() + first,
@@ -53,38 +48,34 @@ std::vector<double> without_traces(const EchoShape& shape, std::vector<double> p
   return predicted_j;
 }
 
-double relative_l1(std::span<const double> a, std::span<const double> truth,
-                   const std::vector<bool>& left_out = {}) {
-  double off = 0, sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    sum += truth[k];
-    if (left_out.empty() || !left_out[k]) off += std::abs(a[k] - truth[k]);
-  }
-  return sum > 0 ? off / sum : 0;
-}
-
-bool sure(double value, double error, double least) {
-  return std::abs(value) > std::max(least, error_bars * error);
-}
-
 class Doctor {
  public:
   Doctor(const DiagnosisInput& input, std::size_t most_bins)
       : input_(input),
         excerpt_(excerpt_of(input, most_bins)),
         fan_(excerpt_.shape, excerpt_.azimuths_deg, excerpt_.ranges_m),
-        steps_(steps_of(input.as_given)) {}
+        steps_(steps_of(input.as_given)),
+        as_read_(excerpt_.candidate) {
+    if (input.labels) labels_ = labels_of_excerpt();
+  }
 
   Diagnosis done() {
     const EchoShape& shape = excerpt_.shape;
     const double total = input_total(excerpt_.reference);
     if (!(total > 0) || !(input_total(excerpt_.candidate) > 0)) {
-      if (total > 0) add("silent", 0, 0, "", "the candidate has no energy, but the reference has echoes");
+      if (total > 0)
+        result_.findings.push_back(
+            {"silent", 0, 0, "", "the candidate has no energy, but the reference has echoes", 1.0});
       return result_;
     }
     Pictures pictures{fan_, excerpt_.reference, excerpt_.candidate, faintest_step_j(), 0};
-    const Warp start = coarse_warp(pictures);
-    const std::vector<double> truth = clean(fan_.warped(excerpt_.reference, start));
+    Warp start = coarse_warp(pictures);
+    std::vector<double> truth = clean(fan_.warped(excerpt_.reference, start));
+    if (correct_ping_gains(truth)) {
+      pictures.candidate_j = excerpt_.candidate;
+      start = coarse_warp(pictures);
+      truth = clean(fan_.warped(excerpt_.reference, start));
+    }
     const auto fit =
         fit_energies({shape, truth, excerpt_.candidate, {}, excerpt_.ranges_m}, {true, false, false});
     const double gain = fit ? std::pow(10, fit->gain_db.value / 10) : 1;
@@ -94,6 +85,7 @@ class Doctor {
       take_off_floor(pictures, clean(result_.alignment.predicted_j), 1);
       align_both_ways(pictures, result_.alignment.warp);
     }
+    const std::vector<MaterialLevel> materials = correct_materials(pictures);
     const Alignment& alignment = result_.alignment;
 
     const std::vector<double> levels = row_levels(shape, alignment.predicted_j);
@@ -104,18 +96,16 @@ class Doctor {
                       levels,
                       deep_shadow(shape, predicted, 1, 2),
                       {},
-                      std::max(4 * result_.floor.deviation_j, 1.5 * step_j())};
+                      std::max(4 * result_.floor.deviation_j, 1.5 * step_j()),
+                      alignment.level_curve,
+                      nullptr};
+    const SceneLabels labels = labels_ ? warped(*labels_, alignment.warp) : SceneLabels{};
+    if (labels_) residual.labels = &labels;
     residual.row_counts = rows_that_count(predicted, levels, pictures.faintest_j);
 
-    order();
-    displacement();
-    blur();
-    energies();
-    noise(levels);
-    shadows(residual);
-    edges(residual);
-    steps();
-    attribution(residual, predicted);
+    find_errors({input_, fan_, excerpt_.reference, pictures.reference_j, as_read_, gains_, materials,
+                 residual, steps_},
+                result_);
     along_fan(pictures);
     return result_;
   }
@@ -126,6 +116,68 @@ class Doctor {
     for (const double e : energy_j) total += e;
     return total;
   }
+  /// Divides the candidate by the gains of its pings, if they differ. Returns whether it did.
+  bool correct_ping_gains(const std::vector<double>& truth) {
+    gains_ = ping_gains(excerpt_.shape, truth, excerpt_.candidate);
+    if (!(gains_.spread_db.value > std::max(least_ping_gain_db, 5 * gains_.spread_db.error))) {
+      gains_ = {std::vector<double>(excerpt_.shape.pings, 1.0), {}};
+      return false;
+    }
+    const std::size_t of_ping = excerpt_.shape.beams * excerpt_.shape.samples;
+    for (std::size_t k = 0; k < excerpt_.candidate.size(); ++k)
+      excerpt_.candidate[k] /= gains_.factor[k / of_ping];
+    return true;
+  }
+  /// Returns the labels of the selected pings.
+  SceneLabels labels_of_excerpt() const {
+    const SceneLabels& all = *input_.labels;
+    SceneLabels labels{{}, {}, {}, all.material_names, all.object_names};
+    const std::size_t bins = excerpt_.shape.beams * excerpt_.shape.samples;
+    const auto copy = [&](const auto& from, auto& to) {
+      for (const std::size_t ping : from.empty() ? std::vector<std::size_t>{} : excerpt_.pings) {
+        const auto first = from.begin() + static_cast<std::ptrdiff_t>(ping * bins);
+        to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(bins));
+      }
+    };
+    copy(all.elevation_deg, labels.elevation_deg);
+    copy(all.material, labels.material);
+    copy(all.near_caster, labels.near_caster);
+    return labels;
+  }
+  /// Returns the labels at the places where the candidate shows the bins of the reference.
+  SceneLabels warped(const SceneLabels& labels, const Warp& warp) const {
+    SceneLabels result{{}, {}, {}, labels.material_names, labels.object_names};
+    const auto move = [&](const auto& from, auto& to, auto none) {
+      to.assign(from.size(), none);
+      for (std::size_t k = 0; k < from.size(); ++k)
+        if (const auto source = fan_.source_of(warp, k)) to[k] = from[*source];
+    };
+    move(labels.elevation_deg, result.elevation_deg, NAN);
+    move(labels.material, result.material, SceneLabels::none);
+    move(labels.near_caster, result.near_caster, SceneLabels::none);
+    return result;
+  }
+
+  /// Measures the levels of the materials. If they differ, scales the reference accordingly and aligns it
+  /// again, since wrong levels of objects hide their blur and their displacement. Otherwise returns nothing.
+  std::vector<MaterialLevel> correct_materials(Pictures& pictures) {
+    if (!labels_ || labels_->material.empty()) return {};
+    const SceneLabels labels = warped(*labels_, result_.alignment.warp);
+    const std::vector<double>& predicted = result_.alignment.predicted_j;
+    const std::vector<double> levels = row_levels(excerpt_.shape, predicted);
+    Residual residual{fan_, predicted, pictures.candidate_j, levels, {}, {}, 4 * result_.floor.deviation_j,
+                      {},   nullptr};
+    residual.row_counts = rows_that_count(predicted, levels, pictures.faintest_j);
+    std::vector<MaterialLevel> found =
+        material_levels(residual, labels.material, labels.material_names.size());
+    if (!differ(found)) return {};
+    for (std::size_t k = 0; k < pictures.reference_j.size(); ++k)
+      if (const std::uint16_t m = labels_->material[k]; m < found.size())
+        pictures.reference_j[k] *= std::pow(10, found[m].db.value / 10);
+    align_both_ways(pictures, result_.alignment.warp);
+    return found;
+  }
+
   std::vector<double> clean(const std::vector<double>& predicted_j) const {
     return without_traces(excerpt_.shape, predicted_j, row_levels(excerpt_.shape, predicted_j));
   }
@@ -212,184 +264,6 @@ class Doctor {
     return 0;
   }
 
-  void add(const char* fault, double size, double error, const char* unit, std::string words) {
-    result_.findings.push_back({fault, size, error, unit, std::move(words)});
-  }
-  double error_of(WarpTerm term) const { return result_.alignment.errors[static_cast<std::size_t>(term)]; }
-
-  void order() {
-    const BeamOrder order = result_.alignment.warp.order;
-    if (order == BeamOrder::mirrored && excerpt_.shape.beams == 2) {
-      add("swapped-ports", 1, 0, "", "the port and starboard beams are swapped");
-      return;
-    }
-    if (order == BeamOrder::mirrored || order == BeamOrder::halves_mirrored)
-      add("mirror", 1, 0, "", "the order of the beams is reversed, so the picture is mirrored");
-    if (order == BeamOrder::halves_swapped || order == BeamOrder::halves_mirrored)
-      add("swapped-ports", 1, 0, "", "the two halves of the fan are swapped");
-  }
-
-  void displacement() {
-    const Warp& warp = result_.alignment.warp;
-    if (warp.beams != 0)
-      add("beam-shift", warp.beams, error_of(WarpTerm::beams), "beams",
-          fmt::format("the picture is displaced by {:+.3f} +- {:.3f} beams ({:+.3f} degrees)", warp.beams,
-                      error_of(WarpTerm::beams), warp.beams * fan_.beam_deg()));
-    if (warp.samples != 0) {
-      const double error = error_of(WarpTerm::samples);
-      const bool half = std::abs(std::abs(warp.samples) - 0.5) < std::max(0.12, 3 * error);
-      add(half ? "half-sample" : "sample-shift", warp.samples, error, "samples",
-          fmt::format(
-              "the picture is displaced by {:+.3f} +- {:.3f} range bins ({:+.4f} m) to larger ranges{}",
-              warp.samples, error, warp.samples * fan_.sample_m(),
-              half ? ", probably because edges of bins are used as centres" : ""));
-    }
-    // Reports the displacement relative to the position in the candidate. A displacement k there is a
-    // stretch of the reference by k / (1 - k).
-    const auto stretched = [](double k) { return k / (1 - k); };
-    if (const double scale = stretched(warp.azimuth_scale); scale != 0)
-      add("azimuth-scale", scale, error_of(WarpTerm::azimuth_scale), "of the angle",
-          fmt::format("azimuths differ by {:+.2f} +- {:.2f} %: the opening angle differs", 100 * scale,
-                      100 * error_of(WarpTerm::azimuth_scale)));
-    if (const double scale = stretched(warp.range_scale); scale != 0)
-      add("range-scale", scale, error_of(WarpTerm::range_scale), "of the range",
-          fmt::format("ranges differ by {:+.3f} +- {:.3f} %: the sound speed or the range gate differs",
-                      100 * scale, 100 * error_of(WarpTerm::range_scale)));
-    if (warp.tangent != 0) {
-      const double most = fan_.largest_of_tangent(warp.views);
-      add("tangent-spacing", warp.tangent * most, error_of(WarpTerm::tangent) * most, "beams at most",
-          fmt::format("beams are equidistant in the tangent of their angle (share {:.2f} +- {:.2f}) in {} "
-                      "view{}: they are displaced by up to {:.3f} beams",
-                      warp.tangent, error_of(WarpTerm::tangent), warp.views, warp.views > 1 ? "s" : "",
-                      std::abs(warp.tangent) * most));
-    }
-  }
-
-  void blur() {
-    const Warp& warp = result_.alignment.warp;
-    if (!(warp.beam_blur > 0) && !(warp.sample_blur > 0)) return;
-    const double size = std::sqrt(std::max(warp.beam_blur, warp.sample_blur));
-    const WarpTerm larger = warp.beam_blur > warp.sample_blur ? WarpTerm::beam_blur : WarpTerm::sample_blur;
-    add("blur", size, error_of(larger) / (2 * size), "bins",
-        fmt::format("the picture is blurred by a Gaussian of {:.2f} beams and {:.2f} range bins (standard "
-                    "deviations)",
-                    std::sqrt(std::max(warp.beam_blur, 0.0)), std::sqrt(std::max(warp.sample_blur, 0.0))));
-  }
-
-  void energies() {
-    const EnergyFit& fit = result_.alignment.fit;
-    if (sure(fit.exponent.value, fit.exponent.error, least_exponent))
-      add("range-law", fit.exponent.value, fit.exponent.error, "power of range",
-          fmt::format(
-              "energies have a different range dependence: r^{:+.2f} +- {:.2f} relative to the reference",
-              fit.exponent.value, fit.exponent.error));
-    if (sure(fit.gain_db.value, fit.gain_db.error, least_level_db))
-      add("level", fit.gain_db.value, fit.gain_db.error, "dB",
-          fmt::format("energies differ by {:+.2f} +- {:.2f} dB at {:.3g} m", fit.gain_db.value,
-                      fit.gain_db.error, fit.middle_range_m));
-  }
-
-  void noise(const std::vector<double>& levels) {
-    const NoiseFloor& floor = result_.floor;
-    double middle = 0, rows = 0;
-    for (const double level : levels) middle += level, ++rows;
-    middle /= rows;
-    if (floor.bins < 30 || floor.share_positive < 0.15 ||
-        !sure(floor.mean_j, floor.mean_error_j, 1e-4 * middle))
-      return;
-    const double db = 10 * std::log10(floor.mean_j / middle);
-    add("noise", db, 4.343 * floor.mean_error_j / floor.mean_j, "dB re the mean echo",
-        fmt::format(
-            "there is a noise floor {:.1f} dB below the mean echo, in {:.0f} % of the bins in shadows", -db,
-            100 * floor.share_positive));
-  }
-
-  void shadows(const Residual& residual) {
-    lit_ = wrongly_lit(residual);
-    const auto area = [&](const char* fault, std::size_t bins, std::size_t of, const char* words) {
-      if (bins < least_wrongly_lit) return;
-      add(fault, static_cast<double>(bins), std::sqrt(static_cast<double>(bins)), "bins",
-          fmt::format("{}: {} bins have echoes, {:.0f} % of the bins in such shadows", words, bins,
-                      100 * static_cast<double>(bins) / static_cast<double>(of)));
-    };
-    area("missing-shadow", lit_.behind_seen, lit_.shadows_of_seen,
-         "shadows behind visible surfaces are missing");
-    area("near-clipping", lit_.behind_unseen, lit_.shadows_of_unseen,
-         "surfaces nearer than the first range bin cast no shadow");
-    if (const auto range_m = near_returns_missing_to(residual))
-      add("near-returns-missing", *range_m, fan_.sample_m() / 2, "m",
-          fmt::format(
-              "there are no echoes nearer than {:.3f} +- {:.3f} m, but the reference has nearer echoes",
-              *range_m, fan_.sample_m() / 2));
-  }
-
-  void edges(const Residual& residual) {
-    const Scallops found = scallops(residual);
-    if (found.alikeness > 4.5 && sure(found.peak_to_peak, found.error / 2, 0.3))
-      add("scalloped-edge", found.peak_to_peak, found.error, "samples",
-          fmt::format("the near edge of the fan is scalloped by {:.2f} +- {:.2f} range bins from crest to "
-                      "trough, similarly in adjacent beams",
-                      found.peak_to_peak, found.error));
-    result_.sides = shadow_sides(residual);
-    result_.ends = shadow_ends(residual);
-    const auto edge = [&](const char* fault, const EdgeOffsets& offsets, const char* unit,
-                          const char* where) {
-      if (offsets.edges >= 20 && sure(offsets.mean.value, offsets.mean.error, least_edge))
-        add(fault, offsets.mean.value, offsets.mean.error, unit,
-            fmt::format("shadows differ in size by {:+.2f} +- {:.2f} {} (spread of single edges {:.2f})",
-                        offsets.mean.value, offsets.mean.error, where, offsets.spread));
-    };
-    if (lit_.behind_seen < least_wrongly_lit && lit_.behind_unseen < least_wrongly_lit) {
-      edge("shadow-sides", result_.sides, "beams", "beams at each side");
-      edge("shadow-ends", result_.ends, "samples", "range bins at each end");
-    }
-    result_.scatter = scatter(residual);
-  }
-
-  void steps() {
-    if (steps_.levels > 0 && steps_.levels <= 256)
-      add("8-bits", static_cast<double>(steps_.levels), 0, "levels",
-          fmt::format("the picture has only {} different values{}{}", steps_.levels,
-                      *steps_.scale ? ", in uniform steps of " : "", steps_.scale));
-    else if (steps_.levels > 0)
-      add("steps", static_cast<double>(steps_.levels), 0, "levels",
-          fmt::format("the picture has only {} different values", steps_.levels));
-    if (steps_.share_at_top > 0.002)
-      add("clamped", 100 * steps_.share_at_top, 0, "% of the bins with an echo",
-          fmt::format(
-              "{:.2g} % of the bins with an echo have exactly the largest value, so the values are clamped",
-              100 * steps_.share_at_top));
-  }
-
-  void attribution(const Residual& residual, const std::vector<double>& predicted) {
-    const EchoShape& shape = excerpt_.shape;
-    const EnergyFit& fit = result_.alignment.fit;
-    result_.l1 = relative_l1(excerpt_.candidate, excerpt_.reference);
-    const std::vector<double> fitted =
-        fit.fitted({shape, excerpt_.reference, excerpt_.candidate, {}, excerpt_.ranges_m});
-    result_.l1_after_gain = relative_l1(fitted, excerpt_.reference);
-    // The prediction is in the unit of the candidate, so gain and range dependence apply to both sides.
-    const std::vector<double> should = fit.fitted({shape, predicted, predicted, {}, excerpt_.ranges_m});
-    result_.l1_after_warp = relative_l1(fitted, should);
-    const std::vector<double> less_floor =
-        fit.fitted({shape, predicted, residual.candidate_j, {}, excerpt_.ranges_m});
-    result_.l1_left = relative_l1(less_floor, should, lit_.bins);
-    if (!input_.ideal_j.empty()) result_.ideal_l1 = relative_l1(input_.ideal_j, input_.pair.reference_j);
-    if (input_.ideal_j.empty()) return;
-    const std::vector<double> levels =
-        row_levels(input_.pair.shape, {input_.pair.reference_j.begin(), input_.pair.reference_j.end()});
-    const Fan whole(input_.pair.shape, excerpt_.azimuths_deg, excerpt_.ranges_m);
-    const std::vector<double> reference(input_.pair.reference_j.begin(), input_.pair.reference_j.end());
-    const double of_ideal =
-        scatter({whole, reference, input_.ideal_j, levels, {}, std::vector<bool>(levels.size(), true), 0});
-    const double more = std::sqrt(std::max(0.0, result_.scatter * result_.scatter - of_ideal * of_ideal));
-    if (result_.floor.deviation_j == 0 && more > 0.05 && more > 0.75 * of_ideal)
-      add("speckle", more, 0.1 * of_ideal, "of the energy",
-          fmt::format("the energies of single bins scatter by {:.0f} %, but those of a perfect engine with "
-                      "the same sampling by {:.0f} %",
-                      100 * result_.scatter, 100 * of_ideal));
-  }
-
   /// Aligns parts of the fan separately, after the terms of the whole fan.
   void along_fan(const Pictures& pictures) {
     constexpr std::size_t parts = 6, least_beams = 8;
@@ -420,7 +294,9 @@ class Doctor {
   Excerpt excerpt_;
   Fan fan_;
   EvenSteps steps_;
-  WronglyLit lit_;
+  std::vector<double> as_read_;  // the candidate before the gains of its pings are corrected
+  PingGains gains_;
+  std::optional<SceneLabels> labels_;
   Diagnosis result_;
 };
 
@@ -428,6 +304,15 @@ class Doctor {
 
 bool Diagnosis::has(const std::string& fault) const {
   return std::ranges::any_of(findings, [&](const Finding& f) { return f.fault == fault; });
+}
+
+std::vector<std::size_t> diagnosed_pings(const EchoShape& shape, std::size_t most_bins) {
+  const std::size_t bins = std::max<std::size_t>(shape.beams * shape.samples, 1),
+                    count =
+                        std::clamp<std::size_t>(most_bins / bins, 1, std::max<std::size_t>(shape.pings, 1));
+  std::vector<std::size_t> pings;
+  for (std::size_t k = 0; k < std::min(count, shape.pings); ++k) pings.push_back(k * shape.pings / count);
+  return pings;
 }
 
 Diagnosis diagnose(const DiagnosisInput& input, std::size_t most_bins) {

@@ -9,6 +9,7 @@
 
 #include "compare/diagnosis/alignment.hpp"
 #include "compare/measures/noise_floor.hpp"
+#include "compare/measures/scene_labels.hpp"
 
 namespace tubefoot {
 
@@ -20,6 +21,10 @@ struct DiagnosisInput {
   std::span<const double> as_given;
   /// Energies of a perfect engine with the sampling of the candidate; or empty.
   std::span<const double> ideal_j;
+  const SceneLabels* labels = nullptr;  ///< or null, if the scene is not known
+  /// Gain and range dependence that were removed from the candidate; or null.
+  const EnergyFit* fit = nullptr;
+  double l1_before_fit = 0;  ///< relative L1 error before they were removed
 };
 
 /// One systematic error.
@@ -28,6 +33,18 @@ struct Finding {
   double size = 0, error = 0;
   std::string unit;
   std::string words;  ///< a sentence
+  /// Part of the relative L1 error that the correction of this error alone removes, if it is known. For gain
+  /// and range dependence it is a part of the error as given; for the others, of the error after the
+  /// correction of both.
+  std::optional<double> share = std::nullopt;
+};
+
+/// A systematic error that was not found, and the smallest size that would have been found.
+struct ResolvableSize {
+  std::string fault;
+  double size = 0;
+  std::string unit;
+  std::string remark;  ///< for example the size that a usual engine would have; or empty
 };
 
 /// Additional displacement of a part of the fan relative to the whole, in beams and samples.
@@ -45,7 +62,9 @@ struct EdgeOffsets {
 };
 
 struct Diagnosis {
+  /// Gain and range dependence first, then the others by their shares in the error.
   std::vector<Finding> findings;
+  std::vector<ResolvableSize> not_found;
   Alignment alignment;
   NoiseFloor floor;
   std::vector<LocalShift> along_fan;
@@ -59,7 +78,10 @@ struct Diagnosis {
   bool has(const std::string& fault) const;
 };
 
-/// Diagnoses a candidate. If the input has more than `most_bins` bins, it selects pings at equal intervals.
+/// Pings that are diagnosed: all, or pings at equal intervals if there are more than `most_bins` bins.
+std::vector<std::size_t> diagnosed_pings(const EchoShape& shape, std::size_t most_bins = 400'000);
+
+/// Diagnoses a candidate at diagnosed_pings().
 Diagnosis diagnose(const DiagnosisInput& input, std::size_t most_bins = 400'000);
 
 }  // namespace tubefoot

@@ -8,6 +8,9 @@
 
 namespace tubefoot {
 
+/// Returns where to look in an engine for the cause of a finding of this name; empty for an unknown name.
+std::string look_for(const std::string& fault);
+
 /// Returns the findings and then the parts of the error, as lines of a table.
 std::string diagnosis_text(const std::string& sensor, const Diagnosis& diagnosis);
 nlohmann::ordered_json diagnosis_json(const Diagnosis& diagnosis);

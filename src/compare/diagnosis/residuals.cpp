@@ -23,12 +23,6 @@ double deviation_of(const std::vector<double>& values) {
   for (const double v : values) squares += (v - mean) * (v - mean);
   return values.size() > 1 ? std::sqrt(squares / static_cast<double>(values.size() - 1)) : 0;
 }
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Walks along an axis of the picture and measures the shift of each shadow border. A border lies between
 /// `plateau` insonified bins and as many dark bins. The shift is the energy that the candidate lacks there,
@@ -96,14 +90,43 @@ bool bright_before(const Residual& r, std::size_t bin) {
   return false;
 }
 
+/// Number of the bins of a shadow in runs along range that contain wrongly insonified bins. Other shadows
+/// that touch this one, and the dark parts of the fan, do not count.
+std::size_t own_shadow(const Residual& r, const std::vector<bool>& wrong, std::vector<std::size_t>& shadow) {
+  std::ranges::sort(shadow);
+  const std::size_t samples = r.fan.shape().samples;
+  std::size_t count = 0;
+  for (std::size_t first = 0, last = 0; first < shadow.size(); first = last) {
+    bool any = false;
+    for (last = first; last < shadow.size() && shadow[last] - shadow[first] == last - first &&
+                       shadow[last] / samples == shadow[first] / samples;
+         ++last)
+      any = any || wrong[shadow[last]];
+    if (any) count += last - first;
+  }
+  return count;
+}
+
 }  // namespace
 
 WronglyLit wrongly_lit(const Residual& r) {
   const EchoShape& shape = r.fan.shape();
   WronglyLit lit;
   lit.bins.resize(shape.bins());
-  std::vector<bool> visited(shape.bins());
+  if (r.labels) lit.of_object.resize(r.labels->object_names.size());
   const auto is_shadow = [&](std::size_t bin) { return r.dark[bin] && r.row_counts[bin % shape.samples]; };
+  const auto is_named = [&](std::size_t bin) {
+    return r.labels && !r.labels->near_caster.empty() && r.labels->near_caster[bin] != SceneLabels::none;
+  };
+  for (std::size_t bin = 0; bin < shape.bins(); ++bin) {
+    const std::size_t s = bin % shape.samples;
+    lit.bins[bin] = is_shadow(bin) && r.candidate_j[bin] > std::max(r.noise_j, 0.15 * r.levels_j[s]);
+    if (!is_named(bin) || !is_shadow(bin)) continue;
+    const std::uint16_t object = r.labels->near_caster[bin];
+    lit.of_object[object].wrong += lit.bins[bin];
+    ++lit.of_object[object].all;
+  }
+  std::vector<bool> visited(shape.bins());
   std::vector<std::size_t> shadow;
   for (std::size_t start = 0; start < shape.bins(); ++start) {
     if (visited[start] || !is_shadow(start)) continue;
@@ -121,15 +144,15 @@ WronglyLit wrongly_lit(const Residual& r) {
       if (s + 1 < shape.samples) reach(bin + 1);
       if (beam > 0) reach(bin - shape.samples);
       if (beam + 1 < shape.beams) reach(bin + shape.samples);
-      lit.bins[bin] = r.candidate_j[bin] > std::max(r.noise_j, 0.15 * r.levels_j[s]);
-      wrong += lit.bins[bin];
+      // Shadows of named objects do not belong to a visible surface.
+      wrong += lit.bins[bin] && !is_named(bin);
       if (s > 0 && r.dark[bin - 1]) continue;
       ++beginnings;
       bright += bright_before(r, bin);
     }
-    const bool seen = 4 * bright >= beginnings;
-    (seen ? lit.behind_seen : lit.behind_unseen) += wrong;
-    (seen ? lit.shadows_of_seen : lit.shadows_of_unseen) += shadow.size();
+    ShadowCount& of = 4 * bright >= beginnings ? lit.behind_seen : lit.behind_unseen;
+    of.wrong += wrong;
+    of.all += own_shadow(r, lit.bins, shadow);
   }
   return lit;
 }
@@ -156,54 +179,6 @@ std::optional<double> near_returns_missing_to(const Residual& r) {
     ++rows;
   }
   return std::nullopt;
-}
-
-Scallops scallops(const Residual& r) {
-  const EchoShape& shape = r.fan.shape();
-  Scallops result;
-  constexpr std::size_t reach = 5, least_beams = 16;
-  std::vector<double> offsets;
-  double pairs = 0, products = 0, squares = 0;
-  for (std::size_t ping = 0; ping < shape.pings; ++ping) {
-    std::vector<double> of_ping;
-    for (std::size_t beam = 0; beam < shape.beams; ++beam) {
-      const std::size_t from = (ping * shape.beams + beam) * shape.samples;
-      std::size_t s = 0;
-      while (s < shape.samples && !(r.predicted_j[from + s] > 0.3 * r.levels_j[s])) ++s;
-      if (s < reach || s + 2 * reach >= shape.samples || !r.row_counts[s + 1]) continue;
-      double plateau = 0, lack = 0;
-      for (std::size_t k = s + 1; k <= s + reach; ++k) plateau += r.predicted_j[from + k] / reach;
-      for (std::size_t k = s - reach; k <= s + reach; ++k)
-        lack += r.predicted_j[from + k] - r.candidate_j[from + k];
-      // Only the edge is displaced. If all echoes behind it differ, the bin lies at the side of a shadow.
-      double should = 0, has = 0;
-      for (std::size_t k = s + reach + 1; k <= s + 2 * reach; ++k) {
-        should += r.predicted_j[from + k];
-        has += r.candidate_j[from + k];
-      }
-      if (has < 0.6 * should || has > 1.6 * should) continue;
-      if (plateau > 0.3 * r.levels_j[s]) of_ping.push_back(std::clamp(lack / plateau, -4.0, 4.0));
-    }
-    if (of_ping.size() < least_beams) continue;
-    const double middle = median_of(of_ping);
-    for (double& offset : of_ping) offset -= middle;
-    for (std::size_t k = 0; k < of_ping.size(); ++k) {
-      squares += of_ping[k] * of_ping[k];
-      if (k == 0) continue;
-      products += of_ping[k] * of_ping[k - 1];
-      ++pairs;
-    }
-    std::vector<double> means;
-    for (std::size_t k = 2; k + 2 < of_ping.size(); ++k)
-      means.push_back((of_ping[k - 2] + of_ping[k - 1] + of_ping[k] + of_ping[k + 1] + of_ping[k + 2]) / 5);
-    const auto [low, high] = std::minmax_element(means.begin(), means.end());
-    result.peak_to_peak = std::max(result.peak_to_peak, *high - *low);
-    std::vector<double> steps;
-    for (std::size_t k = 1; k < of_ping.size(); ++k) steps.push_back(of_ping[k] - of_ping[k - 1]);
-    result.error = std::max(result.error, deviation_of(steps) / std::sqrt(5.0));
-  }
-  if (pairs > 0 && squares > 0) result.alikeness = products / squares * std::sqrt(pairs);
-  return result;
 }
 
 EdgeOffsets shadow_sides(const Residual& r) {

@@ -15,6 +15,13 @@ struct Residual {
   std::vector<bool> dark;                            ///< the prediction is dark in this bin and around it
   std::vector<bool> row_counts;                      ///< rows in which the prediction has enough echoes
   double noise_j = 0;                                ///< energies below this value may be noise
+  std::span<const double> level_curve = {};          ///< of the alignment; empty: 1 in all rows
+  const SceneLabels* labels = nullptr;               ///< or null
+};
+
+/// Number of wrongly insonified bins of a shadow, and number of all its bins.
+struct ShadowCount {
+  std::size_t wrong = 0, all = 0;
 };
 
 /// Bins in which the candidate has energy although the prediction is dark, in rows with echoes of other
@@ -22,22 +29,14 @@ struct Residual {
 /// row, in some beams. Otherwise the object lies nearer than the picture begins.
 struct WronglyLit {
   std::vector<bool> bins;
-  std::size_t behind_seen = 0, behind_unseen = 0;          ///< numbers of wrongly insonified bins
-  std::size_t shadows_of_seen = 0, shadows_of_unseen = 0;  ///< numbers of bins of all shadows
+  ShadowCount behind_seen, behind_unseen;
+  std::vector<ShadowCount> of_object;  ///< shadows of objects nearer than the first bin, if there are labels
 };
 WronglyLit wrongly_lit(const Residual& residual);
 
 /// Range in m up to which the candidate has no echoes although the prediction has; nothing if there is no
 /// such range.
 std::optional<double> near_returns_missing_to(const Residual& residual);
-
-/// Displacements of the first return of each beam, in samples, with a measure of the correlation of
-/// neighbours.
-struct Scallops {
-  double peak_to_peak = 0, error = 0;  ///< of the means of five adjacent beams
-  double alikeness = 0;                ///< correlation of adjacent beams times the root of their number
-};
-Scallops scallops(const Residual& residual);
 
 /// Offsets of the sides and of the ends of shadows.
 EdgeOffsets shadow_sides(const Residual& residual);

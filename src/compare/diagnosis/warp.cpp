@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace tubefoot {
 namespace {
@@ -35,18 +36,21 @@ double read(const double* values, std::size_t stride, std::size_t length, const 
   return std::max(sum, 0.0);
 }
 
-/// Repeats a weighted mean of three neighbours until its variance is reached. No energy leaves at the ends.
-void blur_along(std::vector<double>& values, std::size_t first, std::size_t stride, std::size_t length,
-                double variance, std::vector<double>& line) {
-  const int times = std::max(1, static_cast<int>(std::ceil(variance / 0.3)));
-  const double side = variance / times / 2;
+/// Exchanges energy between neighbours until the variance of each place is reached. The exchange is
+/// symmetric, so that no energy is lost.
+void blur_along(std::vector<double>& values, std::size_t first, std::size_t stride,
+                std::span<const double> variances, std::vector<double>& line) {
+  const std::size_t length = variances.size();
+  const int times = std::max(1, static_cast<int>(std::ceil(std::ranges::max(variances) / 0.3)));
   line.resize(length);
   for (int k = 0; k < times; ++k) {
     for (std::size_t i = 0; i < length; ++i) line[i] = values[first + i * stride];
-    for (std::size_t i = 0; i < length; ++i) {
-      const double before = line[i > 0 ? i - 1 : i], after = line[i + 1 < length ? i + 1 : i];
-      values[first + i * stride] = std::max(0.0, (1 - 2 * side) * line[i] + side * (before + after));
-    }
+    const auto exchange = [&](std::size_t i) {
+      return (variances[i] + variances[i + 1]) / (4 * times) * (line[i + 1] - line[i]);
+    };
+    for (std::size_t i = 0; i < length; ++i)
+      values[first + i * stride] =
+          std::max(0.0, line[i] + (i + 1 < length ? exchange(i) : 0) - (i > 0 ? exchange(i - 1) : 0));
   }
 }
 
@@ -98,13 +102,42 @@ double Fan::largest_of_tangent(int views) const {
   return largest;
 }
 
-std::vector<double> Fan::blurred(std::vector<double> energy_j, double beam_blur, double sample_blur) const {
+std::optional<std::size_t> Fan::source_of(const Warp& warp, std::size_t bin) const {
+  const std::size_t s = bin % shape_.samples, beam = bin / shape_.samples % shape_.beams,
+                    ping = bin / shape_.samples / shape_.beams;
+  const double sample = std::round(static_cast<double>(s) - sample_displacement(warp, s)),
+               across = std::round(static_cast<double>(beam) - beam_displacement(warp, beam));
+  if (!(sample >= 0 && sample < double(shape_.samples) && across >= 0 && across < double(shape_.beams)))
+    return std::nullopt;
+  const std::size_t from = ordered(warp.order, static_cast<std::size_t>(across), shape_.beams);
+  return (ping * shape_.beams + from) * shape_.samples + static_cast<std::size_t>(sample);
+}
+
+std::vector<double> Fan::variances(double blur, double growth) const {
+  std::vector<double> result(shape_.samples, blur);
+  if (growth != 0)
+    for (std::size_t s = 0; s < shape_.samples; ++s)
+      result[s] = std::max(-0.2, blur + growth * std::pow(ranges_m_[s] / ranges_m_.back(), 2));
+  return result;
+}
+
+std::vector<double> Fan::blurred(std::vector<double> energy_j, double beam_blur, double sample_blur,
+                                 double beam_growth, double sample_growth) const {
   std::vector<double> line;
-  for (std::size_t k = 0; sample_blur != 0 && k < shape_.pings * shape_.beams; ++k)
-    blur_along(energy_j, k * shape_.samples, 1, shape_.samples, sample_blur, line);
-  for (std::size_t k = 0; beam_blur != 0 && k < shape_.pings * shape_.samples; ++k)
-    blur_along(energy_j, k / shape_.samples * shape_.beams * shape_.samples + k % shape_.samples,
-               shape_.samples, shape_.beams, beam_blur, line);
+  if (sample_blur != 0 || sample_growth != 0) {
+    const std::vector<double> along = variances(sample_blur, sample_growth);
+    for (std::size_t column = 0; column < shape_.pings * shape_.beams; ++column)
+      blur_along(energy_j, column * shape_.samples, 1, along, line);
+  }
+  if (beam_blur != 0 || beam_growth != 0) {
+    const std::vector<double> of_row = variances(beam_blur, beam_growth);
+    std::vector<double> across(shape_.beams);
+    for (std::size_t row = 0; row < shape_.pings * shape_.samples; ++row) {
+      across.assign(shape_.beams, of_row[row % shape_.samples]);
+      blur_along(energy_j, row / shape_.samples * shape_.beams * shape_.samples + row % shape_.samples,
+                 shape_.samples, across, line);
+    }
+  }
   return energy_j;
 }
 
@@ -138,7 +171,7 @@ std::vector<double> Fan::warped(const std::vector<double>& energy_j, const Warp&
     else
       for (std::size_t s = 0; s < samples; ++s) to[s] = read(from + s, samples, beams, tap);
   }
-  return blurred(std::move(result), warp.beam_blur, warp.sample_blur);
+  return blurred(std::move(result), warp.beam_blur, warp.sample_blur, warp.beam_growth, warp.sample_growth);
 }
 
 }  // namespace tubefoot

@@ -2,7 +2,9 @@
 // Transformation of a reference picture by the geometric errors of an engine.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "compare/measures/echo_errors.hpp"
@@ -25,6 +27,8 @@ struct Warp {
                          ///< centre of a view
   double beam_blur = 0;  ///< variance of a Gaussian, in beams^2
   double sample_blur = 0;  ///< variance of a Gaussian, in samples^2
+  /// Additional variances at the last sample, which grow with the square of the range.
+  double beam_growth = 0, sample_growth = 0;
 };
 
 /// Geometry of the pictures of a fan: azimuths and slant ranges of their bins.
@@ -37,6 +41,10 @@ class Fan {
   double range_m(std::size_t sample) const { return ranges_m_[sample]; }
   double sample_m() const { return sample_m_; }
   double beam_deg() const { return beam_deg_; }
+  /// Number of views of at most 20 degrees side by side, as renderers use them.
+  int usual_views() const {
+    return static_cast<int>(std::ceil(std::abs(beam_deg_) * static_cast<double>(shape_.beams) / 20 - 1e-6));
+  }
   /// Returns whether the beams are adjacent, so that shifts make sense. One or two beams are separate.
   bool has_width() const { return shape_.beams > 4; }
 
@@ -47,14 +55,20 @@ class Fan {
   /// Largest displacement that the tangent causes, in beams.
   double largest_of_tangent(int views) const;
 
+  /// Bin of the reference whose echo a warp shows in this bin of the candidate, to the nearest bin; nothing
+  /// outside of the picture.
+  std::optional<std::size_t> source_of(const Warp& warp, std::size_t bin) const;
+
   /// Applies a warp to energies of the reference, [ping][beam][sample].
   std::vector<double> warped(const std::vector<double>& energy_j, const Warp& warp) const;
 
   /// Returns a copy blurred by Gaussians of these variances. Small negative variances sharpen.
-  std::vector<double> blurred(std::vector<double> energy_j, double beam_blur, double sample_blur) const;
+  std::vector<double> blurred(std::vector<double> energy_j, double beam_blur, double sample_blur,
+                              double beam_growth = 0, double sample_growth = 0) const;
 
  private:
   double tangent_displacement(int views, std::size_t beam) const;
+  std::vector<double> variances(double blur, double growth) const;
 
   EchoShape shape_;
   std::vector<double> azimuths_deg_, ranges_m_;

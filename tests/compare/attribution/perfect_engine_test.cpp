@@ -105,7 +105,7 @@ TEST(PerfectEngine, RandomPointsHaveTheErrorThatIsForecast) {
 
 TEST(PerfectEngine, OneColumnIsTheRayEngines) {
   const Ran run(scene_text(24));
-  const EchoContents ideal = perfect_echoes(run.scene(), run.reference, {1, 300}, {}, true);
+  const EchoContents ideal = perfect_echoes(run.scene(), run.reference, {1, 300}, {}, false, true).energies;
   const EchoContents rays =
       run.run("column", {"--engine", "ray", "--sampling", "column", "--rays-per-beam", "300"});
   EXPECT_EQ(ideal.sensors.front().energy, rays.sensors.front().energy);
@@ -113,7 +113,7 @@ TEST(PerfectEngine, OneColumnIsTheRayEngines) {
 
 TEST(PerfectEngine, ColumnsAreThoseOfBeamsAsManyTimesNarrower) {
   const Ran run(scene_text(24)), narrow(scene_text(96));
-  const EchoContents ideal = perfect_echoes(run.scene(), run.reference, {4, 500}, {}, true);
+  const EchoContents ideal = perfect_echoes(run.scene(), run.reference, {4, 500}, {}, false, true).energies;
   const EchoContents rays =
       narrow.run("column", {"--engine", "ray", "--sampling", "column", "--rays-per-beam", "500"});
   const SensorEchoes &four = ideal.sensors.front(), &quarter = rays.sensors.front();
@@ -127,7 +127,7 @@ TEST(PerfectEngine, ColumnsAreThoseOfBeamsAsManyTimesNarrower) {
     }
   EXPECT_LT(apart / total, 2e-3);
   EXPECT_LT(run.errors(ideal).l1,
-            run.errors(perfect_echoes(run.scene(), run.reference, {1, 500}, {}, true)).l1);
+            run.errors(perfect_echoes(run.scene(), run.reference, {1, 500}, {}, false, true).energies).l1);
 }
 
 TEST(PerfectEngine, CutTubesAreTheTubeAndTheirColumnsAreStacks) {
@@ -175,8 +175,8 @@ TEST(PerfectEngine, SeparateReceiversHaveOneColumnAndNoForecast) {
   const Ran run(scene_text(8, "receiver_arm_m = [0.3, 0, 0]\n"));
   const SceneAtHand scene = run.scene();
   EXPECT_FALSE(points_forecast(scene, run.reference.sensors.front(), {0, 100}));
-  EXPECT_THROW(perfect_echoes(scene, run.reference, {4, 100}, {}, true), UsageError);
-  EXPECT_LT(run.errors(perfect_echoes(scene, run.reference, {1, 20000}, {}, true)).l1, 0.2);
+  EXPECT_THROW(perfect_echoes(scene, run.reference, {4, 100}, {}, false, true).energies, UsageError);
+  EXPECT_LT(run.errors(perfect_echoes(scene, run.reference, {1, 20000}, {}, false, true).energies).l1, 0.2);
 }
 
 TEST(PerfectEngine, SharesAreOfTheErrorAndAtMostAll) {
