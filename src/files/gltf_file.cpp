@@ -47,6 +47,7 @@ class GltfReader {
     const std::string version = text_of(root, "asset", "version");
     if (!version.starts_with("2.")) fail(fmt::format("has the glTF version '{}', expected 2.0", version));
     refuse_extensions(root);
+    refuse_other_positions(root);
     std::vector<GltfBuffer> buffers;
     std::set<std::string> known;
     std::uint64_t bytes = InputFile(gltf_).size();
@@ -121,6 +122,33 @@ class GltfReader {
     if (found == value.end()) return none;
     if (!found->is_array()) fail(fmt::format("has '{}', which is not a list", key));
     return *found;
+  }
+
+  /// Throws if positions are not floats. Whole numbers need KHR_mesh_quantization, and Assimp would read
+  /// their bits as floats. References to missing accessors are left to Assimp.
+  void refuse_other_positions(const json& root) const {
+    constexpr int float_numbers = 5126;
+    const json& accessors = list_of(root, "accessors");
+    const auto is_other = [&](const json& attributes) {
+      const auto found = attributes.is_object() ? attributes.find("POSITION") : attributes.end();
+      if (!attributes.is_object() || found == attributes.end() || !found->is_number_unsigned() ||
+          found->get<std::uint64_t>() >= accessors.size())
+        return false;
+      const json& accessor = accessors[found->get<std::size_t>()];
+      return !accessor.is_object() || accessor.value("componentType", json()) != float_numbers;
+    };
+    const json& meshes = list_of(root, "meshes");
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+      stop_if_wanted();
+      const json& primitives = list_of(meshes[m], "primitives");
+      for (std::size_t p = 0; p < primitives.size(); ++p)
+        if ((primitives[p].is_object() && is_other(primitives[p].value("attributes", json()))) ||
+            std::ranges::any_of(list_of(primitives[p], "targets"), is_other))
+          fail(
+              fmt::format("meshes[{}].primitives[{}]: the positions are not floats, expected the component "
+                          "type {}: export positions as floats, without quantisation",
+                          m, p, float_numbers));
+    }
   }
 
   /// Throws if the model refers to its own parts so often that it expands to far more data than its bytes

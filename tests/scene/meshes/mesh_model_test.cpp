@@ -128,6 +128,22 @@ TEST(Models, QuantisedPositionsAreRefused) {
       ThrowsMessage<InputError>(HasSubstr("KHR_mesh_quantization")));
 }
 
+// Whole numbers without the extension are invalid. Assimp would read their bits as floats.
+TEST(Models, PositionsThatAreWholeNumbersAreRejected) {
+  const TestFolder folder;
+  for (const char* type : {"5123", "5122", "5125", "5120", "\"FLOAT\""}) {
+    std::string text = gltf_model(R"(,"uri":"numbers.bin")");
+    const std::string floats = R"("componentType":5126)";
+    text.replace(text.find(floats), floats.size(), std::string(R"("componentType":)") + type);
+    EXPECT_THAT(
+        [&] {
+          read(folder, {"m.gltf", text});
+        },
+        ThrowsMessage<InputError>(HasSubstr("meshes[0].primitives[0]: the positions are not floats")))
+        << type;
+  }
+}
+
 TEST(Models, WhatNeitherFileNorSceneSaysIsRefused) {
   const TestFolder folder;
   const auto refused = [&](const Sample& sample, const MeshAxes& axes, const char* what) {
