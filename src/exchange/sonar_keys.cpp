@@ -2,12 +2,13 @@
 #include "exchange/sonar_keys.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 
+#include "exchange/plain_number.hpp"
+#include "exchange/toml_text.hpp"
 #include "sensors/model/angles.hpp"
 #include "sensors/model/sensor.hpp"
 #include "sensors/recordings/sensor_kind.hpp"
@@ -45,17 +46,18 @@ ExchangedSonar sonar_words(const Sensor& sensor) {
   const RangeSamples& samples = sensor.samples();
   sonar.samples = samples.count;
   sonar.range_min_m = samples.first_m;
-  sonar.range_max_m = samples.first_m + samples.step_m * samples.count;
+  sonar.range_max_m = plain(samples.first_m + samples.step_m * samples.count);
+  constexpr double right_angle_deg = 90;
   for (const BeamAxis& beam : sensor.beams())
-    sonar.azimuth_deg.push_back(angle_in_fan_deg(beam, sonar.looks_down));
+    sonar.azimuth_deg.push_back(plain(angle_in_fan_deg(beam, sonar.looks_down), right_angle_deg));
   if (sonar.shape == Shape::turning) {
-    sonar.horizontal_deg = degrees(sensor.beams().front().azimuth_width_rad);
+    sonar.horizontal_deg = plain(degrees(sensor.beams().front().azimuth_width_rad));
   } else if (sonar.shape == Shape::fan) {
     const auto width = [&](const BeamAxis& beam) {
       return degrees(sonar.looks_down ? beam.elevation_width_rad : beam.azimuth_width_rad);
     };
-    sonar.horizontal_deg = sonar.azimuth_deg.back() - sonar.azimuth_deg.front() +
-                           (width(sensor.beams().front()) + width(sensor.beams().back())) / 2;
+    sonar.horizontal_deg = plain(sonar.azimuth_deg.back() - sonar.azimuth_deg.front() +
+                                 (width(sensor.beams().front()) + width(sensor.beams().back())) / 2);
   }
   return sonar;
 }
@@ -87,7 +89,7 @@ std::string toml_value(std::string_view text) {
       return {};
   }
   if (numbers.empty()) return {};
-  return numbers.size() == 1 ? numbers.front() : fmt::format("[{}]", fmt::join(numbers, ", "));
+  return numbers.size() == 1 ? numbers.front() : toml_list(numbers);
 }
 
 }  // namespace tubefoot

@@ -221,8 +221,8 @@ TEST_F(Worlds, ReadStonefishDown) {
       fmt::format("[{}, ", -30 + std::atan(std::tan(ten) * -15 / 16) * 180 / std::numbers::pi);
   EXPECT_THAT(scene.sensors[0].keys,
               Contains(testing::Pair("beam_angles_deg", testing::StartsWith(first.substr(0, 12)))));
-  for (const char* told : {"equidistant beams are assumed in each of 4 views", "'imu' is left out",
-                           "its body is left out", "it is 1000 m wide", "material 'Mud'"})
+  for (const char* told : {"its beams are equidistant in each of 4 views", "'imu' is left out",
+                           "its body is left out", "it is 10000 m wide", "material 'Mud'"})
     EXPECT_THAT(scene.noticed, Contains(HasSubstr(told)));
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "exchange/obj_mesh.hpp"
 #include "exchange/readers/scene_readers.hpp"
 #include "exchange/readers/sonar_places.hpp"
@@ -10,39 +8,8 @@
 #include "files/shown.hpp"
 #include "scene/scene.hpp"
 #include "sensors/kinds/scene_file.hpp"
-#include "sensors/recordings/pose_angles.hpp"
 
 namespace tubefoot {
-namespace {
-
-/// Rounds to twelve decimals of a degree. Numbers that people wrote are restored, and the error is below a
-/// picometre in 50 m.
-double told_deg(double degrees) { return std::round(degrees * 1e12) / 1e12 + 0.0; }
-
-std::string place_keys(const Placement& placed) {
-  const PoseAngles angles = angles_of(glm::quat_cast(placed.turn));
-  std::string text = fmt::format("position_m = [{}, {}, {}]\n", placed.position_m.x, placed.position_m.y,
-                                 placed.position_m.z);
-  for (const auto& [key, value] :
-       {std::pair("heading_deg", angles.heading_deg), std::pair("pitch_deg", angles.pitch_deg),
-        std::pair("roll_deg", angles.roll_deg)})
-    if (told_deg(value) != 0) text += fmt::format("{} = {}\n", key, told_deg(value));
-  return text;
-}
-
-}  // namespace
-
-std::string toml_quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (static_cast<unsigned char>(c) < ' ' || c == 127)
-      out += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
-    else
-      out += c;
-  }
-  return out + '"';
-}
 
 std::string scene_text(const ImportedScene& scene) {
   std::string text =

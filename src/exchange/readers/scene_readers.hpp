@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "exchange/exchanged_scene.hpp"
+#include "exchange/toml_text.hpp"
 #include "scene/description/scene_component.hpp"
 
 namespace tubefoot {
@@ -61,8 +62,6 @@ ImportedScene read_world(const std::filesystem::path& world,
 /// sonars, and sonars that lie on a facet. Adds remarks on them, and on sonars inside objects, to the scene.
 /// Throws InputError for an invalid scene, and std::runtime_error on a write error.
 void write_imported_scene(ImportedScene& scene, const std::filesystem::path& folder);
-/// Returns a text as a string of TOML, with its quotes. Control characters are escaped.
-std::string toml_quoted(const std::string& text);
 /// Returns the contents of scene.toml.
 std::string scene_text(const ImportedScene& scene);
 

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads Stonefish scenarios: bodies with their meshes and primitives, robots, materials, and the sonars fls,
-// msis and sss.
+// msis and sss. Source of the elements: ScenarioParser.cpp of Stonefish 1.6.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "exchange/readers/world_parts.hpp"
+#include "exchange/stonefish_beams.hpp"
+#include "exchange/toml_text.hpp"
 #include "files/shown.hpp"
 #include "sensors/model/angles.hpp"
 
@@ -57,12 +59,50 @@ class StonefishReader {
   }
 
   void body(pugi::xml_node node) {
-    const Placement placed = transform(node.child("world_transform"));
-    if (std::string_view(node.name()) != "static")
+    const std::string_view kind = node.name();
+    Placement placed = transform(node.child("world_transform"));
+    if (kind == "animated") {
+      const std::optional<Placement> start = first_place(node);
+      if (!start) return;
+      placed = *start;
+    } else if (kind == "dynamic") {
       parts_.notice(
           node, fmt::format("'{}' moves in Stonefish: here it stays at its initial position", name_of(node)));
+    }
     shape(node, placed);
-    for (const pugi::xml_node inner : node.children("sensor")) sensor(inner, placed, inner.child("origin"));
+    for (const pugi::xml_node inner : node.children()) {
+      const std::string_view name = inner.name();
+      if (name == "sensor")
+        sensor(inner, placed, inner.child("origin"));
+      else if (name == "light" || name == "comm")
+        parts_.pass_over(inner);
+    }
+  }
+
+  /// Returns the placement of an animated body at its earliest key point.
+  std::optional<Placement> first_place(pugi::xml_node node) {
+    const pugi::xml_node trajectory = node.child("trajectory");
+    pugi::xml_node first;
+    double first_s = 0;
+    for (const pugi::xml_node key : trajectory.children("keypoint")) {
+      const double time_s = xml_.attribute_number(key, "time", 0);
+      // Stonefish ignores times below 0. A later key point at the same time replaces the
+      // other.
+      if (time_s < 0 || (first && time_s > first_s)) continue;
+      first = key;
+      first_s = time_s;
+    }
+    if (!first) {
+      parts_.notice(node,
+                    fmt::format("'{}' is left out with its sensors: it is animated, but its <trajectory> "
+                                "has no <keypoint>",
+                                name_of(node)));
+      return {};
+    }
+    parts_.notice(node, fmt::format("'{}' moves along its <trajectory> in Stonefish: here it stays at its "
+                                    "first key point, at {} s",
+                                    name_of(node), first_s));
+    return transform(first);
   }
 
   void shape(pugi::xml_node node, Placement placed) {
@@ -71,6 +111,8 @@ class StonefishReader {
     const std::string_view type = node.attribute("type").value();
     const pugi::xml_node size = node.child("dimensions");
     object.shape = type;
+    if (type == "empty") return;  // an animated frame for sensors
+    if (type == "compound") return compound(node, placed);
     if (type == "model") {
       const pugi::xml_node seen = node.child("visual") ? node.child("visual") : node.child("physical");
       const pugi::xml_node mesh = seen.child("mesh");
@@ -79,7 +121,7 @@ class StonefishReader {
       if (!object.mesh) return;
       const double scale = xml_.attribute_number(mesh, "scale", 1);
       object.scale = {scale, scale, scale};
-      placed = placed * transform(seen.child("origin"));
+      placed = placed * origin_of(seen, node);
     } else if (type == "box") {
       const std::vector<double> v =
           xml_.numbers(size ? size : node, size.attribute("xyz").value(), 3, "dimensions xyz");
@@ -90,7 +132,7 @@ class StonefishReader {
       object.keys = {{"radius_m", fmt::format("{}", needed(size, node, "radius"))},
                      {"height_m", fmt::format("{}", needed(size, node, "height"))}};
     } else if (type == "plane") {
-      constexpr double side_m = 1000;  // side of the plane that Stonefish draws
+      constexpr double side_m = 10000;  // side of the plane that Stonefish draws
       object.shape = "mesh";
       object.mesh = parts_.mesh("plane", plane_mesh(side_m, side_m));
       parts_.notice(node, fmt::format("plane '{}' is infinite in Stonefish: here it is {} m wide",
@@ -99,9 +141,35 @@ class StonefishReader {
       return parts_.notice(node, fmt::format("'{}' is left out: tubefoot does not read shapes of type \"{}\"",
                                              object.name, shown_line(type)));
     }
-    if (type != "model") placed = placed * transform(node.child("origin"));
+    if (type != "model") placed = placed * origin_of(node, node);
     object.material = parts_.material(node.child("material").attribute("name").value());
     parts_.add_object(node, std::move(object), placed);
+  }
+
+  /// Returns the placement of the shape in its body. Stonefish draws animated bodies without it
+  /// (AnimatedEntity.cpp).
+  Placement origin_of(pugi::xml_node shape, pugi::xml_node body) {
+    const Placement origin = transform(shape.child("origin"));
+    if (std::string_view(body.name()) != "animated") return origin;
+    if (origin.position_m != glm::dvec3(0) || origin.turn != glm::dmat3(1))
+      parts_.notice(body,
+                    fmt::format("the <origin> of '{}' is ignored, because Stonefish draws animated bodies "
+                                "without it",
+                                name_of(body)));
+    return {};
+  }
+
+  /// Reads the parts on the outside of a compound body. Stonefish does not draw the others.
+  void compound(pugi::xml_node node, const Placement& placed) {
+    for (const pugi::xml_node part : node.children()) {
+      const bool drawn =
+          std::string_view(part.name()) == "external_part" ||
+          (std::string_view(part.name()) == "internal_part" && part.attribute("always_visible").as_bool());
+      if (drawn)
+        shape(part, placed * transform(part.child("compound_transform")));
+      else if (std::string_view(part.name()) == "internal_part")
+        parts_.pass_over(part);
+    }
   }
 
   void robot(pugi::xml_node node) {
@@ -122,32 +190,35 @@ class StonefishReader {
     }
   }
 
-  /// Stonefish draws a forward-looking sonar as adjacent views of at most 20 degrees. The beams of each
-  /// view are equidistant.
   void fan(pugi::xml_node node, ImportedSensor& sonar, double beams, double width_deg) {
-    constexpr double widest_view_deg = 20, most_beams = 4096;
-    const double views = std::ceil(width_deg / widest_view_deg), of_view = beams / views;
-    const bool even =
-        !(views >= 1 && of_view >= 1 && of_view == std::floor(of_view) && beams >= 2 && beams <= most_beams);
-    if (even) {
-      sonar.keys.emplace_back("beams", fmt::format("{}", beams));
+    constexpr double most_beams = 4096;
+    if (!(beams >= 1 && beams <= most_beams && beams == std::floor(beams)))
+      xml_.fail(node.child("specs"), fmt::format("beams of '{}' is {}: expected a whole number from 1 to {}",
+                                                 sonar.name, beams, most_beams));
+    const int count = even(node, "beams", beams);
+    const std::vector<double> angles = stonefish_beam_angles_deg(count, width_deg);
+    if (angles.empty()) {
+      sonar.keys.emplace_back("beams", fmt::format("{}", count));
       sonar.keys.emplace_back("horizontal_deg", fmt::format("{}", width_deg));
-    } else {
-      std::vector<double> angles;
-      const double half_deg = width_deg / views / 2, half = std::tan(radians(half_deg));
-      for (double view = 0; view < views; ++view)
-        for (double beam = 0; beam < of_view; ++beam)
-          angles.push_back((2 * view + 1 - views) * half_deg +
-                           degrees(std::atan(half * ((2 * beam + 1) / of_view - 1))));
-      sonar.keys.emplace_back("beam_angles_deg", fmt::format("[{}]", fmt::join(angles, ", ")));
-    }
-    parts_.notice(
-        node, even
-                  ? fmt::format("sonar '{}': its {} beams do not divide into {} equal views of at most 20 "
+      parts_.notice(node,
+                    fmt::format("sonar '{}': Stonefish cannot divide {} beams into {} views of at most 20 "
                                 "degrees; equiangular beams are assumed",
-                                sonar.name, beams, views)
-                  : fmt::format("sonar '{}': equidistant beams are assumed in each of {} views, as in an FLS",
-                                sonar.name, views));
+                                sonar.name, count, stonefish_views(width_deg)));
+      return;
+    }
+    sonar.keys.emplace_back("beam_angles_deg", toml_list(angles));
+    parts_.notice(node, fmt::format("sonar '{}': its beams are equidistant in each of {} views, as in an FLS",
+                                    sonar.name, stonefish_views(width_deg)));
+  }
+
+  /// Returns a number of beams or bins. Stonefish rounds odd ones up (Camera.cpp).
+  int even(pugi::xml_node node, const char* what, double count) {
+    constexpr double most = 1e6;
+    const double whole = std::clamp(std::floor(count), 1.0, most), rounded = whole + std::fmod(whole, 2);
+    if (rounded != whole)
+      parts_.notice(node, fmt::format("sonar '{}' has {} {}, because Stonefish rounds odd numbers up",
+                                      name_of(node), rounded, what));
+    return static_cast<int>(rounded);
   }
 
   void sensor(pugi::xml_node node, const Placement& frame, pugi::xml_node origin) {
@@ -167,7 +238,7 @@ class StonefishReader {
       add("kind", "\"imaging\"");
       fan(node, sonar, spec("beams"), spec("horizontal_fov"));
       add("vertical_deg", number(spec("vertical_fov")));
-      add("samples", number(spec("bins")));
+      add("samples", number(even(node, "bins", spec("bins"))));
     } else if (type == "msis") {
       const double low = xml_.attribute_number(settings, "rotation_min", -180),
                    high = xml_.attribute_number(settings, "rotation_max", 180);
@@ -176,7 +247,7 @@ class StonefishReader {
       add("step_deg", number(spec("step")));
       add("beam_horizontal_deg", number(spec("horizontal_beam_width")));
       add("beam_vertical_deg", number(spec("vertical_beam_width")));
-      add("samples", number(spec("bins")));
+      add("samples", number(even(node, "bins", spec("bins"))));
       // The sonar rotates to starboard, which is about y, downwards.
       at.turn = placed.turn * turn_of({0, radians((low + high) / 2), 0});
     } else if (type == "sss") {
@@ -186,7 +257,7 @@ class StonefishReader {
       add("along_track_deg", number(spec("horizontal_beam_width")));
       add("depression_min_deg", number(tilt - height / 2));
       add("depression_max_deg", number(steep));
-      add("samples", number(std::floor(spec("bins") / 2)));
+      add("samples", number(even(node, "bins", spec("bins")) / 2));
       if (steep < tilt + height / 2)
         parts_.notice(node, fmt::format("sonar '{}': its two sides overlap below the sonar; in the imported "
                                         "scene, both end at the vertical",
@@ -197,7 +268,8 @@ class StonefishReader {
                            fmt::format("sensor '{}' is left out: tubefoot does not read sensors of type '{}'",
                                        sonar.name, shown_line(type)));
     }
-    add("range_min_m", number(xml_.attribute_number(settings, "range_min", 0.5)));
+    constexpr double least_m = 0.02;  // of Stonefish's sonars
+    add("range_min_m", number(std::max(least_m, xml_.attribute_number(settings, "range_min", 0.5))));
     add("range_max_m", number(xml_.attribute_number(settings, "range_max", 10)));
     parts_.notice(
         node,
