@@ -3,15 +3,21 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <iterator>
 
+#include "exchange/plain_number.hpp"
 #include "files/shown.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
 
-std::string numbers_text(glm::dvec3 v) { return fmt::format("{} {} {}", v.x + 0.0, v.y + 0.0, v.z + 0.0); }
+std::string numbers_text(glm::dvec3 v) {
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  return fmt::format("{} {} {}", plain(v.x, largest), plain(v.y, largest), plain(v.z, largest));
+}
 
 std::string commented(std::string_view text) {
   std::string out;

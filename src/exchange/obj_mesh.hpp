@@ -12,7 +12,7 @@
 
 namespace tubefoot {
 
-/// Formats "x y z" with the shortest decimals that read as the same doubles; -0 becomes 0.
+/// Formats "x y z" as plain() numbers.
 std::string numbers_text(glm::dvec3 v);
 
 /// Writes a Wavefront OBJ object by object. Coordinates are written as given, so that readers that use

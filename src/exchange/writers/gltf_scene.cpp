@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
+#include "exchange/plain_number.hpp"
 #include "exchange/writers/scene_writers.hpp"
 #include "files/checked_file.hpp"
 #include "files/json_text.hpp"
@@ -20,7 +22,23 @@ namespace {
 using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "glTF's buffers are little-endian");
 
-Json list(glm::dvec3 v) { return {v.x, v.y, v.z}; }
+Json list(glm::dvec3 v) {
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  return {plain(v.x, largest), plain(v.y, largest), plain(v.z, largest)};
+}
+
+Json list(const std::array<double, 4>& quaternion) {
+  Json values = Json::array();
+  for (const double value : quaternion) values.push_back(plain(value, 1));
+  return values;
+}
+
+/// The minimum range of a sonar is not a clipping plane, because nearer surfaces cast shadows. A ratio of
+/// 1e5 leaves a depth buffer of floats with a resolution of a hundredth at the far end.
+double camera_near_plane_m(const ExchangedSonar& sonar) {
+  constexpr double usual_m = 1e-3, most_ratio = 1e5;
+  return plain(std::max(usual_m, sonar.range_max_m / most_ratio));
+}
 
 class Gltf {
  public:
@@ -55,12 +73,15 @@ class Gltf {
                                 {"ping", scene_.ping}};
     bytes_.close();
     write_file(folder / "scene.gltf", std::string_view(text_of(root_) + "\n"));
-    return {{"scene.gltf", "scene.bin"},
-            {fmt::format("glTF stores floats: each piece has its own origin in whole metres, and vertices "
-                         "are rounded by up to {:.3g} m in each coordinate",
-                         largest_rounding_m_),
-             "sonars are nodes with their parameters in 'extras' and, where possible, with a camera that has "
-             "the same field of view"}};
+    return {
+        {"scene.gltf", "scene.bin"},
+        {fmt::format("glTF stores floats: each piece has its own origin in whole metres, and vertices "
+                     "are rounded by up to {:.3g} m in each coordinate",
+                     largest_rounding_m_),
+         "sonars are nodes with their parameters in 'extras' and, where possible, with a camera that has "
+         "the same field of view",
+         "'znear' of a camera is its clipping plane, in front of which nothing casts a shadow. The minimum "
+         "range of the sonar is 'range_min_m' in 'extras': remove nearer echoes after rendering"}};
   }
 
  private:
@@ -128,7 +149,7 @@ class Gltf {
     }
     Json node{{"name", sonar.name},
               {"translation", list(placed.position_m)},
-              {"rotation", quaternion_xyzw(placed.turn)},
+              {"rotation", list(quaternion_xyzw(placed.turn))},
               {"extras", {{"tubefoot_sonar", figures}}}};
     // The image of a camera is planar, so that it cannot be as wide as some fans.
     constexpr double widest_deg = 170;
@@ -140,8 +161,8 @@ class Gltf {
                                   {"type", "perspective"},
                                   {"perspective",
                                    {{"yfov", radians(sonar.vertical_deg)},
-                                    {"aspectRatio", width / height},
-                                    {"znear", std::max(sonar.range_min_m, 1e-3)},
+                                    {"aspectRatio", plain(width / height)},
+                                    {"znear", camera_near_plane_m(sonar)},
                                     {"zfar", sonar.range_max_m}}}});
       node["camera"] = root_["cameras"].size() - 1;
     }

@@ -3,8 +3,10 @@
 // the scene for import into the engine.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "exchange/plain_number.hpp"
 #include "exchange/writers/scene_writers.hpp"
 #include "files/checked_file.hpp"
 #include "files/json_text.hpp"
@@ -20,8 +22,11 @@ const EngineAxes& holo_axes() { return axes_of(ExchangeFormat::holoocean); }
 
 void set_place(Json& of, const Placement& theirs) {
   const glm::dvec3 p = theirs.position_m, rpy = roll_pitch_yaw(theirs.turn);
-  of["location"] = {p.x, p.y, p.z};
-  of["rotation"] = {degrees(rpy.x) + 0.0, degrees(rpy.y) + 0.0, degrees(rpy.z) + 0.0};
+  const double largest_m = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  constexpr double right_angle_deg = 90;
+  of["location"] = {plain(p.x, largest_m), plain(p.y, largest_m), plain(p.z, largest_m)};
+  of["rotation"] = {plain(degrees(rpy.x), right_angle_deg), plain(degrees(rpy.y), right_angle_deg),
+                    plain(degrees(rpy.z), right_angle_deg)};
 }
 
 std::string type_of(const ExchangedSonar& sonar) {
@@ -39,7 +44,7 @@ Json sensor_of(const ExchangedSonar& sonar) {
     configuration["OpeningAngle"] = sonar.vertical_deg;
   } else {
     const double shallowest = sonar.depression_deg - sonar.vertical_deg / 2;
-    configuration["Azimuth"] = sides                           ? 2 * (90 - shallowest)
+    configuration["Azimuth"] = sides                           ? plain(2 * (90 - shallowest))
                                : sonar.shape == Shape::turning ? sonar.scan_deg
                                                                : sonar.horizontal_deg;
     configuration["Elevation"] = sides ? sonar.along_track_deg : sonar.vertical_deg;
@@ -54,9 +59,7 @@ Json sensor_of(const ExchangedSonar& sonar) {
   if (sonar.shape == Shape::turning) {
     // The fan of HoloOcean is symmetric about its axis. For an even number of steps, its centre is half a
     // step off the axis of the sonar.
-    const double middle = radians((sonar.azimuth_deg.front() + sonar.azimuth_deg.back()) / 2);
-    ours.turn = ours.turn * glm::dmat3(std::cos(middle), -std::sin(middle), 0, std::sin(middle),
-                                       std::cos(middle), 0, 0, 0, 1);
+    ours = turned_to(ours, radians((sonar.azimuth_deg.front() + sonar.azimuth_deg.back()) / 2));
   }
   set_place(sensor, to_theirs(inverse(sonar.carrier) * ours, holo_axes().body, holo_axes().sonar));
   sensor["Hz"] = 1;
@@ -75,7 +78,9 @@ std::vector<std::string> holoocean_notes(const ExchangedScene& scene) {
       "HoloOcean computes the echoes of octree cells (octree_min in scenario.json). Its materials.csv "
       "contains densities and sound speeds, so no scattering strengths are exported",
       "HoloOcean's documentation does not say which side has positive azimuths: test this with one object on "
-      "one side first"};
+      "one side first",
+      "HoloOcean's documentation does not say whether objects nearer than RangeMin cast shadows: test this "
+      "with one object nearer than RangeMin first"};
   for (const ExchangedSonar& sonar : scene.sonars) {
     if (sonar.shape == Shape::two_sides)
       notes.push_back(

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "exchange/obj_mesh.hpp"
+#include "exchange/plain_number.hpp"
 #include "files/checked_file.hpp"
 #include "files/shown.hpp"
 #include "sensors/model/angles.hpp"
@@ -33,7 +34,8 @@ std::string placed_words(const Placement& ours, ExchangeFormat format, const Axe
       "    theirs: x, y, z = {} m; roll, pitch, yaw about fixed x, y, z = {} rad;\n"
       "            quaternion x, y, z, w = {} {} {} {}\n",
       numbers_text(ours.position_m), angles.heading_deg + 0.0, angles.pitch_deg + 0.0, angles.roll_deg + 0.0,
-      numbers_text(theirs.position_m), numbers_text(rpy), q[0], q[1], q[2], q[3]);
+      numbers_text(theirs.position_m), numbers_text(rpy), plain(q[0], 1), plain(q[1], 1), plain(q[2], 1),
+      plain(q[3], 1));
 }
 
 std::string beams_words(const ExchangedSonar& sonar) {
@@ -74,7 +76,7 @@ std::string sonar_text(const ExchangedSonar& sonar, ExchangeFormat format) {
       "    {} range samples from {} m to {} m, {} m each; sample 0 is the nearest; slant ranges for a sound "
       "speed of {} m/s\n    absorption {:.10g} dB/km one way\n",
       sonar.samples, sonar.range_min_m, sonar.range_max_m,
-      (sonar.range_max_m - sonar.range_min_m) / sonar.samples, sonar.sound_speed_m_s,
+      plain((sonar.range_max_m - sonar.range_min_m) / sonar.samples), sonar.sound_speed_m_s,
       sonar.absorption_db_per_km);
   text += "  its carrier\n" + placed_words(sonar.carrier, format, axes.body);
   text += fmt::format("  the sonar itself{}\n",
@@ -134,6 +136,40 @@ std::string axes_words(ExchangeFormat format) {
       axes.world.words, formula(axes.world, {"east", "north", "up"}), axes.body.words,
       formula(axes.body, {"starboard", "forward", "up"}), axes.sonar.words,
       formula(axes.sonar, {"starboard", "ahead", "up"}));
+}
+
+EngineRanges engine_ranges(const ExchangedSonar& sonar, double least_m, bool even) {
+  // Engines draw one row of a texture per bin. Graphics cards have textures of at least this size.
+  constexpr int most_rows = 16384;
+  const double step_m = (sonar.range_max_m - sonar.range_min_m) / sonar.samples;
+  EngineRanges ranges;
+  const double steps = (sonar.range_min_m - least_m) / step_m;
+  // A difference of rounding does not remove a bin.
+  ranges.nearer = static_cast<int>(std::clamp(std::floor(steps + 1e-9), 1.0 - sonar.samples,
+                                              std::max(0.0, most_rows - 2.0 - sonar.samples)));
+  ranges.samples = sonar.samples + ranges.nearer;
+  if (even && ranges.samples % 2 != 0) ranges.farther = 1;
+  ranges.samples += ranges.farther;
+  ranges.range_min_m = plain(sonar.range_min_m - ranges.nearer * step_m, sonar.range_max_m);
+  ranges.range_max_m = plain(sonar.range_max_m + ranges.farther * step_m, sonar.range_max_m);
+  return ranges;
+}
+
+std::string ranges_words(const ExchangedSonar& sonar, const EngineRanges& ranges) {
+  if (ranges.nearer == 0 && ranges.farther == 0) return {};
+  std::string words = fmt::format("{} range bins from {} m to {} m instead of {} from {} m to {} m",
+                                  ranges.samples, ranges.range_min_m, ranges.range_max_m, sonar.samples,
+                                  sonar.range_min_m, sonar.range_max_m);
+  if (ranges.nearer > 0) words += fmt::format("; remove the {} nearest bins from the picture", ranges.nearer);
+  if (ranges.nearer < 0) words += fmt::format("; the {} nearest bins are missing", -ranges.nearer);
+  if (ranges.farther > 0)
+    words += fmt::format("; remove the {} farthest bin from the picture", ranges.farther);
+  return words;
+}
+
+Placement turned_to(const Placement& ours, double azimuth_rad) {
+  const double s = std::sin(azimuth_rad), c = std::cos(azimuth_rad);
+  return {ours.position_m, ours.turn * glm::dmat3(c, -s, 0, s, c, 0, 0, 0, 1)};
 }
 
 double grey_of(const ExchangedMaterial& material) {

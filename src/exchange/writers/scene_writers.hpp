@@ -32,6 +32,22 @@ std::string axes_words(ExchangeFormat format);
 /// Writes one OBJ per piece, in the world axes of an engine. Returns the file names.
 std::vector<std::string> write_piece_meshes(ExchangeFormat format, const ExchangedScene& scene,
                                             const std::filesystem::path& folder);
+/// Range bins for an engine that uses the minimum range as its near clipping plane. Bins in front of those of
+/// the sonar keep nearer surfaces in the picture, so that these surfaces cast shadows.
+struct EngineRanges {
+  double range_min_m = 0, range_max_m = 0;
+  int samples = 0;
+  int nearer = 0;   ///< bins in front of those of the sonar; negative: missing bins of the sonar
+  int farther = 0;  ///< bins behind those of the sonar
+};
+/// `least_m`: smallest minimum range of the engine. `even`: the engine needs an even number of bins.
+EngineRanges engine_ranges(const ExchangedSonar& sonar, double least_m, bool even);
+/// Describes the difference between both divisions into bins; empty without a difference.
+std::string ranges_words(const ExchangedSonar& sonar, const EngineRanges& ranges);
+
+/// Returns a placement whose forward axis is at this azimuth of the given one, starboard positive.
+Placement turned_to(const Placement& ours, double azimuth_rad);
+
 /// Returns a grey value from 0.1 to 0.9 that increases with the backscattering strength of a material.
 double grey_of(const ExchangedMaterial& material);
 

@@ -14,6 +14,9 @@
 namespace tubefoot {
 namespace {
 
+/// DAVE's plugin (MultibeamSonarSensor.cc) passes <range><min> to SetNearClipPlane().
+constexpr double dave_near_plane_m = 0.02;
+
 const EngineAxes& sdf_axes() { return axes_of(ExchangeFormat::sdf); }
 
 std::string pose_text(const Placement& theirs) {
@@ -40,14 +43,28 @@ void add_sdf_piece(pugi::xml_node world, const ExchangedScene& scene, const Exch
   set(add(visual, "tubefoot:material"), "name", material.name);
 }
 
-/// A fan of beams about the x axis of the sensor, as the multibeam sonar of DAVE for Gazebo reads it. Its
-/// angles increase to port, as rotations about z do.
+/// A fan of beams about the x axis of the sensor. Its angles increase to port, as rotations about z do.
 struct Fan {
   std::string name;
   Placement placed;  ///< in the link, in the axes of SDF
   std::size_t beams = 1;
-  double lowest_rad = 0, highest_rad = 0, half_height_rad = 0;
+  double lowest_rad = 0, highest_rad = 0, half_height_rad = 0;  ///< borders
 };
+
+/// Axes that DAVE's plugin renders (MultibeamSonarSensor.cc): the outermost axes lie at the stated angles,
+/// and an even number becomes odd. One axis has no width, so that a single beam needs a neighbour on either
+/// side.
+struct DaveAxes {
+  std::size_t count;
+  double first_rad, last_rad;
+};
+DaveAxes dave_axes(const Fan& fan) {
+  const double width_rad = (fan.highest_rad - fan.lowest_rad) / static_cast<double>(fan.beams);
+  if (fan.beams == 1) return {3, fan.lowest_rad - width_rad / 2, fan.highest_rad + width_rad / 2};
+  if (fan.beams % 2 == 0)
+    return {fan.beams + 1, fan.lowest_rad + width_rad / 2, fan.highest_rad + width_rad / 2};
+  return {fan.beams, fan.lowest_rad + width_rad / 2, fan.highest_rad - width_rad / 2};
+}
 
 void add_fan(pugi::xml_node link, const ExchangedSonar& sonar, const Fan& fan, bool first,
              const Placement& own) {
@@ -62,19 +79,24 @@ void add_fan(pugi::xml_node link, const ExchangedSonar& sonar, const Fan& fan, b
   const pugi::xml_node ray = set(add(block, "ray"), "degrees", std::string("false"));
   const pugi::xml_node scan = add(ray, "scan");
   const pugi::xml_node across = add(scan, "horizontal");
-  add(across, "beams", static_cast<double>(fan.beams));
-  add(across, "min_angle", fan.lowest_rad);
-  add(across, "max_angle", fan.highest_rad);
+  const DaveAxes axes = dave_axes(fan);
+  add(across, "beams", static_cast<double>(axes.count));
+  add(across, "min_angle", axes.first_rad);
+  add(across, "max_angle", axes.last_rad);
   // As many rays as the width of the beams requires. The beams of tubefoot are solid and have no number of
   // rays.
   const double step_rad = (fan.highest_rad - fan.lowest_rad) / static_cast<double>(fan.beams);
   constexpr double most_rays = 1000, least_rays = 10;
   const pugi::xml_node up = add(scan, "vertical");
   add(up, "rays", std::round(std::clamp(2 * fan.half_height_rad / step_rad, least_rays, most_rays)));
-  add(up, "min_angle", -fan.half_height_rad);
-  add(up, "max_angle", fan.half_height_rad);
+  add_comment(up, "The plugin renders twice the stated height.");
+  add(up, "min_angle", -fan.half_height_rad / 2);
+  add(up, "max_angle", fan.half_height_rad / 2);
   const pugi::xml_node range = add(ray, "range");
-  add(range, "min", sonar.range_min_m);
+  add_comment(range, fmt::format("min is the near clipping plane of the plugin. The minimum range of the "
+                                 "sonar is {} m: remove nearer echoes from the picture.",
+                                 sonar.range_min_m));
+  add(range, "min", engine_ranges(sonar, dave_near_plane_m, false).range_min_m);
   add(range, "max", sonar.range_max_m);
   const pugi::xml_node spec = add(block, "spec");
   add(spec, "sonarFreq", 1000 * sonar.frequency_khz);
@@ -83,6 +105,7 @@ void add_fan(pugi::xml_node link, const ExchangedSonar& sonar, const Fan& fan, b
   add(spec, "bandwidth", sonar.sound_speed_m_s / (2 * sample_m));
   add(spec, "soundSpeed", sonar.sound_speed_m_s);
   add(spec, "maxDistance", sonar.range_max_m);
+  add(spec, "raySkips", 1.0);  // all rays; the default of the plugin is 10
   if (first)
     add_own_sonar(sensor, sonar, own);
   else
@@ -132,17 +155,45 @@ void add_sonar(pugi::xml_node world, const ExchangedSonar& sonar, std::size_t nu
   add_fan(link, sonar, fan, true, own);
 }
 
+/// Adds the systems of DAVE's own sonar world (dave_multibeam_sonar.world). Without the first two, the sonar
+/// is silent. A world that names systems does not get the default ones, which are the others.
+void add_systems(pugi::xml_node world) {
+  const auto add_system = [&](const char* file, const char* name) {
+    const pugi::xml_node plugin = set(add(world, "plugin"), "filename", std::string(file));
+    return set(plugin, "name", std::string(name));
+  };
+  add(add_system("gz-sim-sensors-system", "gz::sim::systems::Sensors"), "render_engine", "ogre2");
+  add_system("multibeam_sonar_system", "custom::MultibeamSonarSystem");
+  add_system("gz-sim-physics-system", "gz::sim::systems::Physics");
+  add_system("gz-sim-user-commands-system", "gz::sim::systems::UserCommands");
+  add_system("gz-sim-scene-broadcaster-system", "gz::sim::systems::SceneBroadcaster");
+}
+
 std::vector<std::string> sdf_notes(const ExchangedScene& scene) {
   std::vector<std::string> notes{
       "sonars are sensors of type \"custom\" with gz:type=\"multibeam_sonar\". DAVE's plugin for Gazebo "
-      "reads them, and other programs ignore them. Elements tubefoot:... hold the exact values for 'tubefoot "
-      "import-scene'",
-      "the plugin's angles are positive to port. The beams of its image are in the reverse order of its list "
-      "of directions: test this with one object on one side first",
-      "the plugin uses rays instead of beams: the vertical spacing of 'rays' equals the width of the beams, "
-      "and the bandwidth resolves one range sample"};
+      "reads them, and other programs ignore them. Elements tubefoot:... hold the exact values for "
+      "'tubefoot import-scene'",
+      "the plugin's angles are positive to port. The beams of its image are in the reverse order of its "
+      "list of directions: test this with one object on one side first",
+      "the plugin uses rays instead of beams: the vertical spacing of 'rays' equals the width of the "
+      "beams, and the bandwidth resolves one range sample. The outermost rays lie at the stated "
+      "azimuths, and the rays fill twice the stated height. The exported angles compensate for both",
+      "the world loads the systems 'gz-sim-sensors-system' (with the render engine 'ogre2') and "
+      "'multibeam_sonar_system' (class 'custom::MultibeamSonarSystem'), without which DAVE's sonar is "
+      "silent. If you add the sonar to another world, add both plugins to that world",
+      "'min' of <range> is the near clipping plane of the plugin, in front of which nothing casts a "
+      "shadow. The minimum range of each sonar is listed above: remove nearer echoes from the picture"};
   for (const ExchangedSonar& sonar : scene.sonars) {
-    if (sonar.shape == ExchangedSonar::Shape::two_sides)
+    const bool two_sides = sonar.shape == ExchangedSonar::Shape::two_sides;
+    if (two_sides || sonar.azimuth_deg.size() == 1)
+      notes.push_back(fmt::format(
+          "sonar '{}': the plugin needs three beams instead of one: use the middle one only", sonar.name));
+    else if (sonar.azimuth_deg.size() % 2 == 0)
+      notes.push_back(
+          fmt::format("sonar '{}': the plugin renders {} beams instead of {}: remove the port-most one",
+                      sonar.name, sonar.azimuth_deg.size() + 1, sonar.azimuth_deg.size()));
+    if (two_sides)
       notes.push_back(
           fmt::format("sonar '{}' becomes two sensors with one beam each, '{}_port' and '{}_starboard'",
                       sonar.name, sonar.name, sonar.name));
@@ -168,6 +219,7 @@ WrittenScene write_sdf_scene(const ExchangedScene& scene, const std::filesystem:
   set(sdf, "xmlns:tubefoot", std::string(own_namespace));
   set(sdf, "xmlns:gz", std::string("http://gazebosim.org/schema"));
   const pugi::xml_node world = set(add(sdf, "world"), "name", std::string("scene"));
+  add_systems(world);
   add_own_scene(world, scene);
   const pugi::xml_node sun = set(add(world, "light"), "name", std::string("sun"));
   set(sun, "type", std::string("directional"));

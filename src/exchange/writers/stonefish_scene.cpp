@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "exchange/obj_mesh.hpp"
+#include "exchange/stonefish_beams.hpp"
 #include "exchange/writers/scene_writers.hpp"
+#include "exchange/writers/stonefish_sonar.hpp"
 #include "exchange/writers/xml_words.hpp"
 #include "sensors/model/angles.hpp"
 
@@ -73,67 +75,91 @@ void add_stonefish_piece(pugi::xml_node root, const ExchangedScene& scene, const
   set_place(add(body, "world_transform"), {});
 }
 
-void add_sonar(pugi::xml_node root, const ExchangedSonar& sonar) {
+void add_stonefish_sonar(pugi::xml_node root, const ExchangedSonar& sonar) {
   using Shape = ExchangedSonar::Shape;
   const pugi::xml_node sensor = set(add(root, "sensor"), "name", sonar.name);
   set(sensor, "type",
       std::string(sonar.shape == Shape::fan       ? "fls"
                   : sonar.shape == Shape::turning ? "msis"
                                                   : "sss"));
+  const EngineRanges ranges = stonefish_ranges(sonar);
+  if (const std::string words = ranges_words(sonar, ranges); !words.empty())
+    add_comment(sensor,
+                fmt::format("range_min is also the near clipping plane. Therefore the exported sonar has {}.",
+                            words));
   const pugi::xml_node specs = add(sensor, "specs"), settings = add(sensor, "settings");
-  const auto beams = static_cast<double>(sonar.azimuth_deg.size());
+  Placement placement = sonar.placement;
   if (sonar.shape == Shape::fan) {
-    set(set(specs, "beams", beams), "bins", sonar.samples);
-    set(set(specs, "horizontal_fov", sonar.horizontal_deg), "vertical_fov", sonar.vertical_deg);
+    const StonefishFan fan = stonefish_fan(sonar);
+    placement = fan.placement;
+    set(set(specs, "beams", fan.beams), "bins", ranges.samples);
+    set(set(specs, "horizontal_fov", fan.width_deg), "vertical_fov", sonar.vertical_deg);
   } else if (sonar.shape == Shape::turning) {
-    set(set(specs, "step", sonar.step_deg), "bins", sonar.samples);
+    set(set(specs, "step", sonar.step_deg), "bins", ranges.samples);
     set(set(specs, "horizontal_beam_width", sonar.horizontal_deg), "vertical_beam_width", sonar.vertical_deg);
   } else {
     constexpr double lines = 400;  // of the waterfall
-    set(set(specs, "bins", 2.0 * sonar.samples), "lines", lines);
+    set(set(specs, "bins", 2.0 * ranges.samples), "lines", lines);
     set(set(specs, "horizontal_beam_width", sonar.along_track_deg), "vertical_beam_width",
         sonar.vertical_deg);
     set(specs, "vertical_tilt", sonar.depression_deg);
   }
-  set(set(settings, "range_min", sonar.range_min_m), "range_max", sonar.range_max_m);
+  // The default, uint8, has only 256 levels.
+  set(specs, "output_format", std::string("float32"));
+  set(set(settings, "range_min", ranges.range_min_m), "range_max", ranges.range_max_m);
   if (sonar.shape == Shape::turning)
     set(set(settings, "rotation_min", -sonar.scan_deg / 2), "rotation_max", sonar.scan_deg / 2);
   set(settings, "gain", 1.0);
   set(set(add(sensor, "noise"), "multiplicative", 0.0), "additive", 0.0);
   set(add(sensor, "display"), "colormap", std::string("hot"));
   set_place(add(sensor, "world_transform"),
-            to_theirs(sonar.placement, stonefish_axes().world, stonefish_axes().sonar));
+            to_theirs(placement, stonefish_axes().world, stonefish_axes().sonar));
   add_own_sonar(sensor, sonar, to_theirs(sonar.own, stonefish_axes().world, stonefish_axes().sonar));
+}
+
+void note_fan(const ExchangedSonar& sonar, std::vector<std::string>& notes) {
+  const StonefishFan fan = stonefish_fan(sonar);
+  notes.push_back(fmt::format(
+      "sonar '{}': an FLS has equidistant beams in views of at most 20 degrees, here {} views; the beams "
+      "of the scene are {}",
+      sonar.name, stonefish_views(fan.width_deg), sonar.even ? "equiangular" : "listed in README.txt"));
+  if (fan.added)
+    notes.push_back(fmt::format(
+        "sonar '{}': Stonefish rounds an odd number of beams up without widening the fan. The exported "
+        "fan has {} beams in {} degrees, and is turned by half a beam: remove the last column of the "
+        "picture",
+        sonar.name, fan.beams, fan.width_deg));
+  if (stonefish_beam_angles_deg(fan.beams, fan.width_deg).empty())
+    notes.push_back(fmt::format(
+        "sonar '{}': Stonefish cannot divide {} beams into {} views, so its picture is not valid: choose "
+        "a multiple of {} beams",
+        sonar.name, fan.beams, stonefish_views(fan.width_deg), stonefish_views(fan.width_deg)));
+  if (sonar.looks_down) notes.push_back(fmt::format("sonar '{}' becomes an FLS that looks down", sonar.name));
 }
 
 std::vector<std::string> stonefish_notes(const ExchangedScene& scene) {
   using Shape = ExchangedSonar::Shape;
   std::vector<std::string> notes{
-      "Stonefish's documentation does not say how the restitution of a body affects its echo: exported "
-      "restitutions are proportional to mu of Lambert's law, and that of the strongest material is 1",
-      "Stonefish averages the samples of each bin and blurs the image, which has 8 bits in most messages. "
-      "Row 0 is the farthest bin (see docs/engine-validation.md)",
+      "the restitution of a body is the factor of its echo: exported restitutions are proportional to mu "
+      "of Lambert's law, and that of the strongest material is 1",
+      "Stonefish averages the samples of each bin and blurs the image. Row 0 is the farthest bin (see "
+      "docs/engine-validation.md)",
       "give this folder as the data path, because mesh names are relative to it"};
   for (const ExchangedSonar& sonar : scene.sonars) {
-    if (sonar.shape == Shape::fan)
-      notes.push_back(
-          fmt::format("sonar '{}': an FLS has equidistant beams in views of at most 20 degrees; the beams of "
-                      "the scene are {}",
-                      sonar.name, sonar.even ? "equiangular" : "listed in README.txt"));
-    if (sonar.shape == Shape::fan && sonar.looks_down)
-      notes.push_back(fmt::format("sonar '{}' becomes an FLS that looks down", sonar.name));
+    if (sonar.shape == Shape::fan) note_fan(sonar, notes);
     if (sonar.shape == Shape::two_sides)
       notes.push_back(fmt::format("sonar '{}': an SSS has both sides in one row of {} bins", sonar.name,
-                                  2 * sonar.samples));
+                                  2 * stonefish_ranges(sonar).samples));
     if (sonar.shape == Shape::two_sides && (sonar.depression_deg < 0 || sonar.along_track_deg > 90))
       notes.push_back(
           fmt::format("sonar '{}': an SSS cannot look above the horizontal, and its beams cannot be wider "
                       "than 90 degrees along the track",
                       sonar.name));
-    constexpr double least_range_m = 0.02;
-    if (sonar.range_min_m < least_range_m)
-      notes.push_back(fmt::format("sonar '{}': ranges begin at {} m in Stonefish, but at {} m in the scene",
-                                  sonar.name, least_range_m, sonar.range_min_m));
+    if (const std::string words = ranges_words(sonar, stonefish_ranges(sonar)); !words.empty())
+      notes.push_back(fmt::format(
+          "sonar '{}': the minimum range of Stonefish is also its near clipping plane, in front of which "
+          "nothing casts a shadow. The exported sonar therefore has {}",
+          sonar.name, words));
   }
   return notes;
 }
@@ -153,10 +179,11 @@ WrittenScene write_stonefish_scene(const ExchangedScene& scene, const std::files
   add_materials(root, scene);
   for (std::size_t k = 0; k < scene.pieces.size(); ++k)
     add_stonefish_piece(root, scene, scene.pieces[k], meshes[k]);
-  for (const ExchangedSonar& sonar : scene.sonars) add_sonar(root, sonar);
+  for (const ExchangedSonar& sonar : scene.sonars) add_stonefish_sonar(root, sonar);
   write_xml(document, folder / "scene.scn");
   WrittenScene written{{"scene.scn"}, stonefish_notes(scene)};
   written.files.insert(written.files.end(), meshes.begin(), meshes.end());
+  add_stonefish_reference(scene, meshes, folder, written);
   return written;
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "exchange/obj_mesh.hpp"
+#include "exchange/plain_number.hpp"
 #include "files/checked_file.hpp"
 #include "files/shown.hpp"
 
@@ -21,7 +22,7 @@ pugi::xml_node add(pugi::xml_node parent, const char* name, const std::string& t
 }
 
 pugi::xml_node add(pugi::xml_node parent, const char* name, double value) {
-  return add(parent, name, fmt::format("{}", value));
+  return add(parent, name, fmt::format("{}", plain(value)));
 }
 
 pugi::xml_node set(pugi::xml_node node, const char* attribute, const std::string& value) {
@@ -30,7 +31,7 @@ pugi::xml_node set(pugi::xml_node node, const char* attribute, const std::string
 }
 
 pugi::xml_node set(pugi::xml_node node, const char* attribute, double value) {
-  return set(node, attribute, fmt::format("{}", value));
+  return set(node, attribute, fmt::format("{}", plain(value)));
 }
 
 void add_comment(pugi::xml_node parent, std::string_view text) {
