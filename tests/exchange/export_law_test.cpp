@@ -232,7 +232,9 @@ TEST_F(Exported, OddNumbersOfBeamsBecomeEvenAndKeepTheirWidth) {
   EXPECT_STREQ(fls.child("specs").attribute("horizontal_fov").value(), "64");
   // Half a beam of 4 degrees to starboard: the port border stays, and the additional beam is at starboard.
   const auto exported = exchanged_scene(*open_survey(read_scene_file(folder / "scene.toml")), {}, 0);
-  const glm::dvec3 ahead = turned_to(exported.sonars[0].placement, std::numbers::pi / 90).turn[1];
+  const double half_rad = std::numbers::pi / 90;
+  const glm::dvec3 ahead =
+      exported.sonars[0].placement.turn * glm::dvec3(std::sin(half_rad), std::cos(half_rad), 0);
   double x = 0, y = 0, z = 0;
   ASSERT_EQ(std::sscanf(fls.child("world_transform").attribute("rpy").value(), "%lf %lf %lf", &x, &y, &z), 3);
   const glm::dvec3 theirs = turn_of({x, y, z})[2];  // z ahead, in north, east, down
