@@ -19,6 +19,7 @@
 #   make pairs   what combinations cost beside their parts: validation/pairs.md (minutes)
 #   make rays    hold rays in layered water against published ones: validation/rays.md
 #   make engines  pictures of other engines, written anew, and what compare says of them: validation/engines.md (minutes)
+#   make real-engines  engines of others, built from given sources, and what compare finds: validation/real-engines.md (half an hour)
 #   make refraction-study  soundings of a flat seabed in stratified water: out/refraction.png
 #   make track-study  the track of a camera, estimated from its frames: out/track.png, out/drift.png
 #   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, validation/performance.md (a quarter of an hour)
@@ -35,7 +36,7 @@ JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
 .PHONY: demo python test test-slow one-test install package wheel program whole build configured sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
-  rays engines scaling gradients long-run reference reference-sums docs figures format tidy clean
+  rays engines real-engines scaling gradients long-run reference reference-sums docs figures format tidy clean
 
 demo: program
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -192,6 +193,11 @@ engines: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_hurried_rays
 	/usr/bin/python3 -B validation/engines/run.py $(PROGRAM) build/release/tubefoot_hurried_rays.so out/engines \
 	  --results validation/engines/results.json --page validation/engines.md
+
+real-engines: build
+	cmake --build --preset release --parallel $(JOBS) --target tubefoot_hurried_rays
+	/usr/bin/python3 -B validation/engines/run.py $(PROGRAM) build/release/tubefoot_hurried_rays.so out/real-engines --real \
+	  --results validation/engines/results-real.json --page validation/real-engines.md
 
 SCALING_ROUNDS := 3
 

@@ -27,7 +27,7 @@ def tangent(sonar, views):
 def fan_edge_scallop(scene, sonar, views):
     """Nothing where no flat bed is; else how far the near edge of a flat bed is off, crest to trough, in samples: a camera's lower side is a plane, and not
     a cone of even elevation."""
-    if scene.area[np.abs(scene.normal[:, 2]) > 0.999].sum() < 100:
+    if not scene.has_flat_bed():
         return Known("scalloped-edge", None, "samples", "the lower side of a camera view is a plane", may=True)
     depth = sonar.apex[2]
     local = np.concatenate([depth_buffer.column_azimuths(sonar, views)[k * sonar.beams // views:(k + 1) * sonar.beams // views]

@@ -68,9 +68,11 @@ def decibel(value):
 def section(name, scenes, shown):
     engine = importlib.import_module(name)
     about = engine.__doc__.strip().split("\n\n", 1)
-    lines = [f"## {engine.TITLE}", "", about[0].replace("\n", " "), "", about[1].replace("\n", " ") if len(about) > 1 else "", "",
-             "```text", f"validation/engines/run.py build/release/tubefoot build/release/tubefoot_hurried_rays.so out/engines --engine {name}",
-             "```", ""]
+    version = next(iter(scenes.values())).get("version")
+    lines = [f"## {engine.TITLE}", "", about[0].replace("\n", " "), "", about[1].replace("\n", " ") if len(about) > 1 else "", ""]
+    lines += [f"Version: {version}.", ""] if version else []
+    lines += ["```text", f"validation/engines/run.py build/release/tubefoot build/release/tubefoot_hurried_rays.so out/engines --engine {name}",
+              "```", ""]
     lines += ["| scene | L1 | RMS | missing echoes | echoes in shadows | overlap of shadows | L1 as energies | range dependence as energies |",
               "|---|---|---|---|---|---|---|---|"]
     for scene, result in scenes.items():
@@ -97,8 +99,8 @@ def section(name, scenes, shown):
     return lines + [""]
 
 
-def write_page(page, results, folder, shown):
-    template = (page.parent / "engines" / "page.md").read_text()
+def write_page(page, template, results, folder, shown):
+    template = template.read_text()
     counts, unexplained = count(results)
     table = ["| verdict | known faults |", "|---|---|"] + [f"| {name} | {counts[name]} |" for name in VERDICTS]
     table += [f"| finding without a known cause | {unexplained} |", ""]

@@ -24,11 +24,15 @@ import netCDF4
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import report  # noqa: E402
+from real_engine import Absent  # noqa: E402
 from sonar import Scene, Sonar, Unsupported  # noqa: E402
 
 ENGINES = ["embree_hurry", "stonefish_like", "dave_like", "holoocean_like", "holoocean_noisy", "simple_rays"]
+# Engines of others, built from folders that the environment names: real_engine.py.
+REAL_ENGINES = ["stonefish", "stonefish_near", "stonefish_default", "simple_sonar"]
 PACK = HERE.parent / "reference" / "v1"
 SCENES = [HERE / "yard", PACK / "sphere", PACK / "box-and-wall", PACK / "terrain"]
+REAL_SCENES = [*SCENES, HERE / "cornice"]
 TOLERANCE = "1e-6"
 
 
@@ -127,8 +131,12 @@ def run_engine(name, scene_folder, truth, tools, folder, quick):
         scene, sonar = Scene(scene_folder / "scene.toml"), Sonar(truth.file())
         started = time.monotonic()
         engine.render(scene, sonar, folder / engine.PICTURE, tools)
+    except Unsupported as error:
+        print(f"omitted: {name}: {error}", flush=True)
+        return None
     except ImportError as error:
-        print(f"omitted: {name}: {error} (see packages.txt for the packages of Debian)", flush=True)
+        print(f"omitted: {name}: {error}" + ("" if isinstance(error, Absent) else " (see packages.txt for the packages of Debian)"),
+              flush=True)
         return None
     seconds = time.monotonic() - started
     candidate, recipe = folder / "echoes.nc", folder / "recipe.toml"
@@ -147,6 +155,8 @@ def run_engine(name, scene_folder, truth, tools, folder, quick):
     if not quick:
         call([*common, "--fit", "gain,range,offset", "--json", folder / "joules.json", "--html", folder / "joules.html"])
         result["joules"] = figures(folder / "joules.json")
+    if hasattr(engine, "version"):
+        result["version"] = engine.version()
     result = rounded(result)
     print(f"{scene_folder.name:14} {engine.TITLE}: rendered in {seconds:.1f} s; "
           f"found {', '.join(f['fault'] for f in result['own']['findings']) or 'nothing'}", flush=True)
@@ -159,12 +169,14 @@ def main():
     parser.add_argument("hurried_rays", type=lambda word: pathlib.Path(word).resolve(), help="tubefoot_hurried_rays.so")
     parser.add_argument("folder", type=lambda word: pathlib.Path(word).resolve(), help="output folder, which is replaced")
     parser.add_argument("--scene", type=pathlib.Path, action="append", help="folders with scene.toml (default: yard and three scenes of the suite)")
-    parser.add_argument("--engine", action="append", choices=ENGINES, help="(default: all)")
+    parser.add_argument("--engine", action="append", choices=ENGINES + REAL_ENGINES,
+                        help="(default: all that are written here)")
+    parser.add_argument("--real", action="store_true", help="default: engines of others, built from given sources, and their scenes")
     parser.add_argument("--results", type=pathlib.Path, help="write the results into this JSON file")
     parser.add_argument("--page", type=pathlib.Path, help="write this page, with its pictures in the folder pictures/")
     parser.add_argument("--quick", action="store_true", help="only in the units of the engine, without --ideal")
     asked = parser.parse_args()
-    scenes, engines = asked.scene or SCENES, asked.engine or ENGINES
+    scenes, engines = asked.scene or (REAL_SCENES if asked.real else SCENES), asked.engine or (REAL_ENGINES if asked.real else ENGINES)
     shutil.rmtree(asked.folder, ignore_errors=True)
     tools = types.SimpleNamespace(program=asked.program, hurried_rays=asked.hurried_rays)
     results = {}
@@ -181,7 +193,7 @@ def main():
     if asked.results:
         asked.results.write_text(json.dumps(results, indent=1) + "\n")
     if asked.page:
-        report.write_page(asked.page, results, asked.folder, scenes[0].name)
+        report.write_page(asked.page, HERE / ("real" if asked.real else "") / "page.md", results, asked.folder, scenes[0].name)
 
 
 if __name__ == "__main__":

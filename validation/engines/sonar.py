@@ -15,7 +15,7 @@ class Scene:
     """Triangles in metres (n, 3, 3), the strength mu of each (Lambert), and which object each belongs to."""
 
     def __init__(self, path):
-        path = pathlib.Path(path)
+        self.path = path = pathlib.Path(path)
         told = tomllib.loads(path.read_text())
         strange = sorted(set(told) & {"terrain", "mirrors", "relief"})
         if strange:
@@ -45,6 +45,10 @@ class Scene:
         self.triangles, self.mu, self.owner = self.triangles[kept], self.mu[kept], self.owner[kept]
         self.area = length[kept] / 2
         self.normal = normal[kept] / length[kept, None]
+
+    def has_flat_bed(self):
+        """Whether 100 m² or more are horizontal."""
+        return bool(self.area[np.abs(self.normal[:, 2]) > 0.999].sum() >= 100)
 
 
 def read_obj(path):
