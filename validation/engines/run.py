@@ -190,8 +190,8 @@ def main():
             found = run_engine(name, scene, truth, tools, place / name, asked.quick)
             if found:
                 results.setdefault(name, {})[scene.name] = found
-    if asked.results:
-        asked.results.write_text(json.dumps(results, indent=1) + "\n")
+                if asked.results:
+                    asked.results.write_text(json.dumps(results, indent=1) + "\n")
     if asked.page:
         report.write_page(asked.page, HERE / ("real" if asked.real else "") / "page.md", results, asked.folder, scenes[0].name)
 

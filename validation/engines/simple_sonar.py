@@ -44,7 +44,7 @@ def render(scene, sonar, path, tools):
     (folder / "run.yaml").write_text(
         f"name: run\nnormalize: true\nsmoothing_sigma: null\ntrajectory_file: poses.yaml\nsonar_config_file: sonar.yaml\n"
         f"scene_file: scene.obj\noutput_folder: {path.parent}\n")
-    real_engine.call(["nice", build() / "simple_sonar_images", "run.yaml"], cwd=folder)
+    real_engine.call([build() / "simple_sonar_images", "run.yaml"], cwd=folder)
 
 
 def declared(sonar):

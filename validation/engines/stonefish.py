@@ -70,7 +70,7 @@ def picture_of(scene, chosen, path, tools):
     folder = path.parent / "scenario"
     real_engine.call([tools.program, "export", scene.path, "--to", "stonefish", "-o", folder])
     name = write_scenario(folder / "scene.scn", chosen)
-    done = real_engine.call(["nice", "xvfb-run", "-a", "-s", "-screen 0 320x240x24", program, folder / "scene.scn", path.parent / "images"],
+    done = real_engine.call(["xvfb-run", "-a", "-s", "-screen 0 320x240x24", program, folder / "scene.scn", path.parent / "images"],
                             env=real_engine.without_graphics_card())
     (path.parent / "stonefish.log").write_text(done.stdout + done.stderr)
     (path.parent / "images" / f"{name}-0000{path.suffix}").rename(path)

@@ -48,6 +48,6 @@ def known(scene, sonar, truth):
     floor = BIN_NOISE * (weights**2).sum() / np.sqrt(2 * np.pi)
     return stonefish.known(scene, sonar, truth) + [
         Known("noise", float(10 * np.log10(floor / mean_echo(scene, sonar, truth))), "dB re the mean echo",
-              "mean of the positive part of the noise", within=0.5),
+              "mean of the positive part of the noise"),
         Known("8-bits", None, "levels", "8-bit picture"),
         Known("speckle", None, "", "normal noise per beam and per bin", may=True)]
