@@ -26,7 +26,8 @@
 #   make gradients  compare exact gradients with finite differences of rays: validation/gradients.md (minutes)
 #   make long-run  memory of 10 000 pings of a sidescan and a multibeam: validation/pictures/long-run.svg (minutes)
 #   make reference reference-sums  certify the echoes of validation/reference/v1 anew and write its checksums (half a minute)
-#   make reference-sums  checksums of the benchmark suite v2, as tubefoot suite writes it (a minute)
+#   make reference-sums  checksums of the benchmark suites v2 and v3, as tubefoot suite writes them (minutes)
+#   make benchmark-archive  the benchmark suite as an archive that can receive a DOI, into build/: validation/reference/archive.md
 #   make docs    build the documents as a site: build/docs/html/index.html
 #   make figures  draw all figures of the documents (minutes); FIGURES='gallery/robot-*' some, FIGURES=--stale those
 #                 whose inputs have changed
@@ -36,7 +37,7 @@ JOBS := $(shell nproc)
 PROGRAM := build/release/tubefoot
 
 .PHONY: demo python test test-slow one-test install package wheel program whole build configured sanitize prove fuzz bench against atlas advise-study pairs refraction-study track-study \
-  rays engines real-engines scaling gradients long-run reference reference-sums docs figures format tidy clean
+  rays engines real-engines scaling gradients long-run reference reference-sums benchmark-archive docs figures format tidy clean
 
 demo: program
 	$(PROGRAM) run scenes/wellhead/scene.toml -o out/wellhead
@@ -217,7 +218,13 @@ reference: build
 	tools/reference_suite $(PROGRAM) validation/reference/v1
 
 reference-sums: build
-	tools/suite_sums $(PROGRAM) validation/reference/v2/SHA256SUMS
+	tools/suite_sums $(PROGRAM) 2 validation/reference/v2/SHA256SUMS
+	tools/suite_sums $(PROGRAM) 3 validation/reference/v3/SHA256SUMS
+
+DOI :=
+
+benchmark-archive: build
+	tools/benchmark_archive $(PROGRAM) build/benchmark $(if $(DOI),--doi $(DOI))
 
 docs:
 	@tools/setup documents

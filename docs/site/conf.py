@@ -14,7 +14,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphin
               "theme"]
 root_doc = "index"
 include_patterns = ["index.md", "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "docs/notes/*.md", "validation/*.md",
-                    "validation/reference/*/*.md", "api/*.md", "api/python.rst"]
+                    "validation/reference/*.md", "validation/reference/*/*.md", "validation/results/*.md", "api/*.md", "api/python.rst"]
 
 # Links are code_host's, so that they are read as on a code host, whatever MyST's version makes of them.
 myst_all_links_external = True

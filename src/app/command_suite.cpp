@@ -29,7 +29,9 @@ void write_forms(const Survey& survey, const fs::path& folder) {
 }  // namespace
 
 int suite_command(const SuiteOptions& options) {
-  SuiteRequest request{options.seed, aspects_named(options.scenes), !options.without_answers, options.quiet};
+  const SuiteVersion& version = suite_version(options.version.value_or(newest_suite));
+  const SuiteRequest request{version, options.seed, aspects_named(version, options.scenes),
+                             !options.without_answers, options.quiet};
   if (options.seed && (options.seed->empty() || options.seed->size() > limits::name_bytes))
     throw UsageError(
         fmt::format("--seed must have 1 to {} characters, not {}: choose a text that nobody knows yet",

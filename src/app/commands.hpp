@@ -163,6 +163,7 @@ struct SuiteOptions {
   std::filesystem::path output;
   std::optional<std::string> seed;  ///< seed of a validation set; none: the debug set
   std::string scenes;               ///< names separated by commas; empty: all
+  std::optional<int> version;       ///< none: the newest
   bool without_answers = false;
   std::optional<int> threads;
   bool quiet = false;

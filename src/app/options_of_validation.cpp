@@ -341,6 +341,8 @@ void add_suite(CLI::App& app, CommandOptions& requested) {
           "--scenes", suite.scenes,
           "write these scenes only; separate names by commas (default: all; docs/reference-results.md)")
       ->option_text("LIST");
+  command->add_option("--version", suite.version, "2 or 3: version of the suite (default: 3)")
+      ->option_text("NUMBER");
   command->add_flag("--without-answers", suite.without_answers, "write scenes without references");
   command->add_option("--threads", suite.threads, "number of threads (default: all cores)")
       ->check(CLI::Range(1, 4096));

@@ -8,7 +8,7 @@
 
 namespace tubefoot {
 
-/// Returns all numbers of a scene that an engine needs: scene.json of the pack, whose README lists the
+/// Returns all numbers of a scene that an engine needs: scene.json of the suite, whose README lists the
 /// keys.
 nlohmann::ordered_json scene_numbers(const Aspect& aspect, const SuiteScene& scene, const Survey& survey);
 

@@ -23,34 +23,34 @@ std::string sensor_text(const SuiteFan& fan) {
                           : fmt::format("beam_angles_deg = [{}]\n", fmt::join(fan.angles_deg, ", "));
   if (fan.spacing != "angle") beams += fmt::format("spacing = \"{}\"\n", fan.spacing);
   return fmt::format(
-      "[[sensors]]\nname = \"sonar\"\nkind = \"imaging\"\nfrequency_khz = 700\n{}vertical_deg = {}\n"
+      "[[sensors]]\nname = \"sonar\"\nkind = \"imaging\"\nfrequency_khz = {}\n{}vertical_deg = {}\n"
       "tilt_deg = {}\nsamples = {}\nrange_min_m = {}\nrange_max_m = {}\n{}",
-      beams, fan.vertical_deg, fan.tilt_deg, fan.samples, fan.from_m, fan.to_m, fan.more);
+      fan.frequency_khz, beams, fan.vertical_deg, fan.tilt_deg, fan.samples, fan.from_m, fan.to_m, fan.more);
 }
 
 }  // namespace
 
 void finish(SuiteScene& scene, const SceneText& text) {
   std::string& out = scene.text;
-  out = fmt::format(
-      "# Reference pack v2: README.md says in plain words what this is, scene.json in numbers.\n"
-      "title = \"{}\"\n\n[water]\n{}\n",
-      scene.title, text.water);
+  out = fmt::format("title = \"{}\"\n\n[water]\n{}\n", scene.title, text.water);
   for (const auto& [name, db] : materials)
     if (std::ranges::any_of(scene.solids, [&](const Solid& solid) { return solid.material == name; }))
       out += fmt::format("[[materials]]\nname = \"{}\"\nlambert_db = {}\n\n", name, db);
   for (Solid& solid : scene.solids) {
     snap(solid);
     out += fmt::format(
-        "[[objects]]\nname = \"{0}\"\nshape = \"mesh\"\nmaterial = \"{1}\"\nfile = \"{0}.obj\"\n\n",
-        solid.name, solid.material);
+        "[[objects]]\nname = \"{0}\"\nshape = \"mesh\"\nmaterial = \"{1}\"\nfile = \"{0}.obj\"\n{2}\n",
+        solid.name, solid.material, solid.more);
   }
   const glm::dvec3& at = text.sonar_m;
-  out +=
-      "[trajectory]\n" + (text.trajectory.empty()
-                              ? fmt::format("kind = \"fixed\"\nposition_m = [{}, {}, {}]\n", at.x, at.y, at.z)
-                              : text.trajectory);
-  out += "\n" + sensor_text(text.fan);
+  // A scene with two trajectories names them.
+  const bool one = text.object_path.empty();
+  out += one ? "[trajectory]\n" : "[[trajectories]]\nname = \"sonar\"\n";
+  out += text.trajectory.empty()
+             ? fmt::format("kind = \"fixed\"\nposition_m = [{}, {}, {}]\n", at.x, at.y, at.z)
+             : text.trajectory;
+  if (!one) out += "\n[[trajectories]]\nname = \"path\"\n" + text.object_path;
+  out += "\n" + (text.sensor.empty() ? sensor_text(text.fan) : text.sensor);
   if (!text.more.empty()) out += "\n" + text.more;
 }
 

@@ -19,18 +19,22 @@ struct SuiteFan {
   int samples = 128;
   double from_m = 4, to_m = 12;
   std::string more{};  ///< further lines of the sensor's section
+  double frequency_khz = 700;
 };
 
 /// Parameters of the scene files of the pack. Sections have the syntax of a scene file.
 struct SceneText {
   std::string water = "sound_speed_m_s = 1500\nabsorption_db_per_km = 0\n";
   glm::dvec3 sonar_m{0, -8, 3};
-  std::string trajectory{};  ///< instead of a fixed position
+  std::string trajectory{};   ///< instead of a fixed position
+  std::string object_path{};  ///< trajectory named "path" of the moving objects
   SuiteFan fan;
-  std::string more{};  ///< further sections
+  std::string sensor{};  ///< section of the sensor, instead of `fan`
+  std::string more{};    ///< further sections
 };
 
-/// Rounds the vertices of the solids with snap(), and writes the scene file to `scene.text`.
+/// Rounds the vertices of the solids with snap(), and writes the scene file without its first line to
+/// `scene.text`.
 void finish(SuiteScene& scene, const SceneText& text);
 
 /// Returns the point at a range, azimuth and elevation from the sonar.

@@ -15,6 +15,7 @@ struct Solid {
   std::string name, material;
   std::vector<glm::dvec3> vertices_m;
   std::vector<std::array<std::uint32_t, 3>> facets;  ///< counter-clockwise as seen from outside
+  std::string more{};                                ///< further keys of the object in the scene file
 };
 
 /// Returns a rectangle with horizontal sides to the east and north, facing up.

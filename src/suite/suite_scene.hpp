@@ -30,16 +30,36 @@ struct SuiteScene {
   double tolerance_l1 = 0;  ///< without a reference: allowed relative error of the sum of all energies
   std::optional<double> later_from_m{};  ///< range from which on all arrivals have two bounces
   std::optional<int> main_lobe_beams{};  ///< half width of the main lobe, in beams
+  std::optional<double> water_to_m{};    ///< range up to which only the water scatters
+  std::vector<std::string> gradient{};   ///< parameters of the derivatives, of a scene with one ping
+  bool has_sharp_answer = false;         ///< whether the answer also has energies with sharp shadow borders
 };
 
-/// A property of engines that one scene of the pack tests separately from all others.
+/// A property of engines that one scene of the suite tests separately from all others.
 struct Aspect {
   std::string_view name, tests;
   SuiteScene (*scene)(Draw& draw);
 };
 
-/// Returns all aspects, in the order of the pack's README.
-std::span<const Aspect> aspects();
+/// A published version of the suite. Its debug set keeps its bytes.
+struct SuiteVersion {
+  int number = 0;
+  std::span<const Aspect> aspects;  ///< in the order of the README
+  std::string_view full_number;
+  std::string_view heading;  ///< first line of the scene files
+  std::string_view title;    ///< of pack.json
+  /// Largest limit of this measure in any scene; empty: the limits of the scenes.
+  std::optional<double> samples_moved_limit;
+  /// Whether energies are the midpoints of their enclosures. Otherwise they are the ordinary energies,
+  /// clipped to the enclosures, because midpoints are biased where enclosures are one-sided.
+  bool has_midpoints = false;
+};
+
+constexpr int newest_suite = 3;
+
+SuiteVersion second_version();
+/// Returns a version that `suite` writes. Throws UsageError for any other number.
+const SuiteVersion& suite_version(int number);
 
 // The scenes, grouped by topic. Each group has one file.
 SuiteScene range_law_scene(Draw& draw);
@@ -61,5 +81,12 @@ SuiteScene layered_water_scene(Draw& draw);
 SuiteScene surface_multiple_scene(Draw& draw);
 SuiteScene two_scatterings_scene(Draw& draw);
 SuiteScene separate_receivers_scene(Draw& draw);
+// Since version 3:
+SuiteScene volume_scene(Draw& draw);
+SuiteScene half_sample_scene(Draw& draw);
+SuiteScene transmit_sectors_scene(Draw& draw);
+SuiteScene moving_object_scene(Draw& draw);
+SuiteScene derivatives_scene(Draw& draw);
+SuiteScene shadow_border_scene(Draw& draw);
 
 }  // namespace tubefoot

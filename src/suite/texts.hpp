@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <string_view>
 
 namespace tubefoot {
 
-// Files in every pack in addition to the scenes. embed.cmake embeds them in the program.
-extern const std::string_view readme, errata, checker, licence;
+/// A file of every suite of a version, in addition to its scenes and answers. embed.cmake embeds its content
+/// in the program.
+struct SuiteText {
+  std::string_view file;  ///< path in the suite
+  std::string_view content;
+};
+std::span<const SuiteText> suite_texts(int version);
 
 }  // namespace tubefoot

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -36,53 +37,120 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view version = "2.0", sums_name = "SHA256SUMS", answers_name = "answers";
+constexpr std::string_view sums_name = "SHA256SUMS", answers_name = "answers";
 
 void write_json(const fs::path& file, const Json& json) { write_file(file, text_of(json) + "\n"); }
 
 double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 /// Writes the inputs of a scene before it is loaded: scene file and meshes.
-void write_inputs(const fs::path& folder, const SuiteScene& scene) {
+void write_inputs(const fs::path& folder, const SuiteScene& scene, const SuiteVersion& version) {
   make_folder(folder);
   for (const Solid& solid : scene.solids) {
     write_file(folder / (solid.name + ".obj"), obj_text(solid));
     write_file(folder / (solid.name + ".stl"), stl_bytes(solid));
   }
-  write_file(folder / "scene.toml", scene.text);
+  write_file(folder / "scene.toml", std::string(version.heading) + scene.text);
+}
+
+/// Moves energies to the values nearest to the ordinary ones in their enclosures. Each bound becomes the
+/// larger distance to the ends of the enclosure. `energy` and `bound` contain midpoints and half-widths.
+void clip_to_enclosures(std::span<const double> ordinary, std::vector<double>& energy,
+                        std::vector<double>& bound) {
+  constexpr double rounding = 1e-15;  // of the sum below
+  for (std::size_t bin = 0; bin < energy.size(); ++bin) {
+    const double middle = energy[bin], half = bound[bin];
+    energy[bin] = std::clamp(ordinary[bin], middle - half, middle + half);
+    bound[bin] = (std::abs(middle - energy[bin]) + half) * (1 + rounding);
+  }
+}
+
+/// Energies and bounds of a scene, and its derivatives with their bounds: [parameter][beam][sample].
+struct SuiteAnswer {
+  std::array<std::size_t, 3> shape{};
+  std::vector<double> energy, bound, gradient, gradient_bound;
+  std::vector<Recording> recordings;
+  std::size_t bins_over = 0;
+};
+
+SuiteAnswer answer_of(const Survey& survey, const SuiteScene& scene, const SuiteVersion& version) {
+  const bool clips = scene.certified && !version.has_midpoints;
+  RunRequest request = request_of(survey.scene.description.run);
+  request.reference_tolerance = scene.certified;
+  request.gradient = scene.gradient;
+  SimulationStats stats;
+  SuiteAnswer answer;
+  answer.recordings = simulate(survey, request, stats);
+  answer.bins_over = stats.reference.bins_over;
+  Recording& recording = answer.recordings.front();
+  answer.shape = {recording.pings(), recording.sensor->beams().size(),
+                  static_cast<std::size_t>(recording.sensor->samples().count)};
+  answer.energy.assign(recording.energy.begin(), recording.energy.end());
+  answer.bound.assign(recording.energy_bound.begin(), recording.energy_bound.end());
+  for (const RecordedVariable& variable : recording.further) {
+    const PingEnergies stored = variable.of(0);
+    const std::span<const double> values = stored.values();
+    const bool bounds = variable.meaning.name.starts_with("gradient_bound.");
+    std::vector<double>& all = bounds ? answer.gradient_bound : answer.gradient;
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  if (clips) {
+    request.reference_tolerance.reset();
+    request.gradient.clear();
+    clip_to_enclosures(simulate(survey, request, stats).front().energy, answer.energy, answer.bound);
+    recording.energy = answer.energy;
+    recording.energy_bound = answer.bound;
+  }
+  return answer;
+}
+
+/// Writes the energies of the same scene with sharp shadow borders.
+void write_sharp_answer(const fs::path& folder, const SuiteScene& scene, SceneDescription description,
+                        const SuiteVersion& version) {
+  description.sensors.front().shadow = "sharp";
+  SuiteScene sharp = scene;
+  sharp.certified = SuiteScene().certified;
+  const std::unique_ptr<const Survey> survey = open_survey(description);
+  const SuiteAnswer answer = answer_of(*survey, sharp, version);
+  write_npy(folder / "sharp.npy", answer.shape, answer.energy);
+  write_npy(folder / "sharp_bound.npy", answer.shape, answer.bound);
 }
 
 void write_answer(const fs::path& folder, const SuiteScene& scene, const Survey& survey,
-                  WrittenSuiteScene& packed) {
-  RunRequest request = request_of(survey.scene.description.run);
-  request.reference_tolerance = scene.certified;
-  SimulationStats stats;
-  const std::vector<Recording> recordings = simulate(survey, request, stats);
-  const Recording& recording = recordings.front();
-  const std::array<std::size_t, 3> shape{recording.pings(), recording.sensor->beams().size(),
-                                         static_cast<std::size_t>(recording.sensor->samples().count)};
-  packed.energy_j = sum(recording.energy);
-  packed.bins_over = stats.reference.bins_over;
+                  const SuiteVersion& version, WrittenSuiteScene& written) {
+  const SuiteAnswer answer = answer_of(survey, scene, version);
+  written.energy_j = sum(answer.energy);
+  written.bins_over = answer.bins_over;
   make_folder(folder);
-  write_npy(folder / "energy.npy", shape, recording.energy);
-  Json json{{"scene", packed.aspect->name},
-            {"scene_hash", survey.scene.description.sha256},
-            {"units", "J for a source of 1 J/sr at 1 m"},
-            {"shape", shape},
-            {"energy_j", packed.energy_j},
-            {"strongest_j", *std::ranges::max_element(recording.energy)}};
+  write_npy(folder / "energy.npy", answer.shape, answer.energy);
+  Json json{
+      {"scene", written.aspect->name},
+      {"scene_hash", survey.scene.description.sha256},
+      {"units", version.has_midpoints ? "J for a source of 1 J/sr at 1 m" : "J/m2 for a source of 1 J/sr"},
+      {"shape", answer.shape},
+      {"energy_j", written.energy_j},
+      {"strongest_j", *std::ranges::max_element(answer.energy)}};
   if (scene.certified) {
-    write_npy(folder / "bound.npy", shape, recording.energy_bound);
+    write_npy(folder / "bound.npy", answer.shape, answer.bound);
     json["certified"] = true;
     json["bound_asked"] = *scene.certified;
-    json["bins_with_wider_bounds"] = stats.reference.bins_over;
-    json["bound_l1"] = sum(recording.energy_bound) / packed.energy_j;
+    json["bins_with_wider_bounds"] = answer.bins_over;
+    json["bound_l1"] = sum(answer.bound) / written.energy_j;
   } else {
     json["certified"] = false;
     json["tolerance_l1"] = scene.tolerance_l1;
   }
+  if (!scene.gradient.empty()) {
+    const std::array<std::size_t, 3> shape{scene.gradient.size(), answer.shape[1], answer.shape[2]};
+    write_npy(folder / "gradient.npy", shape, answer.gradient);
+    write_npy(folder / "gradient_bound.npy", shape, answer.gradient_bound);
+    json["gradient"] = scene.gradient;
+  }
+  if (scene.has_sharp_answer) write_sharp_answer(folder, scene, survey.scene.description, version);
   write_json(folder / "answer.json", json);
-  write_echoes(folder / "echoes.nc", recordings, provenance_of(survey.scene, request));
+  RunRequest request = request_of(survey.scene.description.run);
+  request.reference_tolerance = scene.certified;
+  write_echoes(folder / "echoes.nc", answer.recordings, provenance_of(survey.scene, request));
 }
 
 /// Writes the SHA-256 sums of all files below `folder` except `left_out`, in the format of sha256sum.
@@ -110,14 +178,14 @@ void sync_below(const fs::path& folder) {
 }
 
 void write_frame(const fs::path& folder, const SuiteRequest& request) {
-  write_file(folder / "README.md", readme);
-  write_file(folder / "ERRATA.md", errata);
-  write_file(folder / "compare.py", checker);
-  write_file(folder / "LICENSE", licence);
+  for (const SuiteText& text : suite_texts(request.version.number)) {
+    make_folder((folder / text.file).parent_path());
+    write_file(folder / text.file, text.content);
+  }
   Json names = Json::array();
   for (const Aspect* aspect : request.scenes) names.push_back(aspect->name);
-  Json json{{"pack", "tubefoot reference pack"},
-            {"version", version},
+  Json json{{"pack", request.version.title},
+            {"version", request.version.full_number},
             {"set", request.seed ? "validation" : "debug"}};
   if (request.seed) json["seed"] = *request.seed;
   json["scenes"] = names;
@@ -128,9 +196,9 @@ void write_frame(const fs::path& folder, const SuiteRequest& request) {
 
 }  // namespace
 
-std::vector<const Aspect*> aspects_named(const std::string& names) {
+std::vector<const Aspect*> aspects_named(const SuiteVersion& version, const std::string& names) {
   std::vector<std::string> known, requested;
-  for (const Aspect& aspect : aspects()) known.emplace_back(aspect.name);
+  for (const Aspect& aspect : version.aspects) known.emplace_back(aspect.name);
   for (std::size_t begin = 0; begin < names.size() + 1 && !names.empty();) {
     const std::size_t end = std::min(names.find(',', begin), names.size());
     requested.push_back(names.substr(begin, end - begin));
@@ -142,7 +210,7 @@ std::vector<const Aspect*> aspects_named(const std::string& names) {
                                                : fmt::format("did you mean '{}'?", meant)));
   }
   std::vector<const Aspect*> found;
-  for (const Aspect& aspect : aspects())
+  for (const Aspect& aspect : version.aspects)
     if (names.empty() || std::ranges::find(requested, aspect.name) != requested.end())
       found.push_back(&aspect);
   return found;
@@ -158,16 +226,19 @@ std::vector<WrittenSuiteScene> write_suite(const fs::path& folder, const SuiteRe
   for (const Aspect* aspect : request.scenes) {
     const Clock::time_point start = Clock::now();
     Draw draw(request.seed, aspect->name);
-    const SuiteScene scene = aspect->scene(draw);
+    SuiteScene scene = aspect->scene(draw);
+    for (Decider& decider : scene.deciders)
+      if (decider.measure == "samples_moved" && request.version.samples_moved_limit)
+        decider.limit = std::min(decider.limit, *request.version.samples_moved_limit);
     const fs::path place = folder / "scenes" / aspect->name;
-    write_inputs(place, scene);
+    write_inputs(place, scene, request.version);
     const std::unique_ptr<const Survey> survey = open_survey(read_scene_file(place / "scene.toml"));
     write_json(place / "scene.json", scene_numbers(*aspect, scene, *survey));
     if (other_forms) other_forms(*survey, place);
-    WrittenSuiteScene packed{aspect, survey->scene.mesh.facets.size()};
-    if (request.answers) write_answer(answers / aspect->name, scene, *survey, packed);
-    packed.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    all.push_back(packed);
+    WrittenSuiteScene written{aspect, survey->scene.mesh.facets.size()};
+    if (request.answers) write_answer(answers / aspect->name, scene, *survey, request.version, written);
+    written.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    all.push_back(written);
     progress.step();
   }
   if (request.answers) write_sums(answers, {});

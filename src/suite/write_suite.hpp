@@ -10,19 +10,20 @@
 #include "run/survey.hpp"
 #include "suite/suite_scene.hpp"
 
-// Writes the benchmark suite v2: scenes, meshes, reference answers and checksums (docs/reference-results.md).
+// Writes the benchmark suite: scenes, meshes, reference answers and checksums (docs/reference-results.md).
 namespace tubefoot {
 
 struct SuiteRequest {
+  const SuiteVersion& version;
   std::optional<std::string> seed;  ///< seed word of a validation set; empty for the debug set
   std::vector<const Aspect*> scenes;
   bool answers = true;
   bool quiet = false;
 };
 
-/// Returns the aspects with these names, in the order of the pack. Names are separated by commas; an empty
-/// text means all. Throws UsageError that names the nearest aspect.
-std::vector<const Aspect*> aspects_named(const std::string& names);
+/// Returns the aspects with these names, in the order of the version. Names are separated by commas; an
+/// empty text means all. Throws UsageError that names the nearest aspect.
+std::vector<const Aspect*> aspects_named(const SuiteVersion& version, const std::string& names);
 
 /// Summary of one written scene.
 struct WrittenSuiteScene {
@@ -36,7 +37,7 @@ struct WrittenSuiteScene {
 /// Writes a loaded scene in the formats of other programs into the folder of the scene.
 using OtherForms = std::function<void(const Survey& survey, const std::filesystem::path& folder)>;
 
-/// Writes a pack into an existing empty folder. Throws write_error(), and Interrupted on a stop request.
+/// Writes a suite into an existing empty folder. Throws write_error(), and Interrupted on a stop request.
 std::vector<WrittenSuiteScene> write_suite(const std::filesystem::path& folder, const SuiteRequest& request,
                                            const OtherForms& other_forms = {});
 

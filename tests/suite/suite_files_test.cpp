@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "files/file_hash.hpp"
+#include "sensors/recordings/echo_reader.hpp"
 #include "suite/draw.hpp"
 #include "suite/packed.hpp"
 #include "suite/solids.hpp"
@@ -116,7 +117,7 @@ TEST(Suite, OfAnotherSeedHasOtherScenes) {
     EXPECT_NE(contents(one, name), contents(debug, name)) << name;
     ++scenes;
   }
-  EXPECT_EQ(scenes, 19u);
+  EXPECT_EQ(scenes, 25u);
   EXPECT_FALSE(fs::exists(one / "answers"));
 }
 
@@ -157,6 +158,35 @@ TEST(Suite, HoldsAnswersInThreeFormsAndTheirBounds) {
   EXPECT_EQ(same.exit_code, 0) << same.err;
 }
 
+/// The energy is the ordinary one unless the enclosure excludes it, and the bound covers the enclosure of
+/// version 2, whose energies are midpoints.
+TEST(Suite, EnergiesAreTheOrdinaryOnesInTheirEnclosures) {
+  const TestFolder folder;
+  for (const std::string name : {"layered-water", "grazing"}) {
+    const fs::path now = packed(folder, name, {"--scenes", name}),
+                   before = packed(folder, name + "-2", {"--scenes", name, "--version", "2"});
+    const std::string answer = "answers/" + name;
+    const Array energy = array_in(now / answer / "energy.npy"), bound = array_in(now / answer / "bound.npy"),
+                middle = array_in(before / answer / "energy.npy"),
+                half = array_in(before / answer / "bound.npy");
+    const Outcome outcome =
+        run_program({"run", (now / "scenes" / name / "scene.toml").string(), "-o",
+                     (folder / ("run-" + name)).string(), "--quiet", "--pictures", "none"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const SensorEchoes ordinary = read_echo_file(folder / ("run-" + name) / "echoes.nc").sensors.at(0);
+    std::size_t same = 0, lit = 0;
+    for (std::size_t k = 0; k < energy.values.size(); ++k) {
+      ASSERT_LE(std::abs(energy.values[k] - middle.values[k]), bound.values[k] + half.values[k]) << k;
+      lit += ordinary.energy[k] > 0;
+      same += ordinary.energy[k] > 0 && energy.values[k] == ordinary.energy[k];
+    }
+    EXPECT_GT(same, 0.9 * static_cast<double>(lit)) << name;
+    const SensorEchoes stored = read_echo_file(now / answer / "echoes.nc").sensors.at(0);
+    EXPECT_EQ(stored.energy, energy.values);
+    EXPECT_EQ(stored.energy_bound, bound.values);
+  }
+}
+
 TEST(Suite, RefusesWhatItCannotBe) {
   const TestFolder folder;
   const auto said = [&](std::vector<std::string> words) {
@@ -169,6 +199,10 @@ TEST(Suite, RefusesWhatItCannotBe) {
   EXPECT_THAT(said({"--scenes", "range-lore"}),
               testing::HasSubstr("no scene 'range-lore': did you mean 'range-law'?"));
   EXPECT_THAT(said({"--scenes", "grazing,"}), testing::HasSubstr("no scene ''"));
+  EXPECT_THAT(said({"--version", "2", "--scenes", "half-sample"}),
+              testing::HasSubstr("no scene 'half-sample'"));
+  EXPECT_THAT(said({"--version", "1"}), testing::HasSubstr("expected 2 or 3"));
+  EXPECT_THAT(said({"--version", "4"}), testing::HasSubstr("expected 2 or 3"));
   EXPECT_THAT(said({"--seed", ""}), testing::HasSubstr("must have 1 to 200 characters"));
   EXPECT_THAT(said({"--seed", std::string(201, 'x')}), testing::HasSubstr("not 201"));
   fs::create_directory(folder / "there");
@@ -226,23 +260,68 @@ TEST(SuiteReadme, ReadersRun) {
   }
 }
 
-TEST(SuiteReadme, ListsEveryScene) {
-  const std::string page = bytes_of(reference_folder() / "v2/README.md");
+// An outsider's walk from a scene to a verdict, in Python and in C.
+TEST(SuiteReadme, EnginesAgree) {
+  const std::string python = python_with_netcdf4();
+  if (python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
   const TestFolder folder;
-  const fs::path suite = packed(folder, "a", {"--without-answers"});
-  const Json about = json_in(suite / "pack.json");
-  EXPECT_EQ(about["scenes"].size(), 19u);
-  for (const Json& name : about["scenes"]) {
-    const Json scene = json_in(suite / "scenes" / name.get<std::string>() / "scene.json");
-    const std::regex row("\\| `" + name.get<std::string>() + "` \\|[^|]*\\| ([^|]*) \\|");
-    std::smatch found;
-    ASSERT_TRUE(std::regex_search(page, found, row)) << name;
-    std::string judged;
-    for (const Json& measure : scene["judged_by"])
-      judged += (judged.empty() ? "`" : ", `") + measure["measure"].get<std::string>() + "`";
-    EXPECT_EQ(found[1].str(), judged) << name;
-    for (const Json& measure : scene["judged_by"])
-      EXPECT_THAT(page, testing::HasSubstr("`" + measure["measure"].get<std::string>() + "`"));
+  const fs::path suite = packed(folder, "a", {"--scenes", "grazing"});
+  std::string page = bytes_of(suite / "README.md");
+  page = page.substr(page.find("## Engines of 20 lines"));
+  const auto block = [&](const std::string& language) {
+    const std::size_t begin = page.find("```" + language + "\n") + language.size() + 4;
+    return page.substr(begin, page.find("```", begin) - begin);
+  };
+  EXPECT_LE(std::ranges::count(block("python"), '\n'), 20);
+  EXPECT_LE(std::ranges::count(block("c"), '\n'), 28);
+  const fs::path script = folder.write("engine.py", block("python")),
+                 source = folder.write("engine.c", block("c"));
+  const std::string program = (folder / "engine").string(), results = (folder / "results").string();
+  ASSERT_EQ(
+      shell("cc -std=c99 -Wall -Wextra -Werror -pedantic -o '" + program + "' '" + source.string() + "' -lm",
+            folder / "said"),
+      0)
+      << bytes_of(folder / "said");
+  for (const std::string& engine :
+       {python + " '" + script.string() + "' '" + suite.string() + "' '" + results + "'",
+        "'" + program + "' '" + results + "/grazing.npy'"}) {
+    fs::remove_all(results);
+    fs::create_directory(results);
+    ASSERT_EQ(shell(engine, folder / "said"), 0) << bytes_of(folder / "said");
+    ASSERT_EQ(shell(python + " '" + (suite / "compare.py").string() + "' '" + suite.string() + "' '" +
+                        results + "'",
+                    folder / "said"),
+              0)
+        << bytes_of(folder / "said");
+    EXPECT_THAT(bytes_of(folder / "said"), testing::HasSubstr("grazing           agrees"));
+  }
+}
+
+TEST(SuiteReadme, ListsEveryScene) {
+  for (const auto& [version, scenes] : {std::pair<std::string, std::size_t>{"2", 19}, {"3", 25}}) {
+    const std::string page = bytes_of(reference_folder() / ("v" + version) / "README.md");
+    const TestFolder folder;
+    const fs::path suite = packed(folder, "a", {"--without-answers", "--version", version});
+    EXPECT_EQ(bytes_of(suite / "README.md"), page);
+    const Json about = json_in(suite / "pack.json");
+    EXPECT_EQ(about["version"], version + ".0");
+    EXPECT_EQ(about["scenes"].size(), scenes);
+    for (const Json& name : about["scenes"]) {
+      const Json scene = json_in(suite / "scenes" / name.get<std::string>() / "scene.json");
+      const std::regex row("\\| `" + name.get<std::string>() + "` \\|[^|]*\\| ([^|]*) \\|");
+      std::smatch found;
+      ASSERT_TRUE(std::regex_search(page, found, row)) << name;
+      std::string judged;
+      for (const Json& measure : scene["judged_by"])
+        judged += (judged.empty() ? "`" : ", `") + measure["measure"].get<std::string>() + "`";
+      EXPECT_EQ(found[1].str(), judged) << name;
+      for (const Json& measure : scene["judged_by"])
+        EXPECT_THAT(page, testing::HasSubstr("| `" + measure["measure"].get<std::string>() + "`"));
+      for (const auto& [key, value] : scene.items())
+        if (version != "2" && key != "scene" && key != "tests" && key != "title") {
+          EXPECT_THAT(page, testing::HasSubstr("`" + key + "`")) << name;
+        }
+    }
   }
 }
 
