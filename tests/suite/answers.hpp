@@ -15,8 +15,8 @@
 namespace tubefoot {
 
 /// A scene of a benchmark suite, with its answer.
-struct Scene {
-  Scene(const std::filesystem::path& suite, const std::string& name)
+struct AnsweredScene {
+  AnsweredScene(const std::filesystem::path& suite, const std::string& name)
       : folder(suite / "scenes" / name),
         json(json_in(folder / "scene.json")),
         energy(array_in(suite / "answers" / name / "energy.npy")) {
@@ -36,7 +36,8 @@ struct Scene {
 };
 
 /// Triangles of a surface of a scene: corners.
-inline std::vector<std::array<glm::dvec3, 3>> triangles_of(const Scene& scene, const std::string& obj) {
+inline std::vector<std::array<glm::dvec3, 3>> triangles_of(const AnsweredScene& scene,
+                                                           const std::string& obj) {
   const Mesh mesh = mesh_in(scene.folder / obj);
   std::vector<std::array<glm::dvec3, 3>> all;
   for (const auto& facet : mesh.facets) {

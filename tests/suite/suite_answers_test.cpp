@@ -30,7 +30,7 @@ TEST(SuiteAnswers, FlatSeabedsHoldTheirClosedForm) {
     options.insert(options.end(), set.begin(), set.end());
     const fs::path suite = packed(folder, set.empty() ? "debug" : "drawn", options);
     for (const std::string name : {"grazing", "large-flat"}) {
-      const Scene scene(suite, name);
+      const AnsweredScene scene(suite, name);
       const double mu = scene.json["surfaces"][0]["mu"], height = scene.sonar().z;
       const double across = std::cos(scene.json["beams"]["upper_deg"].get<double>() * degree),
                    scale = std::ldexp(1.0, 30) - 1;
@@ -57,7 +57,7 @@ TEST(SuiteAnswers, PlatesFallAsSolidAnglesAndAbsorptionDo) {
   const TestFolder folder;
   const fs::path suite = packed(folder, "a", {"--scenes", "range-law,absorption"});
   for (const std::string name : {"range-law", "absorption"}) {
-    const Scene scene(suite, name);
+    const AnsweredScene scene(suite, name);
     const double a = scene.json["water"]["absorption_db_per_km"];
     EXPECT_EQ(a, name == std::string("absorption") ? 400 : 0);
     double all = 0;
@@ -99,7 +99,7 @@ TEST(SuiteAnswers, BeamsAreAsSceneJsonSaysAndPostsInThem) {
   const TestFolder folder;
   const fs::path suite = packed(folder, "a", {"--scenes", "even-angles,even-tangents,listed-angles"});
   for (const std::string name : {"even-angles", "even-tangents", "listed-angles"}) {
-    const Scene scene(suite, name);
+    const AnsweredScene scene(suite, name);
     const std::vector<double> axes = scene.json["beams"]["axes_deg"],
                               borders = scene.json["beams"]["borders_deg"];
     ASSERT_EQ(axes.size(), 64u);
@@ -149,7 +149,7 @@ TEST(SuiteAnswers, SurfaceMultiplesAreThoseOfImages) {
   for (const std::string seed : {"", "s"}) {
     std::vector<std::string> options{"--scenes", "surface-multiple"};
     if (!seed.empty()) options.insert(options.end(), {"--seed", seed});
-    const Scene scene(packed(folder, "a" + seed, options), "surface-multiple");
+    const AnsweredScene scene(packed(folder, "a" + seed, options), "surface-multiple");
     const auto plate = triangles_of(scene, "plate.obj");
     const glm::dvec3 sonar = scene.sonar(), image{sonar.x, sonar.y, -sonar.z};
     const double kept = std::pow(10, -scene.json["sea_surface"]["loss_db"].get<double>() / 10);
@@ -169,7 +169,7 @@ TEST(SuiteAnswers, SurfaceMultiplesAreThoseOfImages) {
 TEST(SuiteAnswers, TwoScatteringsAreThoseOfTwoPlatesAndTheirToleranceHolds) {
   const TestFolder folder;
   const fs::path suite = packed(folder, "a", {"--scenes", "two-scatterings"});
-  const Scene scene(suite, "two-scatterings");
+  const AnsweredScene scene(suite, "two-scatterings");
   const auto port = triangles_of(scene, "port.obj"), starboard = triangles_of(scene, "starboard.obj");
   const glm::dvec3 sonar = scene.sonar();
   const double mu = std::pow(10, -0.6);
@@ -212,7 +212,7 @@ TEST(SuiteAnswers, TwoScatteringsAreThoseOfTwoPlatesAndTheirToleranceHolds) {
 // sinc^2 of the README, at the middle of the target.
 TEST(SuiteAnswers, SideLobesAreThoseOfALine) {
   const TestFolder folder;
-  const Scene scene(packed(folder, "a", {"--scenes", "side-lobes"}), "side-lobes");
+  const AnsweredScene scene(packed(folder, "a", {"--scenes", "side-lobes"}), "side-lobes");
   const double wavelengths = scene.json["beams"]["receive"]["aperture_m"].get<double>() *
                              scene.json["beams"]["receive"]["frequency_khz"].get<double>() * 1000 / 1500;
   const auto target = triangles_of(scene, "target.obj");
@@ -246,7 +246,7 @@ TEST(SuiteAnswers, AgreeWithRays) {
   const TestFolder folder;
   const fs::path suite = packed(folder, "a", {"--scenes", "occlusion-order,near-plane"});
   for (const std::string name : {"occlusion-order", "near-plane"}) {
-    const Scene scene(suite, name);
+    const AnsweredScene scene(suite, name);
     const Outcome outcome =
         run_program({"run", (scene.folder / "scene.toml").string(), "-o", (folder / name).string(),
                      "--engine", "ray", "--rays-per-beam", "100000", "--quiet", "--pictures", "none"});

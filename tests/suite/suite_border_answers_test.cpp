@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Solid angle of a beam between its corners, which are rounded to 2^-30.
-double solid_angle_of(const Scene& scene, std::size_t beam) {
+double solid_angle_of(const AnsweredScene& scene, std::size_t beam) {
   const auto corner = [&](std::size_t border, const char* side) {
     const double a = scene.border_deg(border) * degree, e = scene.json["beams"][side].get<double>() * degree,
                  scale = std::ldexp(1.0, 30) - 1;
@@ -55,7 +55,7 @@ TEST(SuiteBorderAnswers, WaterHoldsItsClosedForm) {
   for (const std::string set : {"", "wet"}) {
     std::vector<std::string> options{"--scenes", "volume"};
     if (!set.empty()) options.insert(options.end(), {"--seed", set});
-    const Scene scene(packed(folder, "suite" + set, options), "volume");
+    const AnsweredScene scene(packed(folder, "suite" + set, options), "volume");
     const double s_v = scene.json["water"]["volume_scattering_per_m"],
                  a = scene.json["water"]["absorption_db_per_km"], to = scene.json["water_to_m"];
     double port_deg = 90, starboard_deg = -90;
@@ -87,8 +87,8 @@ TEST(SuiteBorderAnswers, WaterHoldsItsClosedForm) {
 }
 
 /// Energies of a run of the scene with an edited scene file.
-std::vector<double> edited_run(const TestFolder& folder, const Scene& scene, const std::string& pattern,
-                               const std::string& instead) {
+std::vector<double> edited_run(const TestFolder& folder, const AnsweredScene& scene,
+                               const std::string& pattern, const std::string& instead) {
   const std::string text = bytes_of(scene.folder / "scene.toml"),
                     edited = std::regex_replace(text, std::regex(pattern), instead);
   EXPECT_NE(text, edited);
@@ -105,7 +105,7 @@ std::vector<double> edited_run(const TestFolder& folder, const Scene& scene, con
 TEST(SuiteBorderAnswers, DerivativesHoldTheirLaws) {
   const TestFolder folder;
   const fs::path suite = packed(folder, "suite", {"--scenes", "gradient"});
-  const Scene scene(suite, "gradient");
+  const AnsweredScene scene(suite, "gradient");
   const Array gradient = array_in(suite / "answers/gradient/gradient.npy"),
               bound = array_in(suite / "answers/gradient/gradient_bound.npy");
   std::vector<std::string> names;
@@ -164,7 +164,7 @@ double knife_edge_weight(double v) {
 }
 
 /// The point on the seabed z = 0 at a range from the sonar, in the plane of constant azimuth `azimuth_rad`.
-glm::dvec3 seabed_at(const Scene& scene, double azimuth_rad, double range_m) {
+glm::dvec3 seabed_at(const AnsweredScene& scene, double azimuth_rad, double range_m) {
   const Json& ping = scene.json["pings"][0];
   const auto vector = [&](const char* key) {
     return glm::dvec3{ping[key][0].get<double>(), ping[key][1].get<double>(), ping[key][2].get<double>()};
@@ -185,7 +185,7 @@ glm::dvec3 seabed_at(const Scene& scene, double azimuth_rad, double range_m) {
 TEST(SuiteBorderAnswers, ShadowBordersHoldTheWeightOfAHalfPlane) {
   const TestFolder folder;
   const fs::path suite = packed(folder, "suite", {"--scenes", "shadow-border"});
-  const Scene scene(suite, "shadow-border");
+  const AnsweredScene scene(suite, "shadow-border");
   const Array sharp = array_in(suite / "answers/shadow-border/sharp.npy");
   EXPECT_NEAR(knife_edge_weight(0), 1.0 / 16, 1e-9);
   EXPECT_EQ(scene.json["beams"]["shadow"], "fresnel");

@@ -29,7 +29,7 @@ struct ScatteringTriangle {
 };
 
 /// The triangles of all surfaces at a ping.
-std::vector<ScatteringTriangle> triangles_at(const Scene& scene, std::size_t ping) {
+std::vector<ScatteringTriangle> triangles_at(const AnsweredScene& scene, std::size_t ping) {
   std::vector<ScatteringTriangle> all;
   for (const Json& surface : scene.json["surfaces"])
     for (auto corners : triangles_of(scene, surface["obj"])) {
@@ -49,7 +49,7 @@ struct JsonBeam {
   double absorption_db_per_km = 0;
 };
 
-JsonBeam beam_of(const Scene& scene, std::size_t ping, std::size_t beam) {
+JsonBeam beam_of(const AnsweredScene& scene, std::size_t ping, std::size_t beam) {
   const Json& beams = scene.json["beams"];
   JsonBeam found{{}, scene.json["pings"][ping], scene.json["water"]["absorption_db_per_km"]};
   if (!beams.contains("sectors")) {
@@ -74,7 +74,7 @@ JsonBeam beam_of(const Scene& scene, std::size_t ping, std::size_t beam) {
 }
 
 /// Adds the echoes of a beam: 10 x `rows` rays per pyramid.
-void cast(const Scene& scene, const std::vector<ScatteringTriangle>& triangles, const JsonBeam& beam,
+void cast(const AnsweredScene& scene, const std::vector<ScatteringTriangle>& triangles, const JsonBeam& beam,
           int rows, std::span<double> samples) {
   const glm::dvec3 from = vector_of(beam.pose["position_m"]);
   const glm::dmat3 axes = axes_of(beam.pose);
@@ -139,7 +139,7 @@ TEST(SuiteMotionAnswers, AreThoseOfRaysThroughTheSceneInNumbers) {
     if (!set.empty()) options.insert(options.end(), {"--seed", set});
     const fs::path suite = packed(folder, "suite" + set, options);
     for (const std::string name : {"half-sample", "sectors", "moving-object"}) {
-      const Scene scene(suite, name);
+      const AnsweredScene scene(suite, name);
       Array rays = scene.energy;
       std::ranges::fill(rays.values, 0.0);
       for (std::size_t ping = 0; ping < rays.pings; ++ping) {
