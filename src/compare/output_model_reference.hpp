@@ -10,8 +10,8 @@ namespace tubefoot {
 bool needs_solid_angles(const OutputModel& output_model);
 
 /// Applies the output model to the energies and bounds of the reference, for the sensors of `pairs`, which
-/// refer to `reference`. Uses `own_angles`, in the form of the file `solid_angles` with strength 1, instead
-/// of that file, if they are given: the samples of an engine determine its means. Throws InputError if a
+/// refer to `reference`. `own_angles` replaces the file `solid_angles`, and has its form with strength 1. The
+/// samples of an engine thus determine its means. Throws InputError if a
 /// step needs solid angles that are missing or have other pings, beams or samples.
 void apply_output_model(const OutputModel& output_model, EchoContents& reference, const EchoPairs& pairs,
                         const std::optional<EchoContents>& own_angles = std::nullopt);

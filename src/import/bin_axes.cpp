@@ -49,26 +49,28 @@ std::size_t views_of(const std::string& words, double width_deg, std::size_t bea
 }
 
 /// Returns bins that are equal parts of straight lines, one per view. Views lie side by side, perpendicular
-/// to their axes. All views have the rounded mean number of beams, and the last one has the remainder.
+/// to their axes. All views but the last have the rounded mean number of beams, and all have the width of the
+/// view with most beams, as in Stonefish (OpenGLFLS.cpp).
 Bins tangent_bins(const Bins& reference, std::size_t count, std::size_t views) {
-  const double first = reference.edges.front(), width = reference.edges.back() - first;
-  if (!(width / static_cast<double>(views) < 180))
-    throw UsageError("--azimuths tangent needs views of less than 180 degrees");
+  const double first = reference.edges.front(), width = reference.edges.back() - first,
+               share = width / static_cast<double>(count);
   const auto of_view =
       static_cast<std::size_t>(std::round(static_cast<double>(count) / static_cast<double>(views)));
   if (of_view * (views - 1) >= count)
     throw UsageError(fmt::format("{} beams cannot be divided among {} views", count, views));
+  const std::size_t of_last = count - of_view * (views - 1);
+  const auto columns = static_cast<double>(std::max(of_view, of_last));
+  const double half = share * columns / 2;
+  if (!(half < 90)) throw UsageError("--azimuths tangent needs views of less than 180 degrees");
   Bins bins;
   bins.edges.push_back(first);
   for (std::size_t view = 0; view < views; ++view) {
-    const std::size_t before = view * of_view, beams = view + 1 < views ? of_view : count - before;
-    const double share = width / static_cast<double>(count), half = share * static_cast<double>(beams) / 2,
-                 middle = first + share * static_cast<double>(before) + half;
+    const double middle = first + share * static_cast<double>(view * of_view) + half;
     const auto at = [&](double place) {
-      return middle +
-             std::atan((2 * place / static_cast<double>(beams) - 1) * std::tan(half * degree)) / degree;
+      return middle + std::atan((2 * place / columns - 1) * std::tan(half * degree)) / degree;
     };
-    for (std::size_t k = 0; k < beams; ++k) {
+    bins.edges.back() = (bins.edges.back() + at(0)) / 2;  // the seam between two views
+    for (std::size_t k = 0; k < (view + 1 < views ? of_view : of_last); ++k) {
       bins.centres.push_back(at(static_cast<double>(k) + 0.5));
       bins.edges.push_back(at(static_cast<double>(k) + 1));
     }

@@ -22,8 +22,8 @@ struct Profile {
 
 // HoloOcean: client, sensors.py: float32 (RangeBins, AzimuthBins), mean per bin; it does not state the sign
 // of azimuths.
-// Stonefish b21eb8e1: the shader writes bin i to row N-1-i; beams are columns of perspective views of at most
-// 20 degrees (OpenGLFLS.cpp: FLS_MAX_SINGLE_FOV), of which the last one has the remaining beams.
+// Stonefish b21eb8e1: the shader writes bin i to row N-1-i. Beams are columns of perspective views of at most
+// 20 degrees (OpenGLFLS.cpp: FLS_MAX_SINGLE_FOV). The last view has the remaining beams.
 // DAVE nps_uw_multibeam_sonar 47dae1f: index = sample x beams + k, reversed beams, min(255, gain |P|).
 // OceanSim 2809388: azimuths start at 90 - hfov / 2 (starboard); bins by their left edges. Each row is
 // divided by its maximum, or all rows by the common maximum.

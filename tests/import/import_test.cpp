@@ -362,8 +362,9 @@ TEST_F(Import, ProfilesHoldOrAreRefuted) {
   EXPECT_EQ(attribute("engine"), "oceansim");
   EXPECT_EQ(attribute("import_unit"), "none");
   expect_truth(Picture(truth).flip_range().npy(), {"--profile", "stonefish", "--azimuths", "even"}, 1e-12);
-  const Outcome tangent = import_file("picture.npy", Picture(reference().equidistant).flip_range().npy(),
-                                      {"--profile", "stonefish"}, reference().tangent);
+  const Outcome tangent =
+      import_file("picture.npy", Picture(reference().equidistant).flip_range().npy(),
+                  {"--profile", "stonefish", "--azimuths", "tangent"}, reference().tangent);
   EXPECT_THAT(tangent.err, Not(HasSubstr("warning")));
   EXPECT_EQ(run_program({"compare", reference().tangent, out, "--fit", "gain", "--within", "1e-9"}).exit_code,
             0);

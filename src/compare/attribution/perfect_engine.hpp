@@ -29,8 +29,8 @@ std::optional<BeamSampling> beam_sampling(const std::string& words);
 /// Echoes of a perfect engine, and the solid angles of its rays.
 struct PerfectEchoes {
   EchoContents energies;
-  /// Solid angle of the hits of each bin, divided by the square of the centre of its range; as the file
-  /// `solid_angles` of an output model with strength 1
+  /// Solid angle of the hits of each bin, divided by the square of the centre of its range. The file
+  /// `solid_angles` of an output model has the same form, with strength 1.
   std::optional<EchoContents> solid_angles;
 };
 

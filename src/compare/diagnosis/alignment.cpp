@@ -394,8 +394,8 @@ class FineSearch {
     const double limit = huber_limit(at);
     std::vector<double> normal(n * n), right(n), of_normal(patches * n * n), of_right(patches * n);
     std::vector<bool> counts(patches);
-    // Where a vertical pattern falls to 0, the level curve is too coarse to say anything about displacements.
-    // The knots, which are the first parameters, still use these rows.
+    // The level curve is too coarse for rows in which a vertical pattern falls to 0. Only the knots, which
+    // are the first parameters, use these rows.
     std::vector<double> levels = curve();
     const double least_level = least_share_of_curve * std::ranges::max(levels);
     for (std::size_t k = 0; k < at.size(); ++k) {

@@ -14,7 +14,7 @@ namespace {
 // A finding exceeds five standard errors and a least relevant size.
 constexpr double error_bars = 5, least_level_db = 0.3, least_exponent = 0.1, least_edge = 0.25,
                  least_profile_db = 1;
-constexpr double least_share_of_shadow = 0.05, least_share_of_law = 0.02, least_share_of_curve = 0.35;
+constexpr double least_share_of_shadow = 0.05, least_share_of_law = 0.02, faded_share = 0.35;
 constexpr std::size_t least_wrongly_lit = 12;
 
 bool sure(double value, double error, double least) {
@@ -341,7 +341,7 @@ class Findings {
     const std::vector<double>& curve = alignment_.level_curve;
     const auto sample = static_cast<std::size_t>(
         std::clamp((range_m - fan_.range_m(0)) / fan_.sample_m(), 0.0, double(curve.size() - 1)));
-    return curve[sample] < least_share_of_curve * std::ranges::max(curve);
+    return curve[sample] < faded_share * std::ranges::max(curve);
   }
 
   void shadows() {

@@ -35,7 +35,7 @@ bool is_lit(const Residual& r, std::size_t bin) {
 }
 
 /// Energy ratios of the patches, in which all rows have the same weight. A patch is split at the median of
-/// its coordinate, so that surfaces at the same range and different elevations are told apart.
+/// its coordinate. This separates surfaces at the same range and different elevations.
 std::vector<Patch> patches_of(const Residual& r, const std::function<double(std::size_t)>& coordinate) {
   const EchoShape& shape = r.fan.shape();
   const std::size_t columns = shape.pings * shape.beams;

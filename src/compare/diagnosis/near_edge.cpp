@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Displacements of the near edge of the fan. The lower side of a camera's view is a plane, not a cone, so
-// that the near edge of a fan of several views consists of arcs. An arc is fitted as a parabola over each
+// Displacements of the near edge of the fan. The lower side of a camera's view is a plane, not a cone. The
+// near edge of a fan of several views therefore consists of arcs. An arc is fitted as a parabola over each
 // view. Displacements of another form are not reported.
 #include "compare/diagnosis/near_edge.hpp"
 

@@ -111,6 +111,34 @@ TEST(PerfectEngine, OneColumnIsTheRayEngines) {
   EXPECT_EQ(ideal.sensors.front().energy, rays.sensors.front().energy);
 }
 
+TEST(PerfectEngine, SolidAnglesAreThoseOfItsOwnRays) {
+  const Ran run(scene_text(24));
+  for (const BeamSampling& sampling : {BeamSampling{1, 300}, BeamSampling{4, 100}, BeamSampling{0, 500}}) {
+    SCOPED_TRACE(sampling.option());
+    const PerfectEchoes ideal = perfect_echoes(run.scene(), run.reference, sampling, {}, true, true);
+    const SensorEchoes &energies = ideal.energies.sensors.front(),
+                       &angles = ideal.solid_angles->sensors.front();
+    // The mean strength of a bin, mu sin^2 of the grazing angle, is at most mu, up to the length of the bin.
+    const double mu = std::pow(10, -1.8);
+    double sum = 0;
+    for (std::size_t bin = 0; bin < energies.energy.size(); ++bin) {
+      EXPECT_EQ(energies.energy[bin] > 0, angles.energy[bin] > 0);
+      const double r = energies.slant_range_m[bin % energies.samples];
+      if (angles.energy[bin] > 0) EXPECT_LT(energies.energy[bin] / angles.energy[bin], 1.05 * mu);
+      sum += angles.energy[bin] * r * r;
+    }
+    // Beams of 1 x 20 degrees; the seabed and the sphere fill less than all of them.
+    const double whole = 24 * (M_PI / 180) * 2 * std::sin(10 * M_PI / 180);
+    EXPECT_GT(sum, 0.5 * whole);
+    EXPECT_LT(sum, 1.01 * whole);
+    if (sampling.columns == 1) {
+      EXPECT_EQ(energies.energy, perfect_echoes(run.scene(), run.reference, sampling, {}, false, true)
+                                     .energies.sensors.front()
+                                     .energy);
+    }
+  }
+}
+
 TEST(PerfectEngine, ColumnsAreThoseOfBeamsAsManyTimesNarrower) {
   const Ran run(scene_text(24)), narrow(scene_text(96));
   const EchoContents ideal = perfect_echoes(run.scene(), run.reference, {4, 500}, {}, false, true).energies;

@@ -83,8 +83,8 @@ class PlantedFan {
   static constexpr std::uint16_t none = 0xffff;
   std::size_t pings;
   std::vector<double> azimuths_deg, ranges_m, truth;
-  /// Of the rays of each bin: mean elevation, object that they meet; rod (0) before the range gate that hides
-  /// it.
+  /// Mean elevation of the rays of each bin, and the object that they meet. `caster` is 0 in the shadow of
+  /// the rod before the range gate.
   std::vector<float> elevation_deg;
   std::vector<std::uint16_t> object, caster;
 

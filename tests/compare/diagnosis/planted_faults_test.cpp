@@ -8,7 +8,7 @@
 #include <functional>
 #include <thread>
 
-#include "compare/diagnosis/diagnosis.hpp"
+#include "compare/diagnosis/diagnosis_words.hpp"
 #include "planted.hpp"
 
 namespace tubefoot {
@@ -210,6 +210,70 @@ std::vector<double> rendered(std::vector<double> energy_j, double bits) {
         : bits > 0       ? std::round(steps * std::min(1.0, e / (4 * seabed))) / steps
                          : std::min(1.0, e / (4 * seabed));
   return energy_j;
+}
+
+TEST(Diagnosis, ANearObjectIsNamedWithTheShareOfItsOwnShadow) {
+  Mistakes mistakes;
+  mistakes.near_clipping = true;
+  const std::vector<double> picture = fan().picture(mistakes, 4, 600, 3);
+  const SceneLabels labels = labels_of(fan());
+  const auto words = [&](const SceneLabels* of) {
+    for (const Finding& finding : diagnosis_of(picture, {}, fan(), of).findings)
+      if (finding.fault == "near-clipping") return finding.words;
+    return std::string();
+  };
+  EXPECT_THAT(words(&labels),
+              testing::AllOf(testing::StartsWith("rod, nearer"), testing::HasSubstr("100 % of")));
+  // The dark parts of the fan that touch the shadow do not count.
+  EXPECT_THAT(words(nullptr), testing::ContainsRegex("9[0-9] % of|100 % of"));
+}
+
+TEST(Diagnosis, MeansAndVerticalPatternsAreNotDisplacements) {
+  for (const bool mean : {false, true}) {
+    Mistakes mistakes;
+    mistakes.mean = mean;
+    mistakes.taper = mean ? 0 : 0.25;
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      const Diagnosis diagnosis = diagnosis_of(fan().picture(mistakes, 1, 600, seed));
+      for (const char* fault :
+           {"beam-shift", "half-sample", "sample-shift", "range-scale", "azimuth-scale", "tangent-spacing"})
+        EXPECT_FALSE(diagnosis.has(fault)) << fault << ", mean " << mean << ", seed " << seed;
+      EXPECT_EQ(diagnosis.has("range-curve"), !mean);
+    }
+  }
+}
+
+TEST(Diagnosis, FindingsBeginWithTheFitAndFollowByTheirShares) {
+  Mistakes mistakes;
+  mistakes.law = 0.5;
+  mistakes.sample_shift = 1.3;
+  mistakes.near_clipping = true;
+  mistakes.bits = 8;
+  const Diagnosis diagnosis = diagnosis_of(fan().picture(mistakes, 4, 600, 5));
+  ASSERT_GE(diagnosis.findings.size(), 4U);
+  EXPECT_THAT(diagnosis.findings.front().fault, testing::AnyOf("level", "range-law"));
+  double before = 1;
+  for (const Finding& finding : diagnosis.findings) {
+    EXPECT_NE(look_for(finding.fault), "") << finding.fault;
+    if (finding.fault == "level" || finding.fault == "range-law") continue;
+    if (finding.share) {
+      EXPECT_LE(*finding.share, before) << finding.fault;
+    }
+    before = finding.share.value_or(-1);
+  }
+  for (const Planted& p : planted()) EXPECT_NE(look_for(p.fault), "") << p.fault;
+  EXPECT_EQ(look_for("unknown"), "");
+}
+
+TEST(Diagnosis, SizesThatAreNotResolvedAreStated) {
+  const Diagnosis diagnosis = diagnosis_of(fan().picture({}, 1, 500, 1));
+  std::vector<std::string> faults;
+  for (const ResolvableSize& size : diagnosis.not_found) {
+    faults.push_back(size.fault);
+    EXPECT_GT(size.size, 0) << size.fault;
+  }
+  EXPECT_THAT(faults, testing::UnorderedElementsAre("sample-shift", "range-scale", "beam-shift",
+                                                    "azimuth-scale", "tangent-spacing"));
 }
 
 TEST(Diagnosis, APictureWhoseFaintestValueIsManyStepsSaysAsMuch) {
