@@ -49,8 +49,8 @@ std::size_t views_of(const std::string& words, double width_deg, std::size_t bea
 }
 
 /// Returns bins that are equal parts of straight lines, one per view. Views lie side by side, perpendicular
-/// to their axes. All views but the last have the rounded mean number of beams, and all have the width of the
-/// view with most beams, as in Stonefish (OpenGLFLS.cpp).
+/// to their axes. All views but the last have the rounded mean number of beams. All views have the width of
+/// the one with most beams, as in Stonefish (OpenGLFLS.cpp).
 Bins tangent_bins(const Bins& reference, std::size_t count, std::size_t views) {
   const double first = reference.edges.front(), width = reference.edges.back() - first,
                share = width / static_cast<double>(count);

@@ -124,7 +124,9 @@ TEST(PerfectEngine, SolidAnglesAreThoseOfItsOwnRays) {
     for (std::size_t bin = 0; bin < energies.energy.size(); ++bin) {
       EXPECT_EQ(energies.energy[bin] > 0, angles.energy[bin] > 0);
       const double r = energies.slant_range_m[bin % energies.samples];
-      if (angles.energy[bin] > 0) EXPECT_LT(energies.energy[bin] / angles.energy[bin], 1.05 * mu);
+      if (angles.energy[bin] > 0) {
+        EXPECT_LT(energies.energy[bin] / angles.energy[bin], 1.05 * mu);
+      }
       sum += angles.energy[bin] * r * r;
     }
     // Beams of 1 x 20 degrees; the seabed and the sphere fill less than all of them.
