@@ -72,6 +72,13 @@ def test_displacements_have_a_sign_from_version_3(folder):
             assert not agrees
 
 
+def test_opposite_displacements_do_not_cancel(folder):
+    suite = Suite(folder, {"samples_moved": 0.5})
+    suite.result("one", (np.roll(suite.energy, 4, axis=2) + np.roll(suite.energy, -4, axis=2)) / 2)
+    value, agrees = suite.measure("samples_moved")
+    assert abs(value) > 0.5 and not agrees, value
+
+
 def test_water_is_judged_in_front_of_surfaces(folder):
     suite = Suite(folder, {"volume_db": 0.25}, water_to_m=6)
     near(suite.measure("volume_db")[0], 0)

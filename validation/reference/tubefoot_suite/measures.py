@@ -119,24 +119,22 @@ def edges_off(scene, r, c):
     return 1 - both / either, 0.0
 
 
-def of_cumulated(r, c, distance):
-    """Mean over beams, weighted by their energy, of a distance between the cumulated energies along range, in samples."""
+def samples_moved(scene, r, c):
+    """Mean distance by which the energy of a beam would have to move along range, in samples, with the sign of the mean displacement.
+
+    Positive values are away from the sonar. Opposite displacements of two parts do not cancel."""
     r, c = (x.reshape(-1, x.shape[-1]) for x in (r, c))
     total, theirs = r.sum(axis=1), c.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        way = distance(np.cumsum(r, axis=1) / total[:, None] - np.cumsum(c, axis=1) / theirs[:, None]).sum(axis=1)
-    way = np.where(theirs > 0, way, r.shape[1])[total > 0]
-    return way @ total[total > 0] / total.sum(), 0.0
-
-
-def samples_moved(scene, r, c):
-    """Mean displacement of the energy of a beam along range, in samples; positive: away from the sonar."""
-    return of_cumulated(r, c, lambda difference: difference)
+        difference = np.cumsum(r, axis=1) / total[:, None] - np.cumsum(c, axis=1) / theirs[:, None]
+    distance, displacement = (np.where(theirs > 0, way, r.shape[1])[total > 0] @ total[total > 0] / total.sum()
+                              for way in (np.abs(difference).sum(axis=1), difference.sum(axis=1)))
+    return np.copysign(distance, displacement) if distance > 0 else 0.0, 0.0
 
 
 def samples_moved_by_amount(scene, r, c):
-    """Mean distance by which the energy of a beam would have to move along range, in samples (versions before 3)."""
-    return of_cumulated(r, c, np.abs)
+    """The same without a sign (versions before 3)."""
+    return abs(samples_moved(scene, r, c)[0]), 0.0
 
 
 def blocks_of(x):
