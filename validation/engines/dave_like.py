@@ -15,7 +15,7 @@ from known import Known, fan_edge_scallop, near_shadow, tangent
 TITLE = "Depth camera and phases as in DAVE"
 PICTURE = "message.npy"
 ROWS = 1024
-IDEAL = ["--sampling", "column", "--rays-per-beam", str(ROWS)]
+IDEAL = f"1x{ROWS}"
 
 
 def render(scene, sonar, path, tools):

@@ -73,11 +73,12 @@ def section(name, scenes, shown):
     lines += [f"Version: {version}.", ""] if version else []
     lines += ["```text", f"validation/engines/run.py build/release/tubefoot build/release/tubefoot_hurried_rays.so out/engines --engine {name}",
               "```", ""]
-    lines += ["| scene | L1 | RMS | missing echoes | echoes in shadows | overlap of shadows | L1 as energies | range dependence as energies |",
-              "|---|---|---|---|---|---|---|---|"]
+    lines += ["| scene | L1 | by sampling | RMS | missing echoes | echoes in shadows | overlap of shadows | L1 as energies | range dependence as energies |",
+              "|---|---|---|---|---|---|---|---|---|"]
     for scene, result in scenes.items():
         own, joules = result["own"], result.get("joules")
-        lines.append(f"| {scene} | {own['l1_error']:.3g} | {own['rms_db_error']:.2f} dB | {own['empty_where_lit']} of {own['lit_bins']} | "
+        sampling = f"{100 * own['ideal']['explains']:.0f} %" if "ideal" in own else "-"
+        lines.append(f"| {scene} | {own['l1_error']:.3g} | {sampling} | {own['rms_db_error']:.2f} dB | {own['empty_where_lit']} of {own['lit_bins']} | "
                      f"{own['lit_where_shadow']} of {own['shadow_bins']} | {own['shadow_overlap']:.3f} | "
                      + (f"{joules['l1_error']:.3g} | r^{joules['fit']['range_exponent']:+.2f} |" if joules else "- | - |"))
     lines += ["", f"Imported with `{next(iter(scenes.values()))['import']['options']}`. Warnings of `tubefoot import` against the reference in these units:", "",

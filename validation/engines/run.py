@@ -56,7 +56,7 @@ class Truth:
 
     def __init__(self, program, scene, folder):
         self.program, self.scene, self.folder = program, scene, folder
-        self.made = {}
+        self.made, self.scenes = {}, {}
 
     def file(self, without=(), angles=False, options=("--reference", "--tolerance", TOLERANCE)):
         key = (tuple(without), angles, tuple(options))
@@ -68,7 +68,13 @@ class Truth:
             path.write_text(of_solid_angles(text) if angles else text)
             call([self.program, "run", path, "-o", self.folder / name, "--quiet", "--pictures", "none", *options])
             self.made[key] = self.folder / name / "echoes.nc"
+            self.scenes[key] = path
         return self.made[key]
+
+    def scene_file(self):
+        """The scene of the reference, with absolute names of its meshes."""
+        self.file()
+        return next(iter(self.scenes.values()))
 
     def __call__(self, without=(), angles=False):
         with netCDF4.Dataset(self.file(without, angles)) as file:
@@ -111,7 +117,10 @@ def figures(path):
         kept["fit"] = {name: sensor["fit"][name]["value"] for name in ("gain_db", "range_exponent", "offset")
                        if isinstance(sensor["fit"].get(name), dict)}
     kept["l1"] = sensor["diagnosis"]["l1"]
-    kept["findings"] = sensor["diagnosis"]["findings"]
+    kept["findings"] = [{key: value for key, value in finding.items() if key != "look_for"}
+                        for finding in sensor["diagnosis"]["findings"]]
+    if "ideal" in sensor:
+        kept["ideal"] = {name: sensor["ideal"][name] for name in ("sampling", "l1_error", "explains")}
     return rounded(kept)
 
 
@@ -146,9 +155,9 @@ def run_engine(name, scene_folder, truth, tools, folder, quick):
                      "-o", candidate])
     with netCDF4.Dataset(candidate) as file:
         number = len(file.dimensions["ping"])
-    common = [tools.program, "compare", truth.file(), candidate, "--geometry", "--diagnose", "--worst", 0]
+    common = [tools.program, "compare", truth.file(), candidate, "--scene", truth.scene_file(), "--geometry", "--diagnose", "--worst", 0]
     common += ["--frames", number] if number > 1 else []
-    ideal = ["--ideal", truth.file(options=("--engine", "ray", *engine.IDEAL))] if engine.IDEAL and not quick else []
+    ideal = ["--ideal", engine.IDEAL] if engine.IDEAL and not quick else []
     call([*common, "--output-model", recipe, *ideal, "--json", folder / "own.json", "--html", folder / "own.html",
           "--png", folder / "own.png"])
     result = {"import": {"options": " ".join(options), "said": said}, "own": figures(folder / "own.json"), "known": [] if quick else [vars(k) for k in engine.known(scene, sonar, truth)]}

@@ -18,7 +18,7 @@ from stonefish_like import gain
 
 TITLE = "Stonefish, floats without noise"
 PICTURE = "sonar.npy"
-IDEAL = None
+IDEAL = "1x1024"
 LARGEST_VIEW_DEG, ROWS_PER_DEGREE_AND_BIN, MOST_ROWS = 20, 0.1, 2048
 
 

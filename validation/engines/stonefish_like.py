@@ -16,7 +16,7 @@ from known import Known, fan_edge_scallop, near_shadow, tangent
 TITLE = "Depth buffer as in Stonefish"
 PICTURE = "sonar.png"
 VIEWS, ROWS = 3, 1024
-IDEAL = None
+IDEAL = f"1x{ROWS}"
 
 
 def views_for(sonar):
