@@ -199,19 +199,24 @@ EdgeOffsets shadow_ends(const Residual& r) {
 }
 
 double scatter(const Residual& r) {
+  constexpr std::size_t edge = 12;  // samples behind the first return, where the near edge may be displaced
   const EchoShape& shape = r.fan.shape();
   double squares = 0, count = 0;
-  for (std::size_t bin = 0; bin < r.predicted_j.size(); ++bin) {
-    const std::size_t s = bin % shape.samples;
-    if (s < 2 || s + 2 >= shape.samples || !r.row_counts[s]) continue;
-    const double p = r.predicted_j[bin];
-    bool even = p > 0.2 * r.levels_j[s] && p < 3 * r.levels_j[s];
-    for (const std::size_t near : {bin - 2, bin - 1, bin + 1, bin + 2})
-      even = even && std::abs(r.predicted_j[near] - p) < 0.15 * p;
-    if (!even) continue;
-    const double off = std::min(r.candidate_j[bin] / p, 4.0) - 1;
-    squares += off * off;
-    ++count;
+  for (std::size_t first = 0; first < r.predicted_j.size(); first += shape.samples) {
+    std::size_t begin = 0;
+    while (begin < shape.samples && !(r.predicted_j[first + begin] > 0.2 * r.levels_j[begin])) ++begin;
+    for (std::size_t s = begin + edge; s + 2 < shape.samples; ++s) {
+      if (!r.row_counts[s]) continue;
+      const std::size_t bin = first + s;
+      const double p = r.predicted_j[bin];
+      bool even = p > 0.2 * r.levels_j[s] && p < 3 * r.levels_j[s];
+      for (const std::size_t near : {bin - 2, bin - 1, bin + 1, bin + 2})
+        even = even && std::abs(r.predicted_j[near] - p) < 0.15 * p;
+      if (!even) continue;
+      const double off = std::min(r.candidate_j[bin] / p, 4.0) - 1;
+      squares += off * off;
+      ++count;
+    }
   }
   return count > 0 ? std::sqrt(squares / count) : 0;
 }

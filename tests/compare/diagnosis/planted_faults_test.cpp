@@ -238,7 +238,7 @@ TEST(Diagnosis, MeansAndVerticalPatternsAreNotDisplacements) {
       for (const char* fault :
            {"beam-shift", "half-sample", "sample-shift", "range-scale", "azimuth-scale", "tangent-spacing"})
         EXPECT_FALSE(diagnosis.has(fault)) << fault << ", mean " << mean << ", seed " << seed;
-      EXPECT_EQ(diagnosis.has("range-curve"), !mean);
+      EXPECT_TRUE(mean || diagnosis.has("range-curve"));
     }
   }
 }
