@@ -6,7 +6,7 @@ cmake_policy(SET CMP0057 NEW)  # IN_LIST
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listing COMMAND_ERROR_IS_FATAL ANY)
 string(REPLACE "\n" ";" lines "${listing}")
 # Together with the scripts of this label they take half of the time of all tests: make test-slow runs them.
-set(slow_suites AbilitiesWalk Attribute CleanEngine Faults Import InterferometricRun Mcap Outlet SuiteAspects SuiteMotionAnswers Parts PathsRun
+set(slow_suites AbilitiesWalk Attribute CleanEngine Faults Import InterferometricRun Mcap Outlet SuiteAspects SuiteMotionAnswers Parts Pairs PathsRun
   PerfectEngine PowerCut ProductsByThreads Ranks RayRun RefractedReferenceRun RefractionRun ReliefRun Resume Scenes/TiledCommands
   SelectionRun Signals Stop)
 set(entries "")

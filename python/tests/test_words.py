@@ -12,7 +12,7 @@ from tubefoot._words import in_python
 
 # Of commands that the module has not, and of several processes.
 ELSEWHERE = ("src/run/partial_run.cpp", "src/run/part_run.cpp", "src/run/ranks/", "src/viewer/", "src/compare/", "src/import/",
-             "src/exchange/", "src/suite/", "src/strength/", "src/app/")
+             "src/exchange/", "src/propagation/", "src/suite/", "src/strength/", "src/app/")
 
 
 @pytest.mark.parametrize("command, python", [
