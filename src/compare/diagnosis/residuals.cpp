@@ -201,7 +201,7 @@ EdgeOffsets shadow_ends(const Residual& r) {
 double scatter(const Residual& r) {
   constexpr std::size_t edge = 12;  // samples behind the first return, where the near edge may be displaced
   const EchoShape& shape = r.fan.shape();
-  double squares = 0, count = 0;
+  std::vector<double> sizes;
   for (std::size_t first = 0; first < r.predicted_j.size(); first += shape.samples) {
     std::size_t begin = 0;
     while (begin < shape.samples && !(r.predicted_j[first + begin] > 0.2 * r.levels_j[begin])) ++begin;
@@ -213,12 +213,14 @@ double scatter(const Residual& r) {
       for (const std::size_t near : {bin - 2, bin - 1, bin + 1, bin + 2})
         even = even && std::abs(r.predicted_j[near] - p) < 0.15 * p;
       if (!even) continue;
-      const double off = std::min(r.candidate_j[bin] / p, 4.0) - 1;
-      squares += off * off;
-      ++count;
+      sizes.push_back(std::abs(std::min(r.candidate_j[bin] / p, 4.0) - 1));
     }
   }
-  return count > 0 ? std::sqrt(squares / count) : 0;
+  if (sizes.empty()) return 0;
+  // The median is not affected by single areas with another error, such as a vertical pattern.
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return 1.4826 * *middle;
 }
 
 EvenSteps steps_of(std::span<const double> values) {

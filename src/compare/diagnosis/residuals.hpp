@@ -42,7 +42,7 @@ std::optional<double> near_returns_missing_to(const Residual& residual);
 EdgeOffsets shadow_sides(const Residual& residual);
 EdgeOffsets shadow_ends(const Residual& residual);
 
-/// Relative deviation of single bins from the prediction in uniform areas.
+/// Relative standard deviation of single bins from the prediction in uniform areas, from the median.
 double scatter(const Residual& residual);
 
 /// Quantisation steps of numbers, for example of 8 bits.
