@@ -110,7 +110,7 @@ NamedMesh mesh_of_model(const std::filesystem::path& file, FileFormat format, co
   if (by_default)
     mesh.warnings.push_back(fmt::format(
         "{}: it states no unit of length, so its unit is {} m, the default of its format; another length "
-        "needs 'unit_m' of the object, or --unit-m of import-scene",
+        "needs 'unit_m' of the object",
         name, *unit_m));
   warn_of_rounding(mesh, name);
   return mesh;

@@ -133,11 +133,16 @@ TEST(PerfectEngine, SolidAnglesAreThoseOfItsOwnRays) {
     const double whole = 24 * (M_PI / 180) * 2 * std::sin(10 * M_PI / 180);
     EXPECT_GT(sum, 0.5 * whole);
     EXPECT_LT(sum, 1.01 * whole);
-    if (sampling.columns == 1) {
-      EXPECT_EQ(energies.energy, perfect_echoes(run.scene(), run.reference, sampling, {}, false, true)
-                                     .energies.sensors.front()
-                                     .energy);
+    if (sampling.columns != 1) continue;
+    // The ray engine merges facets in one plane, which changes the rounding only.
+    const std::vector<double> same =
+        perfect_echoes(run.scene(), run.reference, sampling, {}, false, true).energies.sensors.front().energy;
+    double off = 0, total = 0;
+    for (std::size_t bin = 0; bin < same.size(); ++bin) {
+      off += std::abs(same[bin] - energies.energy[bin]);
+      total += same[bin];
     }
+    EXPECT_LT(off, 1e-9 * total);
   }
 }
 
