@@ -146,8 +146,7 @@ class Findings {
                       "reference; --fit corrects this",
                       before->exponent.value, before->exponent.error),
           fit_share());
-    const double share_of_law =
-        l1_after_gain_alone_ > 0 ? 1 - result_.l1_after_gain / l1_after_gain_alone_ : 0;
+    const double share_of_law = law_share();
     if (!vertical && sure(fit.exponent.value, fit.exponent.error, least_exponent) &&
         share_of_law > least_share_of_law)
       add("range-law", fit.exponent.value, fit.exponent.error, "power of range",
@@ -166,6 +165,17 @@ class Findings {
                             gain_db.error, fit.middle_range_m),
           result_.l1 > 0 ? 1 - l1_after_gain_alone_ / result_.l1 : 0);
     if (curved && !vertical) add_profile("range-curve", over_range, "range", "m");
+  }
+  /// Share of the error of the aligned candidate, without the level curve, that the power of range removes.
+  double law_share() const {
+    const EnergyFit& fit = alignment_.fit;
+    std::vector<double> without_power = candidate_;
+    for (std::size_t k = 0; k < without_power.size(); ++k)
+      without_power[k] *=
+          std::pow(fan_.range_m(k % fan_.shape().samples) / fit.middle_range_m, fit.exponent.value);
+    const std::vector<double> plain = predicted(alignment_.warp, false);
+    const double before = relative_l1(without_power, plain);
+    return before > 0 ? 1 - relative_l1(candidate_, plain) / before : 0;
   }
   /// Share that --fit has removed.
   double fit_share() const {
