@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "compare/measures/median.hpp"
 #include "engine/rays/ray_engine.hpp"
 #include "geometry/steps/stop.hpp"
 #include "run/console/progress.hpp"
@@ -68,15 +69,7 @@ std::vector<double> elevations_of_rows(const LabelSums& sums, std::size_t sample
   for (std::size_t bin = 0; bin < sums.energy.size(); ++bin)
     if (sums.energy[bin] > 0) rows[bin % samples].push_back(sums.elevation[bin] / sums.energy[bin]);
   std::vector<double> medians;
-  for (auto& row : rows) {
-    if (row.empty()) {
-      medians.push_back(NAN);
-      continue;
-    }
-    const auto middle = row.begin() + static_cast<std::ptrdiff_t>(row.size() / 2);
-    std::nth_element(row.begin(), middle, row.end());
-    medians.push_back(*middle);
-  }
+  for (auto& row : rows) medians.push_back(row.empty() ? NAN : median_of(std::move(row)));
   return medians;
 }
 

@@ -12,6 +12,7 @@
 
 #include "compare/diagnosis/coarse_search.hpp"
 #include "compare/diagnosis/normal_equations.hpp"
+#include "compare/measures/median.hpp"
 #include "geometry/steps/stop.hpp"
 
 namespace tubefoot {
@@ -381,9 +382,7 @@ class FineSearch {
     for (std::size_t k = 0; k < at.size(); ++k)
       if (used_[k] && at[k] + candidate_[k] > 0.05) sizes.push_back(std::abs(candidate_[k] - at[k]));
     if (sizes.empty()) return 1;
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    return std::max(3 * *middle, 0.02);
+    return std::max(3 * median_of(std::move(sizes)), 0.02);
   }
 
   /// Makes one step of all parameters and sets their errors_.

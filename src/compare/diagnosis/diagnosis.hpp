@@ -33,9 +33,9 @@ struct Finding {
   double size = 0, error = 0;
   std::string unit;
   std::string words;  ///< a sentence
-  /// Part of the relative L1 error that the correction of this error alone removes, if it is known. For gain
-  /// and range dependence it is a part of the error as given; for the others, of the error after the
-  /// correction of both.
+  /// Part of the relative L1 error that the correction of this error alone removes, if it is known. For the
+  /// gain and for --fit, the whole is the error as given. For the range dependence, it is that of the aligned
+  /// candidate. For the others, it is the error after the correction of both.
   std::optional<double> share = std::nullopt;
 };
 

@@ -10,18 +10,13 @@
 #include <functional>
 
 #include "compare/diagnosis/normal_equations.hpp"
+#include "compare/measures/median.hpp"
 
 namespace tubefoot {
 namespace {
 
 constexpr std::size_t bands = 20, groups = 8, knots = 7, least_bins = 6;
 constexpr double decibels_per_neper = 4.342944819032518;
-
-double median_of_ratios(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// A patch: a band of rows of a group of columns.
 struct Patch {
@@ -118,7 +113,7 @@ LevelProfile profile_of(const std::vector<Patch>& patches) {
     if (round > 0) {
       std::vector<double> sizes;
       for (const double o : off) sizes.push_back(std::abs(o));
-      const double limit = 2 * median_of_ratios(sizes) + 1e-9;
+      const double limit = 2 * median_of(sizes) + 1e-9;
       for (std::size_t k = 0; k < patches.size(); ++k)
         weights[k] = patches[k].weight * std::min(1.0, limit / std::max(std::abs(off[k]), 1e-300));
     }
@@ -186,12 +181,12 @@ PingGains ping_gains(const EchoShape& shape, std::span<const double> predicted_j
     for (const auto& [p, c] : sums)
       if (p > static_cast<double>(least_bins) / 2 && c > 0) ratios.push_back(std::log(c / p));
     if (ratios.size() < groups) return gains;
-    logarithms.push_back(median_of_ratios(ratios));
+    logarithms.push_back(median_of(ratios));
     for (const double ratio : ratios) deviations.push_back(std::abs(ratio - logarithms.back()));
     // 1.86 is the ratio of the error of a median to the median deviation of normal values.
-    errors.push_back(1.86 * median_of_ratios(deviations) / std::sqrt(static_cast<double>(ratios.size())));
+    errors.push_back(1.86 * median_of(deviations) / std::sqrt(static_cast<double>(ratios.size())));
   }
-  const double usual = median_of_ratios(logarithms);
+  const double usual = median_of(logarithms);
   for (std::size_t ping = 0; ping < shape.pings; ++ping)
     gains.factor[ping] = std::exp(logarithms[ping] - usual);
   const auto [low, high] = std::ranges::minmax_element(logarithms);

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compare/measures/median.hpp"
+
 namespace tubefoot {
 namespace {
 
@@ -18,12 +20,6 @@ struct Beam {
   double offset = 0;
 };
 
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Median of the insonified bins of each row of the prediction. Objects do not affect it.
 std::vector<double> medians_of_rows(const Residual& r) {
   const EchoShape& shape = r.fan.shape();
@@ -32,7 +28,7 @@ std::vector<double> medians_of_rows(const Residual& r) {
     if (r.predicted_j[bin] > 0.1 * r.levels_j[bin % shape.samples])
       lit[bin % shape.samples].push_back(r.predicted_j[bin]);
   std::vector<double> medians;
-  for (auto& row : lit) medians.push_back(row.empty() ? 0 : middle_of(std::move(row)));
+  for (auto& row : lit) medians.push_back(row.empty() ? 0 : median_of(std::move(row)));
   return medians;
 }
 
@@ -123,14 +119,14 @@ Scallops scallops(const Residual& r) {
     edges += offsets.size();
     std::vector<double> all;
     for (const auto& [beam, offset] : offsets) all.push_back(offset);
-    const double middle = middle_of(all);
+    const double middle = median_of(all);
     for (const auto& [beam, offset] : offsets) of_beam[beam].push_back(offset - middle);
   }
   std::vector<Beam> beams;
   for (std::size_t beam = 0; beam < shape.beams; ++beam)
     if (!of_beam[beam].empty())
       beams.push_back(
-          {(static_cast<double>(beam) + 0.5) / static_cast<double>(shape.beams), middle_of(of_beam[beam])});
+          {(static_cast<double>(beam) + 0.5) / static_cast<double>(shape.beams), median_of(of_beam[beam])});
   if (beams.size() < std::max(least_beams, shape.beams / 3)) return result;
   double products = 0, squares = 0, mean = 0;
   for (const Beam& beam : beams) mean += beam.offset / static_cast<double>(beams.size());

@@ -7,11 +7,14 @@
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <utility>
+
+#include "compare/measures/median.hpp"
 
 namespace tubefoot {
 namespace {
 
-/// Mean, deviation and median of single borders or beams.
+/// Mean and deviation of single borders or beams.
 double mean_of(const std::vector<double>& values) {
   return values.empty()
              ? 0
@@ -216,11 +219,8 @@ double scatter(const Residual& r) {
       sizes.push_back(std::abs(std::min(r.candidate_j[bin] / p, 4.0) - 1));
     }
   }
-  if (sizes.empty()) return 0;
   // The median is not affected by single areas with another error, such as a vertical pattern.
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return 1.4826 * *middle;
+  return 1.4826 * median_of(std::move(sizes));
 }
 
 EvenSteps steps_of(std::span<const double> values) {

@@ -10,6 +10,7 @@
 #include <map>
 #include <sstream>
 
+#include "compare/measures/median.hpp"
 #include "compare/measures/noise_floor.hpp"
 #include "files/usage_error.hpp"
 
@@ -24,13 +25,6 @@ struct Cell {
   double log_range = 0, log_ratio = 0, weight = 0;
   std::size_t group = 0;
 };
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Returns per sample the inverse of the mean of the reference over its insonified bins. These weights
 /// prevent near ranges from dominating far ranges.
@@ -108,7 +102,7 @@ Line line_through(const std::vector<Cell>& cells, bool gain, bool model) {
   if (gain) {
     std::vector<double> ratios;
     for (const Cell& cell : cells) ratios.push_back(cell.log_ratio);
-    line.a.value = median(ratios);
+    line.a.value = median_of(ratios);
   }
   for (int round = 0; round < 30; ++round) {
     const auto residual = [&](const Cell& c) {
@@ -116,7 +110,7 @@ Line line_through(const std::vector<Cell>& cells, bool gain, bool model) {
     };
     std::vector<double> sizes;
     for (const Cell& cell : cells) sizes.push_back(std::abs(residual(cell)));
-    const double limit = 2 * median(sizes) + 1e-12;
+    const double limit = 2 * median_of(sizes) + 1e-12;
     double w = 0, x = 0, xx = 0, e = 0, xe = 0;
     std::map<std::size_t, std::array<double, 2>> scores;
     for (const Cell& cell : cells) {
