@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "validation/kernel_run.hpp"
 
+#include <array>
 #include <cmath>
+#include <span>
 
 #include "geometry/visibility/visibility_solver.hpp"
 #include "validation/absolute_double.hpp"
@@ -15,16 +17,15 @@ double unit_m(const Case& scene) { return std::ldexp(1.0, -scene.grid_exponent);
 void see_absolutely(const Case& scene, const SceneTree& tree, std::uint32_t tube,
                     const VisibilityOptions& options, CandidateFacets& candidate_facets,
                     VisibilitySolver<AbsoluteDouble>& solver, TubeVisibility& out) {
-  out.clear();
-  for (const std::uint32_t ray : scene.tubes.tubes.at(tube)) out.rays.push_back(scene.tubes.rays[ray]);
-  candidate_facets.gather(scene.mesh, tree, scene.tubes, tube, tube + 1);
+  const std::array<GridPoint, 4> rays = rays_of(scene.tubes, tube);
   AbsoluteDouble arithmetic;
   arithmetic.tolerance = options.tolerance;
   arithmetic.unit_m = unit_m(scene);
   const GridPoint apex = scene.tubes.apex;
+  candidate_facets.gather(scene.mesh, tree, apex, scene.tubes.reach, rays, !options.open_water);
   arithmetic.apex_m = scene.origin_m + arithmetic.unit_m * glm::dvec3(apex.x, apex.y, apex.z);
   solver.begin(scene.mesh, apex, candidate_facets);
-  solver.run(arithmetic, options, out);
+  solver.run(arithmetic, options, {rays, std::span(&rays, 1)}, std::span(&out, 1));
 }
 
 }  // namespace

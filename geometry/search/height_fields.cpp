@@ -313,19 +313,6 @@ void HeightFields::look(const FacetMesh& mesh, const SceneTree& tree, GridPoint 
   look_down(mesh, tree, apex, view);
 }
 
-bool HeightFields::look_over(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
-                             std::span<const SceneTree::Fan> walls, double reach, View& view) const {
-  view.from_above.assign(turn_.size(), 1);
-  view.found.clear();
-  curtain_tree_->query(apex, walls, reach, view.found);
-  for (const FacetId curtain : view.found) {
-    const auto& v = curtains_.facets[curtain];
-    if (turn(plan(curtains_.vertices[v[0]]), plan(curtains_.vertices[v[1]]), plan(apex)) <= 0) return false;
-  }
-  look_down(mesh, tree, apex, view);
-  return true;
-}
-
 /// Clears the flag of each height field above the apex. The apex must be above every height field or outside
 /// of its plan.
 void HeightFields::look_down(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, View& view) const {

@@ -50,11 +50,6 @@ class HeightFields {
             const std::array<GridPoint, 4>& rays, std::span<const SceneTree::HalfSpace> half_spaces,
             double reach, View& view) const;
 
-  /// Does the same for several tubes at once; `walls` are the walls of all of them. Returns false if the
-  /// tubes may differ in the height fields that they see from above.
-  bool look_over(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex,
-                 std::span<const SceneTree::Fan> walls, double reach, View& view) const;
-
   /// Returns true for a facet that is not visible in that view. It belongs to a height field seen from above
   /// and turns its lower side or its edge to the apex. `cone` is the facet's cone, or null if the facet
   /// subtends nothing. Exact.

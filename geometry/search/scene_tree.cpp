@@ -2,9 +2,10 @@
 #include "geometry/search/scene_tree.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
-#include <type_traits>
+#include <queue>
 
 #include "geometry/search/height_fields.hpp"
 #include "geometry/steps/stop.hpp"
@@ -65,16 +66,6 @@ std::uint32_t drop_copies(const FacetMesh& mesh, std::vector<FacetId>& order, st
 }
 
 }  // namespace
-
-SceneTree::Fan::Fan(std::span<const HalfSpace> half_spaces)
-    : first(half_spaces.front()), last(half_spaces.back()) {
-  const double n = static_cast<double>(half_spaces.size());
-  for (const HalfSpace& h : half_spaces) middle = {middle.x + h.x, middle.y + h.y, middle.z + h.z};
-  middle = {middle.x / n, middle.y / n, middle.z / n};
-  for (const HalfSpace& h : half_spaces)
-    spread = {std::max(spread.x, std::abs(h.x - middle.x)), std::max(spread.y, std::abs(h.y - middle.y)),
-              std::max(spread.z, std::abs(h.z - middle.z))};
-}
 
 SceneTree::SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields) : mesh_(&mesh) {
   build(0);
@@ -157,21 +148,6 @@ std::size_t SceneTree::bytes() const {
   return own + (height_fields_ ? height_fields_->bytes() : 0);
 }
 
-void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
-                      std::vector<FacetId>& out) const {
-  query_sides(apex, half_spaces, reach, 0, out);
-}
-
-void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach, double margin,
-                      std::vector<FacetId>& out) const {
-  query_sides(apex, half_spaces, reach, margin, out);
-}
-
-void SceneTree::query(GridPoint apex, std::span<const Fan> fans, double reach,
-                      std::vector<FacetId>& out) const {
-  query_sides(apex, fans, reach, 0, out);
-}
-
 void SceneTree::query(const std::function<bool(const GridPoint&, const GridPoint&)>& may_meet,
                       std::vector<FacetId>& out) const {
   if (at_rest_) at_rest_->query(may_meet, out);
@@ -192,81 +168,142 @@ void SceneTree::query(const std::function<bool(const GridPoint&, const GridPoint
   }
 }
 
-template <class Side>
-void SceneTree::query_sides(GridPoint apex, std::span<const Side> sides, double reach, double margin,
-                            std::vector<FacetId>& out) const {
-  if (at_rest_) at_rest_->query_sides(apex, sides, reach, margin, out);
-  if (nodes_.empty()) return;
-  const double reach2 = reach * reach;
-  // `checks` has the tests that are still necessary: bit k for side k, the last bit for the reach. A test
-  // that a whole box satisfies is not repeated for the boxes inside it.
-  const unsigned reach_bit = 1u << sides.size();
-  const auto may_meet = [](const Reach& box, const Side& side) {
-    if constexpr (std::is_same_v<Side, HalfSpace>) {
-      const Products far = box.farthest(side);
-      return !(far.sum() < -slack * far.size());
-    } else {
-      const Products far = box.farthest(side.middle);
-      const double x = side.spread.x * std::max(-box.lx, box.hx),
-                   y = side.spread.y * std::max(-box.ly, box.hy),
-                   z = side.spread.z * std::max(-box.lz, box.hz),
-                   more = std::abs(x) + std::abs(y) + std::abs(z);
-      return !(far.sum() + more < -slack * (far.size() + more));
-    }
-  };
-  const auto keeps = [](const Reach& box, const Side& side) {
-    if constexpr (std::is_same_v<Side, HalfSpace>)
-      return box.nearest(side).sum() >= 0;
-    else
-      return box.nearest(side.first).sum() >= 0 || box.nearest(side.last).sum() >= 0;
-  };
-  // With `has_inner`, `checks` is reduced to the tests that the boxes inside still need.
-  const auto meets = [&]<bool has_inner>(const Box& box, unsigned& checks, std::bool_constant<has_inner>) {
-    const double lx = double(box.lo.x) - apex.x - margin, hx = double(box.hi.x) - apex.x + margin,
-                 ly = double(box.lo.y) - apex.y - margin, hy = double(box.hi.y) - apex.y + margin,
-                 lz = double(box.lo.z) - apex.z - margin, hz = double(box.hi.z) - apex.z + margin;
-    const Reach own{lx, hx, ly, hy, lz, hz};
-    if (checks & reach_bit) {
-      const double dx = gap(lx, hx), dy = gap(ly, hy), dz = gap(lz, hz);
-      if (dx * dx + dy * dy + dz * dz > reach2) return false;
+/// Tests whether boxes may meet a pyramid. `checks` has the tests that are still necessary: bit k for side k,
+/// the last bit for the reach. A test that a whole box satisfies is not repeated for the boxes inside it.
+class SceneTree::PyramidTest {
+ public:
+  PyramidTest(GridPoint apex, std::span<const HalfSpace> sides, double reach, double margin)
+      : apex_(apex), sides_(sides), reach2_(reach * reach), margin_(margin), reach_bit_(1u << sides.size()) {}
+
+  unsigned all_checks() const { return 2 * reach_bit_ - 1; }
+
+  double distance(const Box& box) const {
+    const Reach own = relative(box);
+    return std::sqrt(squared_distance(own));
+  }
+
+  /// With `has_inner`, `checks` is reduced to the tests that the boxes inside still need.
+  template <bool has_inner>
+  bool meets(const Box& box, unsigned& checks) const {
+    const Reach own = relative(box);
+    if (checks & reach_bit_) {
+      if (squared_distance(own) > reach2_) return false;
       if constexpr (has_inner) {
-        const double fx = std::max(-lx, hx), fy = std::max(-ly, hy), fz = std::max(-lz, hz);
-        if (fx * fx + fy * fy + fz * fz <= reach2) checks &= ~reach_bit;
+        const double fx = std::max(-own.lx, own.hx), fy = std::max(-own.ly, own.hy),
+                     fz = std::max(-own.lz, own.hz);
+        if (fx * fx + fy * fy + fz * fz <= reach2_) checks &= ~reach_bit_;
       }
     }
-    for (std::size_t k = 0; k < sides.size(); ++k) {
+    for (std::size_t k = 0; k < sides_.size(); ++k) {
       if (!(checks >> k & 1u)) continue;
-      if (!may_meet(own, sides[k])) return false;
+      const Products far = own.farthest(sides_[k]);
+      if (far.sum() < -slack * far.size()) return false;
       if constexpr (has_inner)
-        if (keeps(own, sides[k])) checks &= ~(1u << k);
+        if (own.nearest(sides_[k]).sum() >= 0) checks &= ~(1u << k);
     }
     return true;
-  };
+  }
+
+ private:
+  Reach relative(const Box& box) const {
+    return {double(box.lo.x) - apex_.x - margin_, double(box.hi.x) - apex_.x + margin_,
+            double(box.lo.y) - apex_.y - margin_, double(box.hi.y) - apex_.y + margin_,
+            double(box.lo.z) - apex_.z - margin_, double(box.hi.z) - apex_.z + margin_};
+  }
+  static double squared_distance(const Reach& box) {
+    const double dx = gap(box.lx, box.hx), dy = gap(box.ly, box.hy), dz = gap(box.lz, box.hz);
+    return dx * dx + dy * dy + dz * dz;
+  }
+
+  GridPoint apex_;
+  std::span<const HalfSpace> sides_;
+  double reach2_, margin_;
+  unsigned reach_bit_;
+};
+
+void SceneTree::take_leaf(const Node& leaf, const PyramidTest& test, unsigned checks,
+                          std::vector<FacetId>& out) const {
+  for (std::uint32_t k = leaf.link; k < leaf.link + leaf.count; ++k) {
+    // The facet's own box decides, so that the result does not depend on the shape of the tree.
+    const auto& facet = mesh_->facets[order_[k]];
+    const GridPoint a = mesh_->vertices[facet[0]], b = mesh_->vertices[facet[1]],
+                    c = mesh_->vertices[facet[2]];
+    if (checks == 0 || test.meets<false>({min(min(a, b), c), max(max(a, b), c)}, checks))
+      out.push_back(order_[k]);
+  }
+}
+
+void SceneTree::query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach, double margin,
+                      std::vector<FacetId>& out) const {
+  if (at_rest_) at_rest_->query(apex, half_spaces, reach, margin, out);
+  if (nodes_.empty()) return;
+  const PyramidTest test(apex, half_spaces, reach, margin);
   struct Visit {
     std::uint32_t node;
     unsigned checks;
   };
   std::array<Visit, 64> stack;
   std::size_t depth = 0;
-  stack[depth++] = {0, 2 * reach_bit - 1};
+  stack[depth++] = {0, test.all_checks()};
   while (depth > 0) {
     auto [index, checks] = stack[--depth];
     const Node& node = nodes_[index];
-    if (!meets(node.box, checks, std::true_type())) continue;
-    if (node.count == 0) {
-      stack[depth++] = {node.link, checks};
-      stack[depth++] = {index + 1, checks};
+    if (!test.meets<true>(node.box, checks)) continue;
+    if (node.count > 0) {
+      take_leaf(node, test, checks, out);
       continue;
     }
-    for (std::uint32_t k = node.link; k < node.link + node.count; ++k) {
-      // The facet's own box decides, so that the result does not depend on the shape of the tree.
-      unsigned own = checks;
-      const auto& facet = mesh_->facets[order_[k]];
-      const GridPoint a = mesh_->vertices[facet[0]], b = mesh_->vertices[facet[1]],
-                      c = mesh_->vertices[facet[2]];
-      if (own == 0 || meets({min(min(a, b), c), max(max(a, b), c)}, own, std::false_type()))
-        out.push_back(order_[k]);
+    stack[depth++] = {node.link, checks};
+    stack[depth++] = {index + 1, checks};
+  }
+}
+
+std::size_t SceneTree::count(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach) const {
+  std::size_t found = at_rest_ ? at_rest_->count(apex, half_spaces, reach) : 0;
+  const PyramidTest test(apex, half_spaces, reach, 0);
+  // build() divides the facets of a node in halves, and omits copies.
+  const auto visit = [&](const auto& self, std::uint32_t index, std::size_t facets, unsigned checks) -> void {
+    const Node& node = nodes_[index];
+    if (!test.meets<true>(node.box, checks)) return;
+    if (node.count > 0 || checks == 0) {
+      found += facets;
+      return;
     }
+    self(self, index + 1, facets / 2, checks);
+    self(self, node.link, facets - facets / 2, checks);
+  };
+  if (!nodes_.empty()) visit(visit, 0, order_.size(), test.all_checks());
+  return found;
+}
+
+void SceneTree::query_by_distance(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
+                                  const NeedsBox& needs, std::vector<FacetId>& out) const {
+  const PyramidTest test(apex, half_spaces, reach, 0);
+  struct Visit {
+    double distance;
+    const SceneTree* tree;
+    std::uint32_t node;
+    unsigned checks;
+    bool operator<(const Visit& other) const { return distance > other.distance; }  // the nearest is on top
+  };
+  std::priority_queue<Visit> visits;
+  const auto add = [&](const SceneTree& tree, std::uint32_t node, unsigned checks) {
+    if (const Box& box = tree.nodes_[node].box; test.meets<true>(box, checks))
+      visits.push({test.distance(box), &tree, node, checks});
+  };
+  for (const SceneTree* tree = this; tree; tree = tree->at_rest_.get())
+    if (!tree->nodes_.empty()) add(*tree, 0, test.all_checks());
+  while (!visits.empty()) {
+    const Visit visit = visits.top();
+    visits.pop();
+    const Node& node = visit.tree->nodes_[visit.node];
+    if (!needs(node.box.lo, node.box.hi, visit.distance)) continue;
+    if (node.count > 0) {
+      visit.tree->take_leaf(node, test, visit.checks, out);
+      continue;
+    }
+    add(*visit.tree, node.link, visit.checks);
+    add(*visit.tree, visit.node + 1, visit.checks);
   }
 }
 

@@ -29,7 +29,7 @@ class SceneTree {
   /// `at_rest` must outlive this tree and may be another one with the same first facets. Height fields are
   /// those of `at_rest`; facets from `first_moving` belong to none.
   ///
-  /// Law T2 (two levels): queries with half-spaces or fans find the same facets as in one tree of the mesh,
+  /// Law T2 (two levels): queries with half-spaces find the same facets as in one tree of the mesh,
   /// except copies.
   SceneTree(const FacetMesh& mesh, std::shared_ptr<const SceneTree> at_rest, FacetId first_moving);
 
@@ -39,30 +39,30 @@ class SceneTree {
     double x, y, z;
   };
 
-  /// Several half-spaces of which a box has to meet one: those of a wall as it turns from tube to tube.
-  class Fan {
-   public:
-    Fan() = default;
-    explicit Fan(std::span<const HalfSpace> half_spaces);
-
-   private:
-    friend class SceneTree;
-    HalfSpace first{}, last{}, middle{};
-    HalfSpace spread{};  ///< largest difference of the normals from the middle one, per coordinate
-  };
-
   /// Appends to `out`, in no particular order, every facet whose box meets all half-spaces and is nearer to
   /// the apex than `reach` (grid units).
   ///
   /// Law T1 (candidates): the result contains all facets that meet the pyramid, and may contain others.
   void query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
-             std::vector<FacetId>& out) const;
+             std::vector<FacetId>& out) const {
+    query(apex, half_spaces, reach, 0, out);
+  }
   /// The same for boxes enlarged by `margin` (grid units) on all sides. The result contains the facets that
   /// may meet the pyramid after a displacement by up to `margin`.
   void query(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach, double margin,
              std::vector<FacetId>& out) const;
-  /// The same with fans: the result contains every facet whose box meets one half-space of each fan.
-  void query(GridPoint apex, std::span<const Fan> fans, double reach, std::vector<FacetId>& out) const;
+  /// Returns a bound on the number of facets that the query finds. Boxes wholly inside the pyramid are not
+  /// opened, so the work grows with the boxes on its border.
+  std::size_t count(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach) const;
+
+  /// Returns whether a box at a distance from the apex may contain facets that the caller needs.
+  using NeedsBox = std::function<bool(const GridPoint& lowest, const GridPoint& highest, double distance)>;
+
+  /// Does the same as the first query in order of the distance of boxes from the apex, except for boxes that
+  /// `needs` rejects. `needs` is called for nested boxes, down to boxes of a few facets, and `out` then
+  /// contains the facets of nearer boxes.
+  void query_by_distance(GridPoint apex, std::span<const HalfSpace> half_spaces, double reach,
+                         const NeedsBox& needs, std::vector<FacetId>& out) const;
 
   /// Appends all facets except those in boxes that `may_meet` rejects. `may_meet` is called for nested boxes,
   /// down to boxes of a few facets.
@@ -85,10 +85,10 @@ class SceneTree {
     std::uint32_t link = 0, count = 0;
   };
 
+  class PyramidTest;
+
   void build(FacetId first_facet);
-  template <class Side>
-  void query_sides(GridPoint apex, std::span<const Side> sides, double reach, double margin,
-                   std::vector<FacetId>& out) const;
+  void take_leaf(const Node& leaf, const PyramidTest& test, unsigned checks, std::vector<FacetId>& out) const;
 
   const FacetMesh* mesh_;
   std::vector<Node> nodes_;

@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <stdexcept>
 
 #include "geometry/numbers/int128.hpp"
@@ -15,6 +17,11 @@
 
 namespace tubefoot {
 namespace {
+
+/// An enclosing pyramid does not extend farther from its axis than this tangent.
+constexpr double widest_pyramid = 1;
+/// Margin of an enclosing pyramid around its tubes: far larger than the rounding of rays, which is 1e-9.
+constexpr double pyramid_margin = 1e-7;
 
 /// Returns the sign of det(a, b, c), exactly: |coordinate| <= 2^30 makes each of the six products at most
 /// 2^90.
@@ -136,6 +143,53 @@ std::uint32_t append_tubes(TubeSet& set, const AngularGrid& grid) {
     for (std::uint32_t& corner : tube) corner += first_ray;
   set.tubes.insert(set.tubes.end(), tubes.begin(), tubes.end());
   return first_tube;
+}
+
+std::optional<std::array<GridPoint, 4>> enclosing_pyramid(const TubeSet& set, std::uint32_t first,
+                                                          std::uint32_t end) {
+  const auto unit = [&](std::uint32_t ray) {
+    const GridPoint& d = set.rays[ray];
+    return glm::normalize(glm::dvec3(d.x, d.y, d.z));
+  };
+  const auto middle = [&](const Tube& tube) {
+    glm::dvec3 sum{0};
+    for (const std::uint32_t ray : tube) sum += unit(ray);
+    return glm::normalize(sum);
+  };
+  glm::dvec3 sum{0};
+  for (std::uint32_t tube = first; tube < end; ++tube) sum += middle(set.tubes[tube]);
+  if (glm::length(sum) < 0.1 * (end - first)) return std::nullopt;
+  const glm::dvec3 axis = glm::normalize(sum);
+  glm::dvec3 along = middle(set.tubes[end - 1]) - middle(set.tubes[first]);
+  along -= axis * glm::dot(axis, along);
+  if (glm::length(along) < pyramid_margin) return std::nullopt;
+  along = glm::normalize(along);
+  const glm::dvec3 across = glm::cross(axis, along);
+
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  glm::dvec2 low(infinity), high(-infinity);
+  for (std::uint32_t tube = first; tube < end; ++tube)
+    for (const std::uint32_t ray : set.tubes[tube]) {
+      const glm::dvec3 d = unit(ray);
+      const double depth = glm::dot(d, axis);
+      const glm::dvec2 p(glm::dot(d, along), glm::dot(d, across));
+      if (depth <= 0 || std::max(std::abs(p.x), std::abs(p.y)) > widest_pyramid * depth) return std::nullopt;
+      low = glm::min(low, p / depth);
+      high = glm::max(high, p / depth);
+    }
+  low -= pyramid_margin;
+  high += pyramid_margin;
+  const auto corner = [&](double x, double y) {
+    return integer_ray(glm::normalize(axis + x * along + y * across));
+  };
+  // (axis, along, across) is right-handed, so these corners turn as the rays of a tube do.
+  const std::array<GridPoint, 4> rays{corner(low.x, low.y), corner(high.x, low.y), corner(high.x, high.y),
+                                      corner(low.x, high.y)};
+  for (std::uint32_t tube = first; tube < end; ++tube)
+    for (const std::uint32_t ray : set.tubes[tube])
+      for (std::size_t k = 0; k < 4; ++k)
+        if (orientation(rays[k], rays[(k + 1) % 4], set.rays[ray]) <= 0) return std::nullopt;
+  return rays;
 }
 
 }  // namespace tubefoot

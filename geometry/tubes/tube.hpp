@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/mat3x3.hpp>
+#include <optional>
 #include <vector>
 
 #include "geometry/numbers/world_grid.hpp"
@@ -27,6 +28,11 @@ struct TubeSet {
 
   friend bool operator==(const TubeSet&, const TubeSet&) = default;
 };
+
+inline std::array<GridPoint, 4> rays_of(const TubeSet& set, std::uint32_t tube) {
+  const Tube& t = set.tubes.at(tube);
+  return {set.rays[t[0]], set.rays[t[1]], set.rays[t[2]], set.rays[t[3]]};
+}
 
 /// A sector in two angles, divided into a grid of tubes. The azimuth is measured about `axis`, and the
 /// elevation from the plane perpendicular to the axis. Walls of constant azimuth are planes that contain the
@@ -59,5 +65,13 @@ GridPoint integer_ray(glm::dvec3 unit_direction);
 /// Law B3 (pyramids): the other rays of a tube lie strictly inside each of its walls, in frames of either
 /// handedness.
 std::uint32_t append_tubes(TubeSet& set, const AngularGrid& grid);
+
+/// Returns the rays of a pyramid that contains tubes [first, end) of a set, in the order of a tube's rays.
+/// Its first wall runs along the row of tubes. The result is empty if the tubes are too far apart for such a
+/// pyramid.
+///
+/// Law B5 (enclosure): all rays of these tubes lie strictly inside each wall of the pyramid.
+std::optional<std::array<GridPoint, 4>> enclosing_pyramid(const TubeSet& set, std::uint32_t first,
+                                                          std::uint32_t end);
 
 }  // namespace tubefoot

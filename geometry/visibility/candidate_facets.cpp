@@ -7,14 +7,16 @@
 
 #include "geometry/steps/stop.hpp"
 
-// Collects the candidate facets of a run of tubes from the scene tree. Facets that a height field certainly
+// Collects the candidate facets of a pyramid from the scene tree. Facets that a height field certainly
 // hides are separated, because they need no further test.
 
 namespace tubefoot {
 namespace {
 
-/// A run with more facets is divided, because the costs in memory would exceed the gain.
-constexpr std::size_t most_facets = 1 << 16;
+/// The front is found at `first_front` facets, and again each time their number has grown by a factor. A
+/// front that hides nothing has the larger factor. A front of more than a quarter of all facets is not worth
+/// its time. The values follow from measurements (validation/performance.md).
+constexpr std::size_t first_front = 256, growth_if_idle = 4, growth_if_useful = 2, all_over_front = 4;
 
 float below(std::int32_t x) {
   const auto rounded = static_cast<float>(x);
@@ -33,19 +35,13 @@ CandidateFacets::ReachBox box_of(const FacetCone& cone) {
           high(a.x, b.x, c.x), high(a.y, b.y, c.y), high(a.z, b.z, c.z)};
 }
 
-std::array<GridPoint, 4> rays_of(const TubeSet& tubes, std::uint32_t tube) {
-  const Tube& t = tubes.tubes.at(tube);
-  return {tubes.rays[t[0]], tubes.rays[t[1]], tubes.rays[t[2]], tubes.rays[t[3]]};
-}
-
 /// Returns whether the whole facet lies within the reach. A ray that meets such a facet has met nothing
 /// beyond the reach before.
-bool within_reach(const FacetMesh& mesh, FacetId facet, const TubeSet& tubes) {
-  const double reach2 = tubes.reach * tubes.reach;
+bool within_reach(const FacetMesh& mesh, FacetId facet, GridPoint apex, double reach) {
+  const double reach2 = reach * reach;
   return std::ranges::all_of(mesh.facets[facet], [&](VertexId v) {
     const GridPoint p = mesh.vertices[v];
-    const double x = double(p.x) - tubes.apex.x, y = double(p.y) - tubes.apex.y,
-                 z = double(p.z) - tubes.apex.z;
+    const double x = double(p.x) - apex.x, y = double(p.y) - apex.y, z = double(p.z) - apex.z;
     return x * x + y * y + z * z <= reach2;
   });
 }
@@ -59,30 +55,42 @@ CandidateFacets::Wall::Wall(const Vec64& n) {
   for (std::size_t k = 0; k < 3; ++k) inner[k] = static_cast<std::uint8_t>(normal[k] > 0 ? k + 3 : k);
 }
 
-bool CandidateFacets::gather(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
-                             std::uint32_t first, std::uint32_t end) {
-  const std::size_t count = end - first;
-  for (auto& walls : walls_) walls.clear();
-  for (std::uint32_t tube = first; tube < end; ++tube) {
-    const std::array<GridPoint, 4> rays = rays_of(tubes, tube);
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Vec64 n = cross(rays[k], rays[(k + 1) % 4]);
-      walls_[k].push_back({static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)});
-    }
+void CandidateFacets::gather(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, double reach,
+                             const std::array<GridPoint, 4>& rays, bool only_front) {
+  std::array<SceneTree::HalfSpace, 4> walls;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vec64 n = cross(rays[k], rays[(k + 1) % 4]);
+    walls[k] = {static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)};
   }
-  candidates_.clear();
   const HeightFields* sheets = tree.height_fields();
-  if (count > 1) {
-    const std::array<SceneTree::Fan, 4> fans{SceneTree::Fan(walls_[0]), SceneTree::Fan(walls_[1]),
-                                             SceneTree::Fan(walls_[2]), SceneTree::Fan(walls_[3])};
-    tree.query(tubes.apex, fans, tubes.reach, candidates_);
-    if (candidates_.size() > most_facets) return false;
-    if (sheets && !sheets->look_over(mesh, tree, tubes.apex, fans, tubes.reach, sheets_)) return false;
-  } else {
-    const std::array<SceneTree::HalfSpace, 4> walls{walls_[0][0], walls_[1][0], walls_[2][0], walls_[3][0]};
-    tree.query(tubes.apex, walls, tubes.reach, candidates_);
-    if (sheets) sheets->look(mesh, tree, tubes.apex, rays_of(tubes, first), walls, tubes.reach, sheets_);
+  if (sheets) sheets->look(mesh, tree, apex, rays, walls, reach, sheets_);
+  candidates_.clear();
+  const std::size_t all = only_front ? tree.count(apex, walls, reach) : 0;
+  if (all < first_front * all_over_front) {
+    tree.query(apex, walls, reach, candidates_);
+    return make_facets(mesh, sheets, apex, reach);
   }
+  std::size_t next = first_front;
+  bool has_front = false, is_useful = false;
+  const auto needs = [&](const GridPoint& lowest, const GridPoint& highest, double distance) {
+    if (candidates_.size() >= next && all >= candidates_.size() * all_over_front) {
+      make_facets(mesh, sheets, apex, reach);
+      front_.build(rays, facets_, rings_);
+      next = candidates_.size() * (is_useful ? growth_if_useful : growth_if_idle);
+      has_front = true;
+      is_useful = false;
+    }
+    const bool is_hidden = has_front && front_.hides(lowest - apex, highest - apex, distance);
+    is_useful |= is_hidden;
+    return !is_hidden;
+  };
+  tree.query_by_distance(apex, walls, reach, needs, candidates_);
+  make_facets(mesh, sheets, apex, reach);
+}
+
+/// Computes the data of the facets candidates_.
+void CandidateFacets::make_facets(const FacetMesh& mesh, const HeightFields* sheets, GridPoint apex,
+                                  double reach) {
   // The order of the tree depends on the standard library. Sorting removes this dependence.
   stop_if_wanted();
   std::sort(candidates_.begin(), candidates_.end());
@@ -92,9 +100,9 @@ bool CandidateFacets::gather(const FacetMesh& mesh, const SceneTree& tree, const
   hidden_.clear();
   RangedFacet facet;
   for (const FacetId id : candidates_) {
-    const bool subtends = FacetCone::make(mesh, id, tubes.apex, facet.cone);
+    const bool subtends = FacetCone::make(mesh, id, apex, facet.cone);
     if (sheets && sheets->surely_hidden(id, subtends ? &facet.cone : nullptr, sheets_) &&
-        within_reach(mesh, id, tubes)) {
+        within_reach(mesh, id, apex, reach)) {
       hidden_.push_back(id);
     } else if (subtends) {
       facet.measure_ranges();
@@ -103,7 +111,6 @@ bool CandidateFacets::gather(const FacetMesh& mesh, const SceneTree& tree, const
     }
   }
   rings_.build(facets_);
-  return true;
 }
 
 }  // namespace tubefoot

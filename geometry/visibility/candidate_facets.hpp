@@ -7,35 +7,37 @@
 
 #include "geometry/search/height_fields.hpp"
 #include "geometry/search/scene_tree.hpp"
-#include "geometry/tubes/tube.hpp"
-#include "geometry/visibility/edge_rings.hpp"
+#include "geometry/visibility/front.hpp"
 
 namespace tubefoot {
 
-/// The candidate facets of a run of neighbouring tubes, collected once for all of them. The object stores all
-/// data that do not depend on the tube: cones, distances, shared edges. Each tube selects its own facets with
-/// admits(). This selection does not depend on the run. The object is reused from run to run.
+/// The candidate facets of a pyramid of tubes, with the data that do not depend on its rays: cones,
+/// distances, shared edges. The object is reused from pyramid to pyramid.
 class CandidateFacets {
  public:
   /// A facet's box relative to the apex, in single precision, rounded outwards: {low x, y, z, high x, y, z}.
   using ReachBox = std::array<float, 6>;
 
-  /// A tube's wall, for admits(): the unit inward normal, and the ends of a box that lie farthest inwards.
+  /// A wall of the pyramid, for admits(): the unit inward normal, and the ends of a box that lie farthest
+  /// inwards.
   struct Wall {
     std::array<double, 3> normal;
     std::array<std::uint8_t, 3> inner;
     explicit Wall(const Vec64& n);
   };
 
-  /// Collects the facets for tubes [first, end). Returns false if the tubes should be processed separately.
-  /// The reason can be a very large number of facets, or a height field that not all tubes may see from
-  /// above. A single tube always succeeds.
-  bool gather(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std::uint32_t first,
-              std::uint32_t end);
+  /// Collects the facets within a pyramid of rays. With `only_front`, facets are omitted if nearer facets
+  /// certainly hide them, and omitting them changes no visible region.
+  void gather(const FacetMesh& mesh, const SceneTree& tree, GridPoint apex, double reach,
+              const std::array<GridPoint, 4>& rays, bool only_front);
 
   /// Facets that subtend something, by increasing id.
   const std::vector<RangedFacet>& facets() const { return facets_; }
-  const EdgeRings& rings() const { return rings_; }
+  /// Finds the neighbours of some of these facets: EdgeRings::find_neighbours().
+  void find_neighbours(const std::vector<std::uint32_t>& chosen, std::uint32_t crowd,
+                       std::vector<Neighbours>& neighbours, std::vector<std::uint8_t>& crowded) {
+    rings_.find_neighbours(facets_, chosen, crowd, neighbours, crowded);
+  }
   /// Facets that other facets are known to hide, by increasing id. Only the search for the unobstructed
   /// region uses them.
   const std::vector<FacetId>& hidden() const { return hidden_; }
@@ -55,12 +57,14 @@ class CandidateFacets {
   }
 
  private:
+  void make_facets(const FacetMesh& mesh, const HeightFields* sheets, GridPoint apex, double reach);
+
   std::vector<RangedFacet> facets_;
   std::vector<ReachBox> boxes_;
   EdgeRings rings_;
   std::vector<FacetId> candidates_, hidden_;
-  std::array<std::vector<SceneTree::HalfSpace>, 4> walls_;  ///< wall k of each tube
   HeightFields::View sheets_;
+  Front front_;
 };
 
 }  // namespace tubefoot

@@ -33,4 +33,29 @@ void EdgeRings::build(const std::vector<RangedFacet>& facets) {
     }
 }
 
+void EdgeRings::find_neighbours(const std::vector<RangedFacet>& facets,
+                                const std::vector<std::uint32_t>& chosen, std::uint32_t crowd,
+                                std::vector<Neighbours>& neighbours, std::vector<std::uint8_t>& crowded) {
+  constexpr std::uint32_t absent = 0xffffffffu;
+  const auto count = static_cast<std::uint32_t>(chosen.size());
+  neighbours.assign(count, Neighbours{silhouette, silhouette, silhouette});
+  crowded.assign(count, 0);
+  place_.assign(facets.size(), absent);
+  for (std::uint32_t f = 0; f < count; ++f) place_[chosen[f]] = f;
+  for (std::uint32_t f = 0; f < count; ++f)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t half_edge = 3 * chosen[f] + k;
+      std::uint32_t others = 0, mate = half_edge;
+      for (std::uint32_t h = next(half_edge); h != half_edge && others < crowd; h = next(h))
+        if (place_[h / 3] != absent) {
+          ++others;
+          mate = h;
+        }
+      if (others == crowd) crowded[f] = 1;
+      if (others == 1 &&
+          facets[mate / 3].cone.vertex[mate % 3] != facets[half_edge / 3].cone.vertex[half_edge % 3])
+        neighbours[f][k] = static_cast<std::int32_t>(place_[mate / 3]);
+    }
+}
+
 }  // namespace tubefoot

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/visibility/gnomonic_frame.hpp"
+#include "geometry/visibility/layer_grid.hpp"
 
 namespace tubefoot {
 
@@ -14,6 +15,14 @@ namespace tubefoot {
 class EdgeRings {
  public:
   void build(const std::vector<RangedFacet>& facets);
+
+  /// Computes the neighbours of the facets `chosen` of the list, in the order of `chosen`, and whether at
+  /// least `crowd` other facets share an edge of each. Two facets are neighbours if they alone have the edge
+  /// and lie on opposite sides of its plane through the apex. All corners turn the same way, so this is the
+  /// case if they pass through the edge in opposite directions.
+  void find_neighbours(const std::vector<RangedFacet>& facets, const std::vector<std::uint32_t>& chosen,
+                       std::uint32_t crowd, std::vector<Neighbours>& neighbours,
+                       std::vector<std::uint8_t>& crowded);
 
   /// Returns the next half-edge on the same edge, or the half-edge itself if no other facet has the edge.
   std::uint32_t next(std::uint32_t half_edge) const { return next_[half_edge]; }
@@ -25,6 +34,7 @@ class EdgeRings {
   };
   std::vector<std::uint32_t> next_;
   std::vector<Slot> table_;
+  std::vector<std::uint32_t> place_;  ///< per facet of the list: its place in `chosen`
 };
 
 }  // namespace tubefoot

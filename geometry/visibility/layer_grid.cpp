@@ -20,6 +20,17 @@ constexpr double facets_per_cell = 4;
 /// If the average number of entries per facet exceeds this value, the cells are made larger.
 constexpr double entries_per_facet = 6;
 constexpr int most_cells_a_side = 512;
+/// Relative margin of directions and planes, far larger than the rounding errors of their products.
+constexpr double plane_margin = 1e-9;
+
+/// Returns the side of edge k's plane on which a direction lies: 1 that of the facet, -1 the other one, 0
+/// unknown.
+int side_of_edge(const FacetCone& cone, int k, glm::dvec3 direction) {
+  const Vec64 n = cross(cone.point[k], cone.point[(k + 1) % 3]);
+  const glm::dvec3 normal(n.x, n.y, n.z);
+  const double along = glm::dot(normal, direction), bound = plane_margin * glm::length(normal);
+  return along > bound ? 1 : along < -bound ? -1 : 0;
+}
 
 std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t k) {
   while (parent[k] != k) k = parent[k] = parent[parent[k]];
@@ -138,11 +149,20 @@ void LayerGrid::fill() {
     });
 }
 
-bool LayerGrid::has_silhouette_in(std::uint32_t f, const Bounds& cell) const {
+bool LayerGrid::has_silhouette_in(std::uint32_t f, const Bounds& cell, const Directions& corners) const {
   const FramedFacet& facet = (*facets_)[f];
   for (int k = 0; k < 3; ++k) {
     const std::int32_t n = (*neighbours_)[f][k];
-    if (n == outside_tube || (n >= 0 && (*facets_)[n].placed)) continue;
+    if (n == outside_tube || n >= 0) continue;
+    if (!facet.placed) {
+      // The edge does not enter the cell if its plane has all corners of the cell on one side.
+      const int side = side_of_edge(facet.cone, k, corners[0]);
+      if (side == 0 || std::ranges::any_of(corners, [&](const glm::dvec3& corner) {
+            return side_of_edge(facet.cone, k, corner) != side;
+          }))
+        return true;
+      continue;
+    }
     Bounds edge = Bounds::nothing();
     edge.add(facet.corner[k]);
     edge.add(facet.corner[(k + 1) % 3]);
@@ -151,6 +171,29 @@ bool LayerGrid::has_silhouette_in(std::uint32_t f, const Bounds& cell) const {
     if (edge.meets(cell)) return true;
   }
   return false;
+}
+
+int LayerGrid::place_of(const FramedFacet& facet, glm::dvec2 p) const {
+  if (facet.placed) return where(facet, p);
+  const glm::dvec3 direction = frame_->direction(p);
+  int place = 1;
+  for (int k = 0; k < 3; ++k) place = std::min(place, side_of_edge(facet.cone, k, direction));
+  return place;
+}
+
+double LayerGrid::farthest_in(std::uint32_t f, const Directions& corners) const {
+  // The distance of a plane along a direction is the quotient of a convex and a positive linear function of
+  // the position in the gnomonic plane. It is therefore largest at a corner of the cell.
+  const FacetCone& cone = (*facets_)[f].cone;
+  const glm::dvec3 normal(cone.normal.x, cone.normal.y, cone.normal.z);
+  const double offset = static_cast<double>(cone.offset), length = glm::length(normal);
+  double farthest = 0;
+  for (const glm::dvec3& corner : corners) {
+    const double along = glm::dot(normal, corner);
+    if (!(along > plane_margin * length)) return farthest_[f];
+    farthest = std::max(farthest, offset / along * (1 + plane_margin));
+  }
+  return std::min(farthest, farthest_[f]);
 }
 
 Bounds LayerGrid::bounds_of(int x, int y) const {
@@ -163,6 +206,8 @@ void LayerGrid::find_layers(int x, int y) {
   Cell& cell = cells_[static_cast<std::size_t>(y) * columns_ + x];
   if (cell.begin == cell.end || !frame_->tube().is_finite()) return;
   const Bounds box = bounds_of(x, y);
+  const Directions corners{frame_->direction({box.x0, box.y0}), frame_->direction({box.x1, box.y0}),
+                           frame_->direction({box.x1, box.y1}), frame_->direction({box.x0, box.y1})};
   // A vertex that two facets share is not nearer than either begins and not farther than either ends. Entries
   // that begin beyond all earlier ones therefore belong to other layers. If a layer of the earlier entries
   // closes the cell, the remaining entries are hidden here, whatever their layers are.
@@ -171,28 +216,25 @@ void LayerGrid::find_layers(int x, int y) {
     std::uint32_t end = begin;
     do farthest = std::max(farthest, farthest_[entries_[end++].facet]);
     while (end < cell.end && !(entries_[end].nearest > farthest));
-    if (find_layers(cell, box, begin, end)) return;
+    if (find_layers(cell, box, corners, begin, end)) return;
     begin = end;
   }
 }
 
 /// Finds the layers of the entries [begin, end). Returns true if one of them closes the cell.
-bool LayerGrid::find_layers(Cell& cell, const Bounds& box, std::uint32_t begin, std::uint32_t end) {
+bool LayerGrid::find_layers(Cell& cell, const Bounds& box, const Directions& corners, std::uint32_t begin,
+                            std::uint32_t end) {
   const std::uint32_t count = end - begin;
   ++stamp_now_;
   parent_.resize(count);
   std::iota(parent_.begin(), parent_.end(), 0u);
-  // A facet that extends behind the apex has no position in the plane. It joins no layer, and an adjacent
-  // layer ends there.
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::uint32_t f = entries_[begin + k].facet;
-    if (!(*facets_)[f].placed) continue;
     stamp_[f] = stamp_now_;
     place_[f] = k;
   }
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::uint32_t f = entries_[begin + k].facet;
-    if (stamp_[f] != stamp_now_) continue;
     for (const std::int32_t n : (*neighbours_)[f])
       if (n >= 0 && stamp_[n] == stamp_now_) parent_[root(parent_, k)] = root(parent_, place_[n]);
   }
@@ -200,7 +242,7 @@ bool LayerGrid::find_layers(Cell& cell, const Bounds& box, std::uint32_t begin, 
   broken_.assign(count, 0);
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::uint32_t f = entries_[begin + k].facet, layer = parent_[k];
-    if (!broken_[layer]) broken_[layer] = stamp_[f] != stamp_now_ || has_silhouette_in(f, box);
+    if (!broken_[layer]) broken_[layer] = has_silhouette_in(f, box, corners);
   }
 
   // Tries points of the cell until one is certainly inside the tube and certainly inside or outside of every
@@ -215,7 +257,7 @@ bool LayerGrid::find_layers(Cell& cell, const Bounds& box, std::uint32_t begin, 
     certain = true;
     for (std::uint32_t k = 0; k < count && certain; ++k) {
       if (broken_[parent_[k]]) continue;
-      const int s = where((*facets_)[entries_[begin + k].facet], p);
+      const int s = place_of((*facets_)[entries_[begin + k].facet], p);
       if (s == 0) certain = false;
       if (s > 0) covering_.push_back(k);
     }
@@ -232,7 +274,7 @@ bool LayerGrid::find_layers(Cell& cell, const Bounds& box, std::uint32_t begin, 
     double farthest = 0;
     for (std::uint32_t k = 0; k < count; ++k)
       if (parent_[k] == layer) {
-        farthest = std::max(farthest, farthest_[entries_[begin + k].facet]);
+        farthest = std::max(farthest, farthest_in(entries_[begin + k].facet, corners));
         if (simple) entries_[begin + k].simple_layer = static_cast<std::int32_t>(layer);
       }
     cell.closed_beyond = std::min(cell.closed_beyond, farthest);
@@ -240,16 +282,21 @@ bool LayerGrid::find_layers(Cell& cell, const Bounds& box, std::uint32_t begin, 
   return !covering_.empty();
 }
 
+bool LayerGrid::are_closed(const Cells& c, double nearest) const {
+  for (int y = c.y0; y <= c.y1; ++y)
+    for (int x = c.x0; x <= c.x1; ++x)
+      if (!(nearest > cells_[static_cast<std::size_t>(y) * columns_ + x].closed_beyond)) return false;
+  return true;
+}
+
+bool LayerGrid::hides(const Bounds& bounds, double nearest) const {
+  return are_closed(cells_of(bounds), nearest);
+}
+
 void LayerGrid::find_hidden() {
   hidden_.resize(facets_->size());
-  for (std::uint32_t f = 0; f < facets_->size(); ++f) {
-    const Cells c = cells_of_facet_[f];
-    bool hidden = true;
-    for (int y = c.y0; y <= c.y1 && hidden; ++y)
-      for (int x = c.x0; x <= c.x1 && hidden; ++x)
-        hidden = (*facets_)[f].nearest > cells_[static_cast<std::size_t>(y) * columns_ + x].closed_beyond;
-    hidden_[f] = hidden;
-  }
+  for (std::uint32_t f = 0; f < facets_->size(); ++f)
+    hidden_[f] = are_closed(cells_of_facet_[f], (*facets_)[f].nearest);
 }
 
 void LayerGrid::drop_hidden() {

@@ -40,6 +40,10 @@ class LayerGrid {
   /// others do not hide.
   bool is_hidden(std::uint32_t facet) const { return hidden_[facet] != 0; }
 
+  /// Law L4 (front): returns true only if no part of anything within the bounds and beyond the distance is
+  /// visible in the tube.
+  bool hides(const Bounds& bounds, double nearest) const;
+
   /// Law L2 (occluders): writes every facet to `out` that may hide part of `facet`, nearest first. Facets
   /// that are certainly disjoint from it, and facets that are hidden themselves, are omitted.
   void occluder_candidates(std::uint32_t facet, std::vector<std::uint32_t>& out);
@@ -81,14 +85,21 @@ class LayerGrid {
     bool apart;
   };
   static constexpr std::uint32_t no_more = 0xffffffffu;
+  using Directions = std::array<glm::dvec3, 4>;  ///< of a cell's corners, unit vectors
 
   void choose_size();
   Cells cells_of(const Bounds& bounds) const;
   Bounds bounds_of(int x, int y) const;
   void fill();
-  bool has_silhouette_in(std::uint32_t facet, const Bounds& cell) const;
+  bool has_silhouette_in(std::uint32_t facet, const Bounds& cell, const Directions& corners) const;
+  /// As where(), also for facets without a position in the plane.
+  int place_of(const FramedFacet& facet, glm::dvec2 p) const;
+  /// Returns a bound on the distance of the facet's part in a cell.
+  double farthest_in(std::uint32_t facet, const Directions& corners) const;
   void find_layers(int x, int y);
-  bool find_layers(Cell& cell, const Bounds& box, std::uint32_t begin, std::uint32_t end);
+  bool find_layers(Cell& cell, const Bounds& box, const Directions& corners, std::uint32_t begin,
+                   std::uint32_t end);
+  bool are_closed(const Cells& cells, double nearest) const;
   void find_hidden();
   void drop_hidden();
 

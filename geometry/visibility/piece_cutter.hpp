@@ -84,6 +84,12 @@ class PieceCutter {
     return left_.take_away((1u << hidden.count) - 1, meets, cut_up);
   }
 
+  /// A part of the target that `occluder` hides.
+  struct Removed {
+    FacetId occluder;
+    PieceRange piece;
+  };
+
   /// Returns false if one of the given halves contains nothing of the piece. Otherwise `cutting` has the
   /// halves with corners on both sides, and first_sides_ has the sides of the first of them. The other halves
   /// contain the whole piece.
@@ -144,8 +150,8 @@ class PieceCutter {
     return false;
   }
 
-  /// Appends the parts of a piece outside of the halves that cut it. Returns false if the whole piece
-  /// remains.
+  /// Appends the parts of a piece outside of the halves that cut it, and the part inside to removed_. Returns
+  /// false if the whole piece remains.
   bool cut(PieceRange piece, const Hidden& hidden, unsigned cutting, std::vector<PieceRange>& left) {
     const std::size_t mark = buffer_.size();
     PieceRange rest = piece;
@@ -167,6 +173,7 @@ class PieceCutter {
       if (outside.count >= 3) left.push_back(outside);
       rest = clip(arithmetic_, buffer_, rest, half, sides_.data());
     }
+    removed_.push_back({hidden.facet->cone.id, rest});
     return true;
   }
 
@@ -182,6 +189,7 @@ class PieceCutter {
   A arithmetic_{};
   CornerBuffer<A> buffer_;
   PieceTree left_;  ///< remaining pieces of the current target facet
+  std::vector<Removed> removed_;
   std::vector<int> sides_, first_sides_, flipped_;
   std::vector<unsigned> glances_;  ///< per corner: results of the first stage for an occluder's half-spaces
 };

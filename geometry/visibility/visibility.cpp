@@ -3,13 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 
 #include "geometry/visibility/visibility_state.hpp"
 
 // Runs the visibility algorithm for a tube or for a run of neighbouring tubes, with the selected arithmetic.
-// The candidate facets of a run are collected once; a run whose tubes cannot share them is divided in halves.
+// The tubes of a run are computed in one pyramid; a run too wide for a pyramid is divided in halves.
 
 namespace tubefoot {
 namespace {
@@ -20,9 +22,9 @@ constexpr std::array<std::pair<Arithmetic, std::string_view>, 4> arithmetic_name
      {Arithmetic::rational, "rational"},
      {Arithmetic::plain_double, "double"}}};
 
-/// Longer runs share more work, but every tube examines all facets that its run has collected. The value
-/// follows from measurements (validation/performance.md).
-constexpr std::uint32_t most_tubes_a_run = 8;
+/// Number of tubes of a run. Longer runs share more work, and shorter ones occupy more processors. The values
+/// follow from measurements (validation/performance.md).
+constexpr std::size_t fewest_tubes_a_run = 8, most_tubes_a_run = 32, runs_of_a_set = 32;
 
 bool share_a_wall(const Tube& a, const Tube& b) {
   return std::count_if(a.begin(), a.end(),
@@ -48,6 +50,8 @@ std::unique_ptr<TubeSolver> make_solver(Arithmetic arithmetic) {
 struct VisibilityScratch::State {
   std::array<std::unique_ptr<TubeSolver>, arithmetic_names.size()> solvers;
   CandidateFacets candidate_facets;
+  std::vector<std::array<GridPoint, 4>> rays;  ///< of the tubes of the current run
+  std::vector<TubeVisibility> seen;            ///< of the tubes of the current run
 };
 
 VisibilityScratch::VisibilityScratch() : state_(std::make_unique<State>()) {}
@@ -84,13 +88,6 @@ TubeSolver& solver_of(VisibilityScratch::State& state, Arithmetic arithmetic) {
   return *solver;
 }
 
-void see_gathered(const TubeSet& tubes, std::uint32_t tube, const VisibilityOptions& options,
-                  TubeSolver& solver, TubeVisibility& out) {
-  out.clear();
-  for (const std::uint32_t ray : tubes.tubes.at(tube)) out.rays.push_back(tubes.rays[ray]);
-  solver.run(options, out);
-}
-
 }  // namespace
 
 void see(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std::uint32_t tube,
@@ -100,8 +97,10 @@ void see(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, std
 
 std::vector<TubeRun> runs_of(const TubeSet& tubes) {
   std::vector<TubeRun> runs;
+  const std::size_t most =
+      std::clamp(tubes.tubes.size() / runs_of_a_set, fewest_tubes_a_run, most_tubes_a_run);
   for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube) {
-    if (!runs.empty() && tube - runs.back().first < most_tubes_a_run &&
+    if (!runs.empty() && tube - runs.back().first < most &&
         share_a_wall(tubes.tubes[tube - 1], tubes.tubes[tube]))
       runs.back().end = tube + 1;
     else
@@ -114,17 +113,35 @@ void see_run(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes,
              const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out,
              const std::function<void(std::uint32_t)>& take) {
   VisibilityScratch::State& state = scratch.state();
-  if (!state.candidate_facets.gather(mesh, tree, tubes, run.first, run.end)) {
+  const bool is_single = run.end - run.first == 1;
+  std::optional<std::array<GridPoint, 4>> pyramid;
+  if (is_single)
+    pyramid = rays_of(tubes, run.first);
+  else
+    pyramid = enclosing_pyramid(tubes, run.first, run.end);
+  if (!pyramid) {
     const std::uint32_t middle = run.first + (run.end - run.first) / 2;
     see_run(mesh, tree, tubes, {run.first, middle}, options, scratch, out, take);
     see_run(mesh, tree, tubes, {middle, run.end}, options, scratch, out, take);
     return;
   }
+  state.candidate_facets.gather(mesh, tree, tubes.apex, tubes.reach, *pyramid, !options.open_water);
   TubeSolver& solver = solver_of(state, options.arithmetic);
   solver.begin(mesh, tubes.apex, state.candidate_facets);
-  for (std::uint32_t tube = run.first; tube < run.end; ++tube) {
-    see_gathered(tubes, tube, options, solver, out);
-    take(tube);
+  state.rays.clear();
+  for (std::uint32_t tube = run.first; tube < run.end; ++tube) state.rays.push_back(rays_of(tubes, tube));
+  if (is_single) {
+    solver.run(options, {*pyramid, state.rays}, std::span(&out, 1));
+    take(run.first);
+    return;
+  }
+  const std::size_t count = run.end - run.first;
+  if (state.seen.size() < count) state.seen.resize(count);
+  solver.run(options, {*pyramid, state.rays}, std::span(state.seen).first(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    std::swap(out, state.seen[k]);
+    take(run.first + static_cast<std::uint32_t>(k));
+    std::swap(out, state.seen[k]);
   }
 }
 

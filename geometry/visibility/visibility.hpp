@@ -56,7 +56,9 @@ struct TubeVisibility {
   std::vector<std::pair<FacetId, FacetId>> occluders;
   /// Rays to which the names refer: ray r is rays[r & ~ray_bit]. The first four are the tube's own.
   std::vector<GridPoint> rays;
-  std::size_t candidates = 0;  ///< number of facets that subtend something within the tube's planes
+  /// Number of facets that subtend something within the pyramid of the run. It is stored with the first tube
+  /// of a run, and is 0 for the others.
+  std::size_t candidates = 0;
 
   void clear();
 };
@@ -114,12 +116,12 @@ struct TubeRun {
 /// previous one. The result depends on the set alone.
 std::vector<TubeRun> runs_of(const TubeSet& tubes);
 
-/// Calls see() for each tube of a run in turn, and `take(tube)` when `out` is the result of that tube. The
-/// results are the same, bit for bit. Neighbouring tubes need less time, because they share their candidate
-/// facets.
+/// Computes the tubes of a run together, and calls `take(tube)` in turn when `out` is the result of that
+/// tube. The visible pieces are computed once in a pyramid that contains the tubes, and then divided by the
+/// walls of the tubes.
 ///
-/// Law V12 (runs): the result of a tube does not depend on the run, bit for bit: pieces, their order and
-/// names.
+/// Law V12 (runs): the visible and unobstructed regions of a tube do not depend on the run. Their division
+/// into pieces may.
 void see_run(const FacetMesh& mesh, const SceneTree& tree, const TubeSet& tubes, TubeRun run,
              const VisibilityOptions& options, VisibilityScratch& scratch, TubeVisibility& out,
              const std::function<void(std::uint32_t)>& take);

@@ -8,11 +8,12 @@ namespace {
 
 class DoubleSolver final : public TubeSolver {
  public:
-  void begin(const FacetMesh& mesh, GridPoint apex, const CandidateFacets& candidate_facets) override {
+  void begin(const FacetMesh& mesh, GridPoint apex, CandidateFacets& candidate_facets) override {
     solver_.begin(mesh, apex, candidate_facets);
   }
-  void run(const VisibilityOptions& options, TubeVisibility& out) override {
-    solver_.run(DoubleArithmetic{options.tolerance}, options, out);
+  void run(const VisibilityOptions& options, const TubesInPyramid& tubes,
+           std::span<TubeVisibility> out) override {
+    solver_.run(DoubleArithmetic{options.tolerance}, options, tubes, out);
   }
 
  private:

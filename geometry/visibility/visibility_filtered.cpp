@@ -8,12 +8,13 @@ namespace {
 
 class FilteredSolver final : public TubeSolver {
  public:
-  void begin(const FacetMesh& mesh, GridPoint apex, const CandidateFacets& candidate_facets) override {
+  void begin(const FacetMesh& mesh, GridPoint apex, CandidateFacets& candidate_facets) override {
     solver_.begin(mesh, apex, candidate_facets);
   }
-  void run(const VisibilityOptions& options, TubeVisibility& out) override {
+  void run(const VisibilityOptions& options, const TubesInPyramid& tubes,
+           std::span<TubeVisibility> out) override {
     const FilteredArithmetic::Guard guard;
-    solver_.run(FilteredArithmetic{}, options, out);
+    solver_.run(FilteredArithmetic{}, options, tubes, out);
   }
 
  private:

@@ -14,42 +14,37 @@
 #include "geometry/visibility/candidate_facets.hpp"
 #include "geometry/visibility/gnomonic_frame.hpp"
 #include "geometry/visibility/layer_grid.hpp"
-#include "geometry/visibility/piece_cutter.hpp"
+#include "geometry/visibility/piece_divider.hpp"
 #include "geometry/visibility/visibility.hpp"
 
-// Computes the visible pieces of one tube, as one template for all arithmetics. It is instantiated in
-// visibility_<arithmetic>.cpp. For each facet that is not certainly hidden, the solver finds the facets that
-// may hide it and subtracts their cones. Depth planes bound these cones where two facets interpenetrate. The
-// page docs/notes/visibility.md describes the steps and their proofs.
+// Computes the visible pieces of a pyramid of tubes, as one template for all arithmetics. It is instantiated
+// in visibility_<arithmetic>.cpp. For each facet that is not certainly hidden, the solver finds the facets
+// that may hide it and subtracts their cones. Depth planes bound these cones where two facets interpenetrate.
+// The page docs/notes/visibility.md describes the steps and their proofs.
 namespace tubefoot {
 
 template <class A>
-class VisibilitySolver : PieceCutter<A> {
+class VisibilitySolver : PieceDivider<A> {
  public:
   /// Starts one thread's work on the tubes of `candidate_facets`, which must outlive this work. The solver is
   /// reused from tube to tube and keeps its buffers.
-  void begin(const FacetMesh& mesh, GridPoint apex, const CandidateFacets& candidate_facets) {
+  void begin(const FacetMesh& mesh, GridPoint apex, CandidateFacets& candidate_facets) {
     mesh_ = &mesh;
     apex_ = apex;
     candidate_facets_ = &candidate_facets;
-    place_.assign(candidate_facets.facets().size(), absent);
-    folds_.assign(3 * candidate_facets.facets().size(), Fold::unknown);
   }
 
-  /// Computes one tube.
-  void run(const A& arithmetic, const VisibilityOptions& options, TubeVisibility& out) {
+  /// Computes the tubes of a run.
+  void run(const A& arithmetic, const VisibilityOptions& options, const TubesInPyramid& tubes,
+           std::span<TubeVisibility> out) {
     arithmetic_ = arithmetic;
     options_ = options;
-    out_ = &out;
     buffer_.clear();
     walls_.clear();
-    frame_ = GnomonicFrame({out.rays[0], out.rays[1], out.rays[2], out.rays[3]});
-    tube_ = make_tube_cone();
-    if constexpr (has_lanes)
-      for (std::size_t w = 0; w < 4; ++w)
-        wall_lanes_.set(w, buffer_[w].edge.plane->plane, buffer_[w].edge.sign);
-    gather();
-    out.candidates = facets_.size();
+    this->begin_tubes(tubes, out);
+    make_pyramid_cone();
+    gather(tubes.pyramid);
+    out.front().candidates = facets_.size();
     find_layers();
     const std::size_t mark = buffer_.size();
     for (std::uint32_t f = 0; f < facets_.size(); ++f) {
@@ -61,13 +56,15 @@ class VisibilitySolver : PieceCutter<A> {
       gather_hidden();
       find_open_water();
     }
+    this->end_tubes();
   }
 
  private:
-  using Base = PieceCutter<A>;
+  using Base = PieceDivider<A>;
   using Base::arithmetic_, Base::buffer_, Base::left_, Base::sides_, Base::flipped_, Base::has_lanes;
-  using Base::sides_of, Base::flip_sides, Base::clip_to, Base::take_away;
-  using typename Base::FourHalves;
+  using Base::frame_, Base::pyramid_, Base::first_ray_, Base::removed_;
+  using Base::sides_of, Base::flip_sides, Base::clip_to, Base::take_away, Base::plane_through, Base::ray;
+  using typename Base::FourHalves, typename Base::WallSides;
 
   enum class Hides { no, where_covered, where_nearer };
 
@@ -84,15 +81,6 @@ class VisibilitySolver : PieceCutter<A> {
     const FourHalves* lanes;  ///< of the halves; null until they are needed
   };
 
-  /// Sides of the tube's walls on which a facet's vertices lie: bit 3 w + k for vertex k strictly inside, or
-  /// outside, wall w.
-  struct WallSides {
-    std::uint16_t inside = 0, outside = 0;
-  };
-
-  enum class Fold : std::uint8_t { unknown, no, yes };
-  static constexpr std::uint32_t absent = 0xffffffffu;
-
   /// Maximum number of halvings of a facet's bounds. Smaller parts are not distinguishable with integer rays.
   static constexpr int deepest_split = 40;
 
@@ -100,36 +88,21 @@ class VisibilitySolver : PieceCutter<A> {
   static constexpr std::uint32_t crowd = 32;
   static constexpr std::size_t most_covering = 16;
 
-  ClipPlane<A> plane_through(PointId a, GridPoint pa, PointId b, GridPoint pb) const {
-    ClipPlane<A> plane;
-    if (a > b) {
-      std::swap(a, b);
-      std::swap(pa, pb);
-    }
-    plane.name = {a, b, false};
-    plane.points[0] = pa;
-    plane.points[1] = pb;
-    arithmetic_.through(plane.plane, pa, pb);
-    return plane;
-  }
-
   Half<A> wall(PointId a, PointId b) {
     ClipPlane<A>& plane = walls_.next();
-    plane = plane_through(a, out_->rays[a & ~ray_bit], b, out_->rays[b & ~ray_bit]);
+    plane = plane_through(a, ray(a), b, ray(b));
     return {&plane, a < b ? 1 : -1};
   }
 
-  PieceRange make_tube_cone() {
+  void make_pyramid_cone() {
     for (std::uint32_t k = 0; k < 4; ++k) {
-      const Half<A> edge = wall(ray_bit | k, ray_bit | (k + 1) % 4);
-      point_corner(arithmetic_, ray_bit | k, out_->rays[k], edge, buffer_.emplace_back());
+      const PointId id = ray_bit | (first_ray_ + k);
+      point_corner(arithmetic_, id, ray(id), pyramid_.halves[k], buffer_.emplace_back());
     }
-    return {0, 4};
   }
 
-  /// Selects the tube's facets from the candidate facets.
-  void gather() {
-    const auto& rays = out_->rays;
+  /// Selects the pyramid's facets from the candidate facets.
+  void gather(const std::array<GridPoint, 4>& rays) {
     const auto inwards = [&](int k) { return CandidateFacets::Wall(cross(rays[k], rays[(k + 1) % 4])); };
     const std::array<CandidateFacets::Wall, 4> walls{inwards(0), inwards(1), inwards(2), inwards(3)};
     facets_.clear();
@@ -137,7 +110,8 @@ class VisibilitySolver : PieceCutter<A> {
     sides_of_walls_.clear();
     const std::vector<RangedFacet>& all = candidate_facets_->facets();
     for (std::uint32_t f = 0; f < all.size(); ++f)
-      if (WallSides sides; candidate_facets_->admits(f, walls) && enters_tube(all[f].cone, sides)) {
+      if (WallSides sides;
+          candidate_facets_->admits(f, walls) && this->enters(all[f].cone, pyramid_, sides)) {
         gathered_.push_back(f);
         add_facet(all[f], sides);
       }
@@ -149,7 +123,8 @@ class VisibilitySolver : PieceCutter<A> {
   void gather_hidden() {
     RangedFacet facet;
     for (const FacetId id : candidate_facets_->hidden())
-      if (WallSides sides; FacetCone::make(*mesh_, id, apex_, facet.cone) && enters_tube(facet.cone, sides)) {
+      if (WallSides sides;
+          FacetCone::make(*mesh_, id, apex_, facet.cone) && this->enters(facet.cone, pyramid_, sides)) {
         facet.measure_ranges();
         add_facet(facet, sides);
       }
@@ -159,31 +134,6 @@ class VisibilitySolver : PieceCutter<A> {
   void add_facet(const RangedFacet& facet, WallSides sides) {
     facets_.emplace_back(facet).place(frame_);
     sides_of_walls_.push_back(sides);
-  }
-
-  /// Returns false if the facet has no vertex strictly inside some wall of the tube. Exact.
-  bool enters_tube(const FacetCone& cone, WallSides& sides) const {
-    [[maybe_unused]] std::array<unsigned, 3> at_a_glance{};
-    if constexpr (has_lanes)
-      for (unsigned k = 0; k < 3; ++k) at_a_glance[k] = arithmetic_.double_sides(cone.point[k], wall_lanes_);
-    for (unsigned w = 0; w < 4; ++w) {
-      const Half<A> half = buffer_[w].edge;
-      unsigned inside = 0, outside = 0;
-      for (unsigned k = 0; k < 3; ++k) {
-        if (const unsigned seen = at_a_glance[k] >> w & 0x11u) {
-          inside |= (seen & 1u) << k;
-          outside |= (seen >> 4) << k;
-          continue;
-        }
-        const int s = half.sign * arithmetic_.side(cone.point[k], half.plane->plane);
-        inside |= static_cast<unsigned>(s > 0) << k;
-        outside |= static_cast<unsigned>(s < 0) << k;
-      }
-      if (inside == 0) return false;
-      sides.inside = static_cast<std::uint16_t>(sides.inside | inside << 3 * w);
-      sides.outside = static_cast<std::uint16_t>(sides.outside | outside << 3 * w);
-    }
-    return true;
   }
 
   FacetPlanes& planes_of(std::uint32_t f) {
@@ -212,30 +162,10 @@ class VisibilitySolver : PieceCutter<A> {
   }
 
   void find_layers() {
-    const auto count = static_cast<std::uint32_t>(facets_.size());
-    const EdgeRings& rings = candidate_facets_->rings();
-    neighbours_.assign(count, Neighbours{silhouette, silhouette, silhouette});
-    crowded_.assign(count, 0);
-    for (std::uint32_t f = 0; f < count; ++f) place_[gathered_[f]] = f;
-    for (std::uint32_t f = 0; f < count; ++f)
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t half_edge = 3 * gathered_[f] + k;
-        std::uint32_t others = 0, mate = half_edge;
-        for (std::uint32_t h = rings.next(half_edge); h != half_edge && others < crowd; h = rings.next(h))
-          if (place_[h / 3] != absent) {
-            ++others;
-            mate = h;
-          }
-        if (others == crowd) crowded_[f] = 1;
-        // An edge of three facets is a silhouette of each.
-        if (others == 0) {
-          if (edge_is_outside(f, k)) neighbours_[f][k] = outside_tube;
-        } else if (others == 1 && mate > half_edge && unfolded(half_edge, mate)) {
-          neighbours_[f][k] = static_cast<std::int32_t>(place_[mate / 3]);
-          neighbours_[place_[mate / 3]][mate % 3] = static_cast<std::int32_t>(f);
-        }
-      }
-    for (const std::uint32_t f : gathered_) place_[f] = absent;
+    candidate_facets_->find_neighbours(gathered_, crowd, neighbours_, crowded_);
+    for (std::uint32_t f = 0; f < facets_.size(); ++f)
+      for (std::uint32_t k = 0; k < 3; ++k)
+        if (neighbours_[f][k] == silhouette && edge_is_outside(f, k)) neighbours_[f][k] = outside_tube;
     grid_.build(frame_, facets_, neighbours_);
   }
 
@@ -246,38 +176,24 @@ class VisibilitySolver : PieceCutter<A> {
     return false;
   }
 
-  /// Returns whether the facets of two half-edges of one edge lie on opposite sides of the edge's plane.
-  /// Exact.
-  bool unfolded(std::uint32_t half_edge, std::uint32_t mate) {
-    if (folds_[half_edge] == Fold::unknown || candidate_facets_->rings().next(mate) != half_edge)
-      folds_[half_edge] = are_unfolded(half_edge, mate) ? Fold::no : Fold::yes;
-    return folds_[half_edge] == Fold::no;
-  }
-
-  bool are_unfolded(std::uint32_t half_edge, std::uint32_t mate) const {
-    // The first facet lies on the positive side of its edge's plane. The other one must lie on the negative
-    // side.
-    const FacetCone &cone = candidate_facets_->facets()[half_edge / 3].cone,
-                    &other = candidate_facets_->facets()[mate / 3].cone;
-    const std::uint32_t k = half_edge % 3, next = (k + 1) % 3;
-    typename A::Plane plane;
-    arithmetic_.through(plane, cone.point[k], cone.point[next]);
-    return arithmetic_.side(other.point[(mate % 3 + 2) % 3], plane) < 0;
-  }
-
-  /// Computes the facet's cone within the tube. Returns false if nothing with an interior is left.
-  bool facet_in_tube(std::uint32_t f, PieceRange& piece) {
+  PieceRange cone_of(std::uint32_t f) {
     const FacetCone& cone = facets_[f].cone;
     const FacetPlanes& planes = planes_of(f);
-    piece = {static_cast<std::uint32_t>(buffer_.size()), 3};
+    const PieceRange piece{static_cast<std::uint32_t>(buffer_.size()), 3};
     for (int k = 0; k < 3; ++k)
       point_corner(arithmetic_, cone.vertex[k], cone.point[k], planes.halves[k], buffer_.emplace_back());
+    return piece;
+  }
+
+  /// Computes the facet's cone within the pyramid. Returns false if nothing with an interior is left.
+  bool facet_in_pyramid(std::uint32_t f, PieceRange& piece) {
+    piece = cone_of(f);
     const WallSides& sides = sides_of_walls_[f];
     bool whole = true;
-    for (std::uint32_t w = 0; w < tube_.count; ++w) {
+    for (std::uint32_t w = 0; w < 4; ++w) {
       const unsigned inside = sides.inside >> 3 * w & 7u, outside = sides.outside >> 3 * w & 7u;
       if (outside == 0) continue;
-      const Half<A> wall = buffer_[tube_.first + w].edge;
+      const Half<A> wall = pyramid_.halves[w];
       if (whole) {
         std::array<int, 3> known;
         for (unsigned k = 0; k < 3; ++k) known[k] = int(inside >> k & 1u) - int(outside >> k & 1u);
@@ -292,27 +208,26 @@ class VisibilitySolver : PieceCutter<A> {
   }
 
   void see_facet(std::uint32_t f) {
-    if (grid_.is_hidden(f)) return;
+    if (grid_.is_hidden(f) || !this->find_tubes(facets_[f])) return;
+    const FacetCone& cone = facets_[f].cone;
     const bool whole = sides_of_walls_[f].outside == 0;
     PieceRange piece;
-    if (!whole && !facet_in_tube(f, piece)) return;
+    if (!whole && this->is_single() && !facet_in_pyramid(f, piece)) return;
     find_occluders(f);
-    if (whole) {
-      // This is the case for most facets of a seabed; it needs no planes.
-      if (list_.empty()) return emit_whole(facets_[f].cone);
-      facet_in_tube(f, piece);
+    if (list_.empty()) {
+      // This is the case for most facets of a seabed; it needs no planes unless a wall of a tube cuts.
+      if (this->is_single() ? whole : this->is_whole_in_tubes()) return this->emit_whole(cone);
+      return this->emit(cone.id, this->is_single() ? piece : cone_of(f));
     }
+    if ((whole || !this->is_single()) && !facet_in_pyramid(f, piece)) return;
     depth_planes_.clear();
-    const auto first_occluder = static_cast<std::ptrdiff_t>(out_->occluders.size());
     target_ = f;
-    const Bounds tube = frame_.tube(), own = facets_[f].bounds;
+    const Bounds pyramid = frame_.tube(), own = facets_[f].bounds;
     carve(piece, 0, list_.size(),
-          {std::max(tube.x0, own.x0), std::min(tube.x1, own.x1), std::max(tube.y0, own.y0),
-           std::min(tube.y1, own.y1)},
+          {std::max(pyramid.x0, own.x0), std::min(pyramid.x1, own.x1), std::max(pyramid.y0, own.y0),
+           std::min(pyramid.y1, own.y1)},
           0);
-    const auto begin = out_->occluders.begin() + first_occluder;
-    std::sort(begin, out_->occluders.end());
-    out_->occluders.erase(std::unique(begin, out_->occluders.end()), out_->occluders.end());
+    this->sort_occluders(cone.id);
   }
 
   /// Writes the facets that can hide a part of this facet to list_. Only these need to be subtracted.
@@ -361,7 +276,8 @@ class VisibilitySolver : PieceCutter<A> {
     target_ = none;
     list_.clear();
     for (std::uint32_t f = 0; f < facets_.size(); ++f) list_.push_back({f, Hides::where_covered});
-    carve(tube_, 0, list_.size(), frame_.tube(), 0);
+    this->take_all_tubes();
+    carve({0, 4}, 0, list_.size(), frame_.tube(), 0);
   }
 
   /// Subtracts the facets list_[begin, end) from a piece. If the facets are many and spread over the piece,
@@ -372,6 +288,7 @@ class VisibilitySolver : PieceCutter<A> {
         split(piece, begin, end, box, depth))
       return;
     left_.begin(piece);
+    removed_.clear();
     for (std::size_t k = begin; k < end && !left_.empty(); ++k) {
       stop_if_wanted();
       const auto [o, how] = list_[k];
@@ -390,32 +307,30 @@ class VisibilitySolver : PieceCutter<A> {
           lanes = &depth_lanes_;
         }
       }
-      if (take_away({&facets_[o], halves.data(), count, lanes}) && target_ != none)
-        out_->occluders.emplace_back(facets_[target_].cone.id, facets_[o].cone.id);
+      take_away({&facets_[o], halves.data(), count, lanes});
     }
-    left_.each([this](PieceRange left) {
-      emit(target_ == none ? out_->open : out_->pieces, target_ == none ? no_point : facets_[target_].cone.id,
-           left);
-    });
+    if (target_ == none) return left_.each([this](PieceRange left) { this->emit_open(left); });
+    const FacetId facet = facets_[target_].cone.id;
+    left_.each([this, facet](PieceRange left) { this->emit(facet, left); });
+    this->emit_occluders(facet);
   }
 
   bool split(PieceRange piece, std::size_t begin, std::size_t end, Bounds box, int depth) {
-    const std::size_t corner_mark = buffer_.size(), list_mark = list_.size(), ray_mark = out_->rays.size();
+    const std::size_t corner_mark = buffer_.size(), list_mark = list_.size();
     const bool across = box.x1 - box.x0 >= box.y1 - box.y0;
     const double xm = (box.x0 + box.x1) / 2, ym = (box.y0 + box.y1) / 2;
-    const auto ray = [&](double x, double y) {
-      out_->rays.push_back(integer_ray(frame_.direction({x, y})));
-      return ray_bit | static_cast<PointId>(out_->rays.size() - 1);
+    const auto corner_ray = [&](double x, double y) {
+      return this->add_ray(integer_ray(frame_.direction({x, y})));
     };
-    const PointId a = across ? ray(xm, box.y0) : ray(box.x0, ym),
-                  b = across ? ray(xm, box.y1) : ray(box.x1, ym);
+    const PointId a = across ? corner_ray(xm, box.y0) : corner_ray(box.x0, ym),
+                  b = across ? corner_ray(xm, box.y1) : corner_ray(box.x1, ym);
     const auto undo = [&] {
       buffer_.resize(corner_mark);
       list_.resize(list_mark);
-      out_->rays.resize(ray_mark);
+      this->drop_rays(a);
       return false;
     };
-    if (out_->rays[a & ~ray_bit] == out_->rays[b & ~ray_bit]) return undo();
+    if (ray(a) == ray(b)) return undo();
     const Half<A> half = wall(a, b), other{half.plane, -half.sign};
 
     where_.clear();
@@ -493,37 +408,12 @@ class VisibilitySolver : PieceCutter<A> {
     }
   }
 
-  void emit(std::vector<NamedPiece>& pieces, FacetId facet, PieceRange piece) {
-    pieces.push_back({facet, static_cast<std::uint32_t>(out_->corners.size()), piece.count});
-    for (std::uint32_t k = 0; k < piece.count; ++k) {
-      const ClipCorner<A>& c = buffer_[piece.first + k];
-      CornerName name;
-      name.point = c.point;
-      if (c.point == no_point) {
-        name.p = c.p.plane->name;
-        name.q = c.q.plane->name;
-        name.sign = c.p.sign * c.q.sign;
-      }
-      out_->corners.push_back(name);
-    }
-  }
-
-  void emit_whole(const FacetCone& cone) {
-    out_->pieces.push_back({cone.id, static_cast<std::uint32_t>(out_->corners.size()), 3});
-    for (const VertexId vertex : cone.vertex) out_->corners.emplace_back().point = vertex;
-  }
-
   static constexpr std::uint32_t none = 0xffffffffu;
 
   const FacetMesh* mesh_ = nullptr;
   GridPoint apex_;
-  const CandidateFacets* candidate_facets_ = nullptr;
-  std::vector<std::uint32_t> place_;  ///< per candidate facet: its index in facets_, or absent
-  std::vector<Fold> folds_;           ///< per half-edge of the candidate facets
+  CandidateFacets* candidate_facets_ = nullptr;
   VisibilityOptions options_;
-  TubeVisibility* out_ = nullptr;
-  GnomonicFrame frame_;
-  PieceRange tube_;
   std::uint32_t target_ = none;  ///< current facet; none: the unobstructed region
   std::vector<FramedFacet> facets_;
   std::vector<WallSides> sides_of_walls_;  ///< per facet
@@ -537,7 +427,7 @@ class VisibilitySolver : PieceCutter<A> {
   std::vector<std::pair<double, std::uint32_t>> largest_first_;
   std::vector<std::uint8_t> covered_;    ///< per place in list_
   std::vector<std::uint32_t> covering_;  ///< numbers of facets
-  FourHalves wall_lanes_, depth_lanes_;  ///< of the tube; of the current occluder with its depth plane
+  FourHalves depth_lanes_;               ///< of the current occluder with its depth plane
   ReusedList<FourHalves> lanes_;         ///< of occluders
   LayerGrid grid_;
   std::vector<std::uint32_t> candidates_;

@@ -25,12 +25,6 @@ bool is_solid(const Cone& cone) {
   return false;
 }
 
-std::array<GridPoint, 4> rays_of(const TubeSet& tubes, std::uint32_t tube) {
-  std::array<GridPoint, 4> rays{};
-  for (std::size_t k = 0; k < 4; ++k) rays[k] = tubes.rays[tubes.tubes[tube][k]];
-  return rays;
-}
-
 // Laws K1, K2 and K3.
 TEST(GnomonicFilters, WhatIsSureIsSo) {
   std::size_t apart = 0, covered = 0, inside = 0, outside = 0;
@@ -93,7 +87,9 @@ TEST(CandidateFacets, RefusesOnlyFacetsThatAWallHasNoVertexOf) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
       const SceneTree tree(scene.mesh);
       const auto tubes = static_cast<std::uint32_t>(scene.tubes.tubes.size());
-      if (!candidate_facets.gather(scene.mesh, tree, scene.tubes, 0, tubes)) continue;
+      const auto pyramid = enclosing_pyramid(scene.tubes, 0, tubes);
+      if (!pyramid) continue;
+      candidate_facets.gather(scene.mesh, tree, scene.tubes.apex, scene.tubes.reach, *pyramid, false);
       for (std::uint32_t t = 0; t < tubes; ++t) {
         const std::array<GridPoint, 4> rays = rays_of(scene.tubes, t);
         const auto normal = [&](std::size_t k) { return cross(rays[k], rays[(k + 1) % 4]); };

@@ -29,6 +29,7 @@
 #include "pure_embree.hpp"
 #include "refraction_figures.hpp"
 #include "relief_figures.hpp"
+#include "scaling_figures.hpp"
 #include "survey_figures.hpp"
 #include "terrain.hpp"
 #include "timing.hpp"
@@ -119,6 +120,7 @@ int main(int, char** argv) {
   };
   survey_figures(figure);
   relief_figures(figure);
+  scaling_figures(figure);
   // Gives the correct topology on this terrain; validation/performance.md.
   constexpr double tuned_tolerance = 1e-14;
   {

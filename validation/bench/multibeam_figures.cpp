@@ -34,19 +34,27 @@ double seconds_of_a_line(const Survey& survey, const fs::path& folder) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-}  // namespace
-
-void multibeam_figures(const std::function<void(const std::string& name, double value)>& figure) {
-  SceneDescription description = read_scene_file(fs::path(TUBEFOOT_SCENES) / "multibeam/real-grid.toml");
+/// Median of three runs of the first pings of a scene, with their files.
+double median_seconds(const char* scene) {
+  SceneDescription description = read_scene_file(fs::path(TUBEFOOT_SCENES) / scene);
   description.sensors.front().pings = pings;
   const auto survey = open_survey(description);
-  const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
   const fs::path folder = fs::temp_directory_path() / "tubefoot-bench-multibeam";
   std::array<double, 3> seconds;
   for (double& s : seconds) s = seconds_of_a_line(*survey, folder);
   fs::remove_all(folder);
   std::ranges::sort(seconds);
-  figure("mbes_pings_per_s", pings / seconds[1]);
+  return seconds[1];
+}
+
+}  // namespace
+
+void multibeam_figures(const std::function<void(const std::string& name, double value)>& figure) {
+  const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
+  figure("mbes_pings_per_s", pings / median_seconds("multibeam/real-grid.toml"));
+  const auto real_time = read_scene_file(fs::path(TUBEFOOT_SCENES) / "multibeam/real-time.toml");
+  figure("multibeam_real_time_factor",
+         pings * real_time.sensors.front().ping_interval_s / median_seconds("multibeam/real-time.toml"));
 }
 
 }  // namespace tubefoot

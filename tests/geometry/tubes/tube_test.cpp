@@ -221,5 +221,54 @@ TEST(AppendTubes, TheNarrowestCellsThatAreTakenAreExactPyramids) {
   expect_inward_walls(set);
 }
 
+// Law B5.
+TEST(EnclosingPyramid, HasAllRaysStrictlyInside) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> share(0, 1);
+  std::size_t enclosed = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const int columns = 1 + trial % 40, rows = 1 + trial % 3;
+    AngularGrid grid = sector(1 + 60 * share(random), columns, 1 + 50 * share(random), rows);
+    grid.frame = grid.frame * glm::dmat3(glm::mat3_cast(glm::normalize(glm::dquat(
+                                  share(random) - 0.5, share(random), share(random), share(random)))));
+    TubeSet set;
+    append_tubes(set, grid);
+    const auto first = static_cast<std::uint32_t>(share(random) * double(set.tubes.size() - 1));
+    const auto pyramid = enclosing_pyramid(set, first, static_cast<std::uint32_t>(set.tubes.size()));
+    if (!pyramid) continue;
+    ++enclosed;
+    for (std::size_t t = first; t < set.tubes.size(); ++t)
+      for (const std::uint32_t ray : set.tubes[t])
+        for (std::size_t k = 0; k < 4; ++k)
+          EXPECT_GT(determinant((*pyramid)[k], (*pyramid)[(k + 1) % 4], set.rays[ray]), 0)
+              << "trial " << trial << ", tube " << t << ", wall " << k;
+  }
+  EXPECT_GT(enclosed, 150u);
+}
+
+TEST(EnclosingPyramid, IsTight) {
+  TubeSet set;
+  append_tubes(set, sector(4, 32, 20, 1));
+  const auto pyramid = enclosing_pyramid(set, 0, 32);
+  ASSERT_TRUE(pyramid);
+  const auto solid_angle = [](GridPoint a, GridPoint b, GridPoint c, GridPoint d) {
+    return double(triangle_solid_angle(a, b, c) + triangle_solid_angle(a, c, d));
+  };
+  double tubes = 0;
+  for (const Tube& t : set.tubes)
+    tubes += solid_angle(set.rays[t[0]], set.rays[t[1]], set.rays[t[2]], set.rays[t[3]]);
+  const double whole = solid_angle((*pyramid)[0], (*pyramid)[1], (*pyramid)[2], (*pyramid)[3]);
+  EXPECT_GT(whole, tubes);
+  EXPECT_LT(whole, 1.02 * tubes);
+}
+
+TEST(EnclosingPyramid, OfTubesInAllDirectionsDoesNotExist) {
+  TubeSet turn;
+  append_tubes(turn, sector(360, 12, 20, 1));
+  EXPECT_FALSE(enclosing_pyramid(turn, 0, 12));
+  EXPECT_TRUE(enclosing_pyramid(turn, 0, 2));
+  EXPECT_FALSE(enclosing_pyramid(turn, 3, 4)) << "a single tube is its own pyramid";
+}
+
 }  // namespace
 }  // namespace tubefoot

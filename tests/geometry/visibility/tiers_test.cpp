@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
+#include <span>
 #include <type_traits>
 
 #include "fixtures/geometry/grid_scenes.hpp"
@@ -107,15 +109,15 @@ Tiers tiers_of(const FacetMesh& mesh, const TubeSet& tubes) {
   CandidateFacets candidate_facets;
   TubeVisibility seen;
   for (std::uint32_t t = 0; t < tubes.tubes.size(); ++t) {
-    seen.clear();
-    for (const std::uint32_t ray : tubes.tubes[t]) seen.rays.push_back(tubes.rays[ray]);
-    EXPECT_TRUE(candidate_facets.gather(mesh, tree, tubes, t, t + 1)) << "a single tube always gathers";
+    const std::array<GridPoint, 4> rays = rays_of(tubes, t);
+    const TubesInPyramid tube{rays, std::span(&rays, 1)};
+    candidate_facets.gather(mesh, tree, tubes.apex, tubes.reach, rays, false);
     solver.begin(mesh, tubes.apex, candidate_facets);
     if constexpr (std::is_same_v<A, FilteredArithmetic>) {
       const FilteredArithmetic::Guard guard;
-      solver.run(arithmetic, options, seen);
+      solver.run(arithmetic, options, tube, std::span(&seen, 1));
     } else {
-      solver.run(arithmetic, options, seen);
+      solver.run(arithmetic, options, tube, std::span(&seen, 1));
     }
   }
   return tiers;
