@@ -16,10 +16,10 @@ class EdgeRings {
  public:
   void build(const std::vector<RangedFacet>& facets);
 
-  /// Computes the neighbours of the facets `chosen` of the list, in the order of `chosen`, and whether at
-  /// least `crowd` other facets share an edge of each. Two facets are neighbours if they alone have the edge
-  /// and lie on opposite sides of its plane through the apex. All corners turn the same way, so this is the
-  /// case if they pass through the edge in opposite directions.
+  /// Computes the neighbours of the facets `chosen` of the list, in the order of `chosen`. A facet is crowded
+  /// if at least `crowd` other facets share one of its edges. Two facets are neighbours if they alone have an
+  /// edge and lie on opposite sides of its plane through the apex. All corners turn the same way, so this is
+  /// the case if they pass through the edge in opposite directions.
   void find_neighbours(const std::vector<RangedFacet>& facets, const std::vector<std::uint32_t>& chosen,
                        std::uint32_t crowd, std::vector<Neighbours>& neighbours,
                        std::vector<std::uint8_t>& crowded);

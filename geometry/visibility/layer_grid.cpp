@@ -182,8 +182,8 @@ int LayerGrid::place_of(const FramedFacet& facet, glm::dvec2 p) const {
 }
 
 double LayerGrid::farthest_in(std::uint32_t f, const Directions& corners) const {
-  // The distance of a plane along a direction is the quotient of a convex and a positive linear function of
-  // the position in the gnomonic plane. It is therefore largest at a corner of the cell.
+  // The distance of a plane is the quotient of a convex and a positive linear function of the position in the
+  // gnomonic plane. It is therefore largest at a corner of the cell.
   const FacetCone& cone = (*facets_)[f].cone;
   const glm::dvec3 normal(cone.normal.x, cone.normal.y, cone.normal.z);
   const double offset = static_cast<double>(cone.offset), length = glm::length(normal);

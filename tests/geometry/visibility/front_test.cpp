@@ -11,8 +11,8 @@
 #include "fixtures/geometry/looks.hpp"
 #include "geometry/visibility/candidate_facets.hpp"
 
-// Tests that the front of a pyramid rejects only boxes of facets that no tube sees, and that a search with
-// the front changes no visible region.
+// Tests that the front of a pyramid rejects only boxes of facets that no tube sees. A search with the front
+// changes no visible region.
 namespace tubefoot {
 namespace {
 
