@@ -65,8 +65,10 @@ void CandidateFacets::gather(const FacetMesh& mesh, const SceneTree& tree, GridP
   const HeightFields* sheets = tree.height_fields();
   if (sheets) sheets->look(mesh, tree, apex, rays, walls, reach, sheets_);
   candidates_.clear();
-  const std::size_t all = only_front ? tree.count(apex, walls, reach) : 0;
-  if (all < first_front * all_over_front) {
+  constexpr std::size_t fewest = first_front * all_over_front;
+  const bool may_be_many = only_front && mesh.facets.size() >= fewest;
+  const std::size_t all = may_be_many ? tree.count(apex, walls, reach) : 0;
+  if (all < fewest) {
     tree.query(apex, walls, reach, candidates_);
     return make_facets(mesh, sheets, apex, reach);
   }
