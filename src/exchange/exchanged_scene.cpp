@@ -28,8 +28,7 @@ std::string stem_of(const std::string& name, std::set<std::string>& taken) {
   return unique;
 }
 
-std::vector<ExchangedPiece> pieces_of(const Scene& scene) {
-  const FacetMesh& mesh = scene.mesh;
+std::vector<ExchangedPiece> pieces_of(const Scene& scene, const FacetMesh& mesh) {
   std::map<std::pair<std::uint16_t, std::uint16_t>, std::vector<FacetId>> facets;
   std::map<std::uint16_t, std::set<std::uint16_t>> materials;
   for (FacetId f = 0; f < mesh.facets.size(); ++f) {
@@ -68,6 +67,14 @@ std::vector<ExchangedPiece> pieces_of(const Scene& scene) {
     pieces.push_back(std::move(piece));
   }
   return pieces;
+}
+
+/// Returns the pieces of a scene that is loaded completely, with its moving objects at a time.
+std::vector<ExchangedPiece> pieces_at(const Scene& scene, double time_s) {
+  if (scene.moving.empty()) return pieces_of(scene, scene.mesh);
+  FacetMesh moved = scene.mesh;
+  place_moving(scene, time_s, moved);
+  return pieces_of(scene, moved);
 }
 
 ExchangedSonar sonar_of(const Survey& survey, std::size_t index, std::size_t ping) {
@@ -137,7 +144,7 @@ std::vector<std::string> left_out(const Survey& survey, const std::vector<std::s
     out.push_back("the sound speed profile; rays are straight, with the sound speed at the sonar");
   if (moving_sea_surface_of(survey.scene) != nullptr)
     out.push_back(
-        "the motion and the reflections of the sea surface; its facets are those of the first ping");
+        "the motion and the reflections of the sea surface; its facets are those of the exported ping");
   else if (description.sea_surface)
     out.push_back("the sea surface and its reflections");
   if (description.paths.order > 1 || description.paths.scatterings > 1)
@@ -186,10 +193,20 @@ ExchangedScene exchanged_scene(const Survey& survey, const std::optional<std::st
   for (const MaterialDescription& material : survey.scene.description.materials)
     scene.materials.push_back({material.name, material.lambert_db});
   scene.sound_speed_m_s = survey.scene.sound_speed_m_s;
-  scene.pieces = survey.scene.tiled.empty() ? pieces_of(survey.scene)
-                                            : pieces_of(with_tiles(survey.scene, all_tiles(survey.scene)));
+  const double time_s =
+      chosen.empty() ? survey.scene.first_ping_s : survey.sensors[chosen.front()].times_s.at(ping);
+  scene.pieces = survey.scene.tiled.empty()
+                     ? pieces_at(survey.scene, time_s)
+                     : pieces_at(with_tiles(survey.scene, all_tiles(survey.scene)), time_s);
   for (const std::size_t k : chosen) scene.sonars.push_back(sonar_of(survey, k, ping));
   scene.left_out = left_out(survey, chosen);
+  if (!survey.scene.moving.empty() && std::ranges::any_of(chosen, [&](std::size_t k) {
+        return survey.sensors[k].times_s.at(ping) != time_s;
+      }))
+    scene.left_out.push_back(fmt::format(
+        "the places of moving objects at the pings of other sensors; they are at {:.9g} s, the time "
+        "of the ping of sensor '{}', unless you export one sensor with --sensor",
+        time_s, scene.sonars.front().name));
   if (std::ranges::any_of(scene.sonars, [&](const ExchangedSonar& sonar) {
         return sonar.absorption_db_per_km != scene.sonars.front().absorption_db_per_km;
       }))

@@ -46,7 +46,8 @@ struct ExchangedSonar : SonarOutline {
   Placement placement;  ///< pose of its fan: `own`, or `own` turned to look down
 };
 
-/// A scene for export: facets, their materials, and the sonars at one ping.
+/// A scene for export: facets, their materials, and the sonars at one ping. Moving objects are at the time of
+/// this ping of the first sonar.
 struct ExchangedScene {
   std::string title;
   std::size_t ping = 0;

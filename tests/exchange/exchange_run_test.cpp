@@ -26,6 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr std::string_view seabed = R"(title = "Box, wall & ball"
 [water]
@@ -289,6 +290,38 @@ TEST_F(Exchange, TellsWhatCannotGoOut) {
        {"scattering model 'sediment'", "beam patterns", "sea surface", "cannot describe sonars"})
     EXPECT_THAT(said, HasSubstr(what));
   EXPECT_THAT(bytes_of(folder / "obj/README.txt"), HasSubstr("scattering model 'sediment'"));
+}
+
+TEST_F(Exchange, PlacesMovingObjectsAtTheExportedPing) {
+  std::string scene = scene_with("imaging") + "pings = 3\nping_interval_s = 0.5\ntrajectory = \"sonar\"\n";
+  const std::string trajectory = "[trajectory]\n", heading = "heading_deg = 33\n";
+  scene.replace(scene.find(heading), heading.size(), heading + "trajectory = \"path\"\n");
+  scene.replace(
+      scene.find(trajectory), trajectory.size(),
+      "[[trajectories]]\nname = \"path\"\nkind = \"line\"\nstart_m = [-1, 0, 0]\nend_m = [3, 0, 0]\n"
+      "speed_m_s = 0.5\n[[trajectories]]\nname = \"sonar\"\n");
+  folder.write("scene.toml", scene);
+  const auto survey = open_survey(read_scene_file(folder / "scene.toml"));
+  const ExchangedScene first = exchanged_scene(*survey, {}, 0), last = exchanged_scene(*survey, {}, 2);
+  ASSERT_EQ(first.pieces.size(), last.pieces.size());
+  for (std::size_t k = 0; k < first.pieces.size(); ++k) {
+    const ExchangedPiece &before = first.pieces[k], &after = last.pieces[k];
+    ASSERT_EQ(before.points_m.size(), after.points_m.size());
+    // The time between the pings is 1 s. The object moves by a vector of the grid.
+    const glm::dvec3 moved{before.name == "a box" ? 0.5 : 0.0, 0, 0};
+    for (std::size_t v = 0; v < before.points_m.size(); ++v)
+      for (int axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(after.points_m[v][axis], before.points_m[v][axis] + moved[axis], 1e-12) << before.name;
+  }
+  // Objects have one place per export, also if the pings of two sensors differ.
+  folder.write("late.toml",
+               scene + "[[sensors]]\nname = \"late\"\ntrajectory = \"sonar\"\nfirst_ping_s = 0.25\n" +
+                   sonars.at("imaging"));
+  EXPECT_THAT(
+      done({"export", name("late.toml"), "--to", "obj", "-o", name("both")}),
+      HasSubstr("left out: the places of moving objects at the pings of other sensors; they are at 0 s"));
+  EXPECT_THAT(done({"export", name("late.toml"), "--to", "obj", "--sensor", "late", "-o", name("one")}),
+              Not(HasSubstr("moving objects")));
 }
 
 TEST_F(Exchange, RefusesPingsAndSensorsThatAreNotThere) {
