@@ -17,7 +17,14 @@
 namespace tubefoot {
 namespace {
 
-constexpr double axis_tolerance_deg = 1e-3, sample_share = 0.01;
+constexpr double axis_tolerance_deg = 1e-3, sample_share = 0.01, beam_share = 0.01;
+
+bool near(const Bins& a, const Bins& b, double tolerance) {
+  if (a.count() != b.count()) return false;
+  for (std::size_t k = 0; k < a.count(); ++k)
+    if (!(std::abs(a.centres[k] - b.centres[k]) <= tolerance)) return false;
+  return true;
+}
 
 Bins even_bins(double first, double last, std::size_t count) {
   std::vector<double> edges;
@@ -78,6 +85,14 @@ Bins tangent_bins(const Bins& reference, std::size_t count, std::size_t views) {
   return bins;
 }
 
+/// Returns whether the reference has the columns of this number of views as its beams. The sector of listed
+/// beams is wider than that of the columns, because a list of axes does not contain the outer borders.
+bool has_views(const Bins& reference, std::size_t count, std::size_t views) {
+  const double beam = (reference.edges.back() - reference.edges.front()) / static_cast<double>(count);
+  return count == reference.count() &&
+         near(tangent_bins(reference, count, views), reference, beam_share * beam);
+}
+
 std::vector<double> listed_azimuths(const std::string& file) {
   std::vector<double> azimuths;
   constexpr std::string_view columns[] = {"azimuth_deg"};
@@ -109,10 +124,17 @@ Bins beam_bins(std::size_t count, const AxesOfFile& file, const Bins& reference,
     bins = even_bins(reference.edges.front(), reference.edges.back(), count);
     from = "equiangular over the sector of the reference";
   } else if (word == "tangent" || word.starts_with("tangent:")) {
-    const std::size_t views = views_of(word, reference.edges.back() - reference.edges.front(), count);
-    bins = tangent_bins(reference, count, views);
-    from =
-        fmt::format("equidistant in {} view{} over the sector of the reference", views, views > 1 ? "s" : "");
+    const double width = reference.edges.back() - reference.edges.front(),
+                 beam = width / static_cast<double>(count);
+    std::size_t views = views_of(word, width, count);
+    // With a largest width, the wider sector of listed beams may appear to need another view.
+    if (const std::size_t fewer = views_of(word, width - beam, count);
+        fewer < views && has_views(reference, count, fewer))
+      views = fewer;
+    const bool same = has_views(reference, count, views);
+    bins = same ? reference : tangent_bins(reference, count, views);
+    from = fmt::format("equidistant in {} view{}, {}", views, views > 1 ? "s" : "",
+                       same ? "as the beams of the reference" : "over the sector of the reference");
   } else if (word.ends_with(".csv")) {
     bins = bins_about(listed_azimuths(word));
     from = "from " + word;
@@ -190,13 +212,6 @@ std::vector<std::vector<Overlap>> parts_of(const Bins& from, const Bins& to) {
     }
   }
   return parts;
-}
-
-bool near(const Bins& a, const Bins& b, double tolerance) {
-  if (a.count() != b.count()) return false;
-  for (std::size_t k = 0; k < a.count(); ++k)
-    if (!(std::abs(a.centres[k] - b.centres[k]) <= tolerance)) return false;
-  return true;
 }
 
 /// Derives the edges of beams that are equidistant in the tangent of their azimuth from these tangents. The

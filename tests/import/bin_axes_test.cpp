@@ -40,6 +40,25 @@ TEST(Azimuths, OfViewsAreEquidistantInEach) {
   EXPECT_EQ(azimuths_of("tangent", 11), azimuths_of("tangent:1", 11));
 }
 
+TEST(Azimuths, OfViewsAreThoseOfAReferenceThatListsThem) {
+  // A list of axes has no outer borders, so that its sector is wider than 3 views of 20 degrees.
+  for (const std::size_t beams : {12U, 96U, 300U}) {
+    const BinAxes reference{bins_about(azimuths_of("tangent:3", beams)), bin_intervals({1, 2})};
+    ASSERT_GT(reference.beams.edges.back(), 30) << beams;
+    std::vector<std::string> told;
+    for (const char* words : {"tangent:20deg", "tangent:3"}) {
+      ImportOptions options;
+      options.azimuths = words;
+      EXPECT_EQ(picture_axes(beams, 1, {}, reference, options, told).beams.centres, reference.beams.centres)
+          << words << " " << beams;
+    }
+    // Four views are other columns, and two views are wider than 20 degrees.
+    ImportOptions four;
+    four.azimuths = "tangent:4";
+    EXPECT_NE(picture_axes(beams, 1, {}, reference, four, told).beams.centres, reference.beams.centres);
+  }
+}
+
 TEST(Azimuths, OfInvalidViewsAreErrors) {
   for (const char* words : {"tangent:", "tangent:0", "tangent:-2", "tangent:1.5", "tangent:x", "tangent:3x",
                             "tangent:0deg", "tangent:13", "tangent:1e-300deg", "tangent:nan", "tangent:inf"})

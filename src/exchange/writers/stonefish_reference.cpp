@@ -140,8 +140,8 @@ void add_stonefish_reference(const ExchangedScene& scene, const std::vector<std:
       "each row of a picture at the height v from 0 to 1, the taper is the product of two cubic steps, "
       "from 0 to 0.2 and from 1 to 0.8. In this folder, 'tubefoot run fls-reference.toml -o reference' "
       "and 'tubefoot run fls-angles.toml -o angles' compute the reference. Import pictures with --like "
-      "reference/echoes.nc --profile stonefish --output-model fls-output-model.toml, and compare with the "
-      "same output model");
+      "reference/echoes.nc --profile stonefish --output-model fls-output-model.toml, and 8-bit pictures also "
+      "with --scale 8bit. Compare with the same output model");
   written.notes.push_back(
       "fls-output-model.toml approximates two properties: the rows of a picture are equidistant, so "
       "samples near its upper and lower border weigh less in the mean, and the taper depends on the "
