@@ -64,6 +64,15 @@ def test_page_shows_each_scene_without_a_score():
     assert "score" not in text.replace("no total score", "")
 
 
+def test_page_shows_errors_of_energies_only_in_their_unit():
+    def row(entry):
+        return next(line for line in page.page([entry]).split("\n") if line.startswith("| e 1 |"))
+    assert row(ENTRY).endswith("| **+0.3** | 0.5 |  |")
+    assert row(changed(lambda e: e.update(relative=True))).endswith("| **+0.3** |  |  |")
+    assert "| J/m²; +3.0 dB and r^+0.00 removed |" in page.page([ENTRY])
+    assert "| own |" in page.page([changed(lambda e: e.update(relative=True, removed_from_other_scenes=None))])
+
+
 def test_page_is_of_the_entries():
     entries, wrong = page.read_entries()
     assert not wrong, wrong

@@ -62,6 +62,13 @@ def figure(measure):
     return value if measure["kept"] else f"**{value}**"
 
 
+def unit(entry):
+    """Unit of the energies, and what range-law has shown and compare.py has removed from the other scenes."""
+    removed = entry["removed_from_other_scenes"]
+    return ("own" if entry["relative"] else "J/m²") + (
+        f"; {removed['gain_db']:+.1f} dB and r^{removed['range_exponent']:+.2f} removed" if removed else "")
+
+
 def page(entries):
     lines = ["# Results of engines on the benchmark suite", "",
              "This page shows how engines solve the scenes of the [benchmark suite](reference/v3/README.md), for users who choose an "
@@ -69,13 +76,15 @@ def page(entries):
              "The script `validation/results/page.py` writes it from the entries. The [rules](results/README.md) explain how to submit "
              "results.", "",
              "Each scene tests one property, and there is no total score. Bold figures exceed the limit. The abbreviation *debug* marks "
-             "scenes whose answers were known, and *validation* marks scenes that were drawn for the test.", "", "## Entries", "",
-             "| engine | version | suite | set | who ran it | date | machine | scenes without result |",
-             "|---|---|---|---|---|---|---|---|"]
+             "scenes whose answers were known, and *validation* marks scenes that were drawn for the test.", "",
+             "If an engine writes energies in its own unit, the columns *L1 error* and *energy in dB* are empty. A wrong gain or power "
+             "of range in `range-law` is removed from its other scenes before they are judged.", "", "## Entries", "",
+             "| engine | version | suite | set | unit of energy | who ran it | date | machine | scenes without result |",
+             "|---|---|---|---|---|---|---|---|---|"]
     for entry in entries:
         name = f"[{cell(entry['engine'])}]({entry['url']})" if "url" in entry else cell(entry["engine"])
         mode = entry["suite"]["set"] + (f", seed '{cell(entry['suite']['seed'])}'" if "seed" in entry["suite"] else "")
-        lines.append(f"| {name} | {cell(entry['engine_version'])} | {entry['suite']['version']} | {mode} | "
+        lines.append(f"| {name} | {cell(entry['engine_version'])} | {entry['suite']['version']} | {mode} | {unit(entry)} | "
                      f"{cell(entry['submitted_by'])} | {entry['date']} | {cell(entry['machine'])} | "
                      f"{', '.join(f'`{cell(scene)}`' for scene in entry['missing']) or 'none'} |")
     lines += ["", "The files in `validation/results/entries` contain the commands of each run, and further remarks.", ""]
@@ -95,7 +104,7 @@ def page(entries):
                 row += [f"not comparable: {cell(result['refused'])}"] + [""] * (len(measures) + 1)
             else:
                 row += [figure(result["measures"][name]) if name in result["measures"] else "" for name in measures]
-                row += ["" if result[key] is None else f"{result[key]:.3g}" for key in ("l1_error", "energy_ratio_db")]
+                row += ["" if result[key] is None or entry["relative"] else f"{result[key]:.3g}" for key in ("l1_error", "energy_ratio_db")]
             lines.append("| " + " | ".join(row) + " |")
         lines.append("")
     return "\n".join(lines)
