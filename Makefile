@@ -19,7 +19,7 @@
 #   make pairs   what combinations cost beside their parts: validation/pairs.md (minutes)
 #   make rays    hold rays in layered water against published ones: validation/rays.md
 #   make engines  pictures of other engines, written anew, and what compare says of them: validation/engines.md (minutes)
-#   make real-engines  engines of others, built from given sources, and what compare finds: validation/real-engines.md (half an hour)
+#   make real-engines  engines of others, built from given sources, what compare finds, and their results on the suite: validation/real-engines.md (half an hour)
 #   make refraction-study  soundings of a flat seabed in stratified water: out/refraction.png
 #   make track-study  the track of a camera, estimated from its frames: out/track.png, out/drift.png
 #   make scaling  what pings cost, how runs scale over ranks: validation/scaling.md, validation/performance.md (a quarter of an hour)
@@ -199,6 +199,10 @@ real-engines: build
 	cmake --build --preset release --parallel $(JOBS) --target tubefoot_hurried_rays
 	/usr/bin/python3 -B validation/engines/run.py $(PROGRAM) build/release/tubefoot_hurried_rays.so out/real-engines --real \
 	  --results validation/engines/results-real.json --page validation/real-engines.md
+	rm -rf out/suite
+	$(PROGRAM) suite --quiet -o out/suite
+	/usr/bin/python3 -B validation/engines/real/suite.py $(PROGRAM) out/suite out/real-suite --entries validation/results/entries
+	/usr/bin/python3 -B validation/results/page.py
 
 SCALING_ROUNDS := 3
 

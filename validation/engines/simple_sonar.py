@@ -14,6 +14,7 @@ import real_engine
 from known import Known
 
 TITLE = "simple_sonar_simulator"
+URL = "https://github.com/bottad/simple_sonar_simulator"
 PICTURE = "run_image_0000.png"
 IDEAL = None
 ELEVATIONS, SPREAD_BINS = 256, 7
@@ -33,7 +34,7 @@ def bins(sonar):
 
 def render(scene, sonar, path, tools):
     folder = path.parent / "simulator"
-    real_engine.call([tools.program, "export", scene.path, "--to", "obj", "-o", folder])
+    real_engine.call([tools.program, "export", scene.path, "--to", "obj", "--pings", sonar.ping, "-o", folder])
     attitude = np.stack([sonar.axes[:, 1], -sonar.axes[:, 0], sonar.axes[:, 2]], axis=1)  # x forward, y port, z up
     angles = scipy.spatial.transform.Rotation.from_matrix(attitude).as_euler("xyz", degrees=True)
     pose = f"  - position: {list(map(float, sonar.apex))}\n    rotation_euler: {list(map(float, angles))}\n"
@@ -50,6 +51,11 @@ def render(scene, sonar, path, tools):
 def declared(sonar):
     """Ranges from 0, of which the reference has a part."""
     return ["--order", "range-first", "--flip-beams", "--scale", "8bit", "--ranges", f"0:{sonar.edges[-1]:.9g}", "--resample"]
+
+
+def unit(strengths):
+    """Its numbers have no unit: each picture is divided by its largest bin."""
+    return 1
 
 
 def recipe(scene, sonar):

@@ -68,9 +68,10 @@ def read_obj(path):
 
 
 class Sonar:
-    """The sonar as the reference's echo file has it. Azimuths grow to starboard, beam 0 is port-most; radians and metres."""
+    """The sonar of an echo file at one ping. Azimuths grow to starboard, beam 0 is port-most; radians and metres."""
 
-    def __init__(self, path):
+    def __init__(self, path, ping=0):
+        self.ping = ping
         with netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)
             self.shape = file["energy"].shape[1:]
@@ -79,15 +80,15 @@ class Sonar:
             self.slant_range = file["slant_range"][:]
             self.edges = np.append(file["slant_range_bounds"][:, 0], file["slant_range_bounds"][-1, 1])
             self.height = float(np.radians(file["beam_elevation_width"][0]))
-            self.apex = file["sensor_position"][0]
-            w, x, y, z = file["sensor_attitude"][0]
+            self.apex = file["sensor_position"][ping]
+            w, x, y, z = file["sensor_attitude"][ping]
             self.absorption_db_per_km = float(file.absorption_db_per_km)
         self.beams, self.samples = self.shape
         self.azimuth, self.width = np.radians(self.azimuth_deg), float(np.radians(width[0]))
         self.half_fan = float(self.azimuth[-1] + self.width / 2)
         self.step = float(self.edges[1] - self.edges[0])
         if not np.allclose(np.diff(self.azimuth), self.width, atol=1e-9) or not np.allclose(np.diff(self.edges), self.step):
-            raise Unsupported(f"{path}: these engines know even beams and samples only")
+            raise Unsupported(f"{path}: these engines know equiangular beams and equal samples only")
         # Columns: starboard, forward, up, in the scene's axes.
         self.axes = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
                               [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],

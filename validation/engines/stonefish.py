@@ -17,6 +17,7 @@ from known import Known
 from stonefish_like import gain
 
 TITLE = "Stonefish, floats without noise"
+URL, LICENCE = "https://github.com/patrykcieslak/stonefish", "GPL-3.0"
 PICTURE = "sonar.npy"
 IDEAL = "1x1024"
 LARGEST_VIEW_DEG, ROWS_PER_DEGREE_AND_BIN, MOST_ROWS = 20, 0.1, 2048
@@ -65,10 +66,10 @@ def write_scenario(path, chosen):
     return sensor.get("name")
 
 
-def picture_of(scene, chosen, path, tools):
+def picture_of(scene, sonar, chosen, path, tools):
     program = real_engine.built("stonefish", "TUBEFOOT_STONEFISH_SOURCE") / "stonefish_images"
     folder = path.parent / "scenario"
-    real_engine.call([tools.program, "export", scene.path, "--to", "stonefish", "-o", folder])
+    real_engine.call([tools.program, "export", scene.path, "--to", "stonefish", "--pings", sonar.ping, "-o", folder])
     name = write_scenario(folder / "scene.scn", chosen)
     done = real_engine.call(["xvfb-run", "-a", "-s", "-screen 0 320x240x24", program, folder / "scene.scn", path.parent / "images"],
                             env=real_engine.without_graphics_card())
@@ -77,11 +78,16 @@ def picture_of(scene, chosen, path, tools):
 
 
 def render(scene, sonar, path, tools):
-    picture_of(scene, settings(sonar), path, tools)
+    picture_of(scene, sonar, settings(sonar), path, tools)
 
 
 def declared(sonar):
     return ["--profile", "stonefish", "--azimuths", "even"]
+
+
+def unit(strengths):
+    """Strength mu of the material with restitution 1: the export gives it to the strongest one of a scene."""
+    return max(strengths)
 
 
 def recipe(scene, sonar):

@@ -8,7 +8,7 @@ import numpy as np
 
 import stonefish
 from known import Known
-from stonefish import declared as floats_declared, version  # noqa: F401
+from stonefish import LICENCE, URL, declared as floats_declared, unit, version  # noqa: F401
 from stonefish_like import gain
 
 TITLE = "Stonefish with its default noise, 8 bits"
@@ -20,7 +20,7 @@ BEAM_NOISE, BIN_NOISE = 0.025, 0.035
 def render(scene, sonar, path, tools):
     specs, ranges, _ = stonefish.settings(sonar)
     chosen = {**specs, "output_format": "uint8"}, ranges, {"multiplicative": BEAM_NOISE, "additive": BIN_NOISE}
-    stonefish.picture_of(scene, chosen, path, tools)
+    stonefish.picture_of(scene, sonar, chosen, path, tools)
 
 
 def declared(sonar):

@@ -8,7 +8,7 @@ import math
 
 import stonefish
 from known import Known
-from stonefish import IDEAL, PICTURE, recipe, version  # noqa: F401
+from stonefish import IDEAL, LICENCE, PICTURE, URL, recipe, unit, version  # noqa: F401
 
 TITLE = "Stonefish, floats without noise, near plane at the sonar"
 LEAST_RANGE_M = 0.02
@@ -22,7 +22,7 @@ def near(sonar):
 def render(scene, sonar, path, tools):
     specs, ranges, noise = stonefish.settings(sonar)
     bins = round((sonar.edges[-1] - near(sonar)) / sonar.step)
-    stonefish.picture_of(scene, ({**specs, "bins": bins}, {**ranges, "range_min": near(sonar)}, noise), path, tools)
+    stonefish.picture_of(scene, sonar, ({**specs, "bins": bins}, {**ranges, "range_min": near(sonar)}, noise), path, tools)
 
 
 def declared(sonar):
