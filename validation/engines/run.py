@@ -65,8 +65,11 @@ class Truth:
             text = re.sub(r'^file = "([^/].*)"$', lambda m: f'file = "{(self.scene / m[1]).resolve()}"', text, flags=re.M)
             name = f"truth{len(self.made)}"
             path = self.folder / f"{name}.toml"
-            path.write_text(of_solid_angles(text) if angles else text)
-            call([self.program, "run", path, "-o", self.folder / name, "--quiet", "--pictures", "none", *options])
+            text = of_solid_angles(text) if angles else text
+            # With --again, the reference of the same scene is present.
+            if not (path.exists() and path.read_text() == text and (self.folder / name / "echoes.nc").exists()):
+                path.write_text(text)
+                call([self.program, "run", path, "-o", self.folder / name, "--quiet", "--pictures", "none", *options])
             self.made[key] = self.folder / name / "echoes.nc"
             self.scenes[key] = path
         return self.made[key]
@@ -139,7 +142,8 @@ def run_engine(name, scene_folder, truth, tools, folder, quick):
         engine = importlib.import_module(name)
         scene, sonar = Scene(scene_folder / "scene.toml"), Sonar(truth.file())
         started = time.monotonic()
-        engine.render(scene, sonar, folder / engine.PICTURE, tools)
+        if not (folder / engine.PICTURE).exists():
+            engine.render(scene, sonar, folder / engine.PICTURE, tools)
     except Unsupported as error:
         print(f"omitted: {name}: {error}", flush=True)
         return None
@@ -183,19 +187,21 @@ def main():
     parser.add_argument("--real", action="store_true", help="default: engines of others, built from given sources, and their scenes")
     parser.add_argument("--results", type=pathlib.Path, help="write the results into this JSON file")
     parser.add_argument("--page", type=pathlib.Path, help="write this page, with its pictures in the folder pictures/")
+    parser.add_argument("--again", action="store_true", help="keep the pictures and references of FOLDER, and repeat the comparison only")
     parser.add_argument("--quick", action="store_true", help="only in the units of the engine, without --ideal")
     asked = parser.parse_args()
     scenes, engines = asked.scene or (REAL_SCENES if asked.real else SCENES), asked.engine or (REAL_ENGINES if asked.real else ENGINES)
-    shutil.rmtree(asked.folder, ignore_errors=True)
+    if not asked.again:
+        shutil.rmtree(asked.folder, ignore_errors=True)
     tools = types.SimpleNamespace(program=asked.program, hurried_rays=asked.hurried_rays)
     results = {}
     for scene in scenes:
         scene = scene.resolve()
         place = asked.folder / scene.name
-        place.mkdir(parents=True)
+        place.mkdir(parents=True, exist_ok=True)
         truth = Truth(asked.program, scene, place)
         for name in engines:
-            (place / name).mkdir()
+            (place / name).mkdir(exist_ok=True)
             found = run_engine(name, scene, truth, tools, place / name, asked.quick)
             if found:
                 results.setdefault(name, {})[scene.name] = found
