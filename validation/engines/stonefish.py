@@ -17,7 +17,7 @@ from known import Known
 from stonefish_like import gain
 
 TITLE = "Stonefish, floats without noise"
-URL, LICENCE = "https://github.com/patrykcieslak/stonefish", "GPL-3.0"
+URL, LICENCE = "https://github.com/patrykcieslak/stonefish", "GPL-3.0-or-later"
 PICTURE = "sonar.npy"
 IDEAL = "1x1024"
 LARGEST_VIEW_DEG, ROWS_PER_DEGREE_AND_BIN, MOST_ROWS = 20, 0.1, 2048
