@@ -30,7 +30,7 @@ _VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "energy": (("ping", "beam", "sample"), "J m-2",
                "received energy density per beam and range bin, for a source of 1 J/sr at 1 m"),
     "energy_bound": (("ping", "beam", "sample"), "J m-2",
-                     "certified half-width: the true energy lies within energy +- energy_bound"),
+                     "certified bound: the true energy lies within energy +- energy_bound"),
     "received": (("ping", "beam", "sample"), "J m-2",
                  "energy density per beam and range bin as the receiver records it, for a source of 1 J/sr at 1 m"),
     "received_lower": (("ping", "beam", "sample"), "J m-2",
@@ -211,7 +211,7 @@ class SensorResult:
 
     @property
     def energy_bound(self) -> Optional[np.ndarray]:
-        """(P, B, K) float64: certified half-width of the energy in J/m²; None except for a reference."""
+        """(P, B, K) float64: certified bound of the energy in J/m²; None except for a reference."""
         return self._values.get("energy_bound")
 
     @property

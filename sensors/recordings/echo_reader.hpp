@@ -14,7 +14,7 @@ struct SensorEchoes {
   std::string name;  ///< `sensor_name`, or the group's name, or "sensor"
   std::size_t pings = 0, beams = 0, samples = 0;
   std::vector<double> energy;                ///< ping, beam, sample; J, finite and not negative
-  std::vector<double> energy_bound;          ///< certified half-width of `energy`, J, not negative; optional
+  std::vector<double> energy_bound;          ///< certified bound of `energy`, J, not negative; optional
   std::vector<double> slant_range_m;         ///< centre of each sample, increasing
   std::vector<double> slant_range_bounds_m;  ///< begin and end of each sample; optional
   std::vector<double> beam_azimuth_deg;

@@ -40,8 +40,7 @@ std::vector<ChannelVariable> energy_variables(std::size_t channels, bool bounds)
   for (ChannelVariable& of : variables) {
     const std::string subject = of.name == "energy" ? "energy" : "value of " + of.name;
     of = {of.name + "_bound", of.units,
-          fmt::format("certified half-width: the true {} lies within {} +- {}_bound", subject, of.name,
-                      of.name)};
+          fmt::format("certified bound: the true {} lies within {} +- {}_bound", subject, of.name, of.name)};
   }
   return variables;
 }

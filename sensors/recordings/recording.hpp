@@ -46,7 +46,7 @@ struct Recording {
   double sound_speed_m_s = 0;
   double absorption_db_per_km = 0;                    ///< at the sensor's frequency
   std::vector<double> sector_absorption_db_per_km{};  ///< by transmit sector; empty without them
-  /// Reference runs: certified half-width of each energy [J/m^2], in the order of the energies; empty in
+  /// Reference runs: certified bound of each energy [J/m^2], in the order of the energies; empty in
   /// other runs.
   std::span<const double> energy_bound{};
   // The assumed configuration, with which the sonar's software makes its files (docs/processing.md). Each

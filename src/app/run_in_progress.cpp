@@ -30,20 +30,20 @@ using Clock = std::chrono::steady_clock;
 /// `refined`: relief was refined for each transmission, down to the tolerance of the relief.
 void print_reference(double tolerance, const ReferenceStats& reference, bool refined) {
   if (reference.bins_over == 0)
-    tell("reference: certified; the relative bound of each energy is at most {:g}{}\n", tolerance,
+    tell("reference: certified; the relative half-width of each interval is at most {:g}{}\n", tolerance,
          refined ? ", for the refined facets of the relief" : "");
   else if (reference.worst_ratio == 0)  // no bound is finite
     tell("reference: certified; {} range bins have no bound, and all other energies are 0\n",
          reference.bins_over);
   else if (reference.worst_ratio <= 1)  // the largest ratio of the finite bounds
     tell(
-        "reference: certified; {} range bins have no bound, and the relative bound of the others is at most "
-        "{:g}\n",
+        "reference: certified; {} range bins have no bound, and the relative half-width of the other "
+        "intervals is at most {:g}\n",
         reference.bins_over, tolerance);
   else
     tell(
-        "reference: {} range bins have bounds wider than {:g}; the widest is {:.3g} times the requested "
-        "bound, at sensor '{}', ping {}, beam {}, range bin {}\n",
+        "reference: {} range bins have intervals wider than {:g}; the widest is {:.3g} times the "
+        "requested half-width, at sensor '{}', ping {}, beam {}, range bin {}\n",
         reference.bins_over, tolerance, reference.worst_ratio, reference.worst_sensor, reference.worst_ping,
         reference.worst_beam, reference.worst_sample);
 }

@@ -42,6 +42,9 @@ struct RunRequest {
   std::vector<std::string> gradient{};
   /// With `gradient`: the run also proves steps of the parameters without a change of visible polygons.
   bool gradient_steps = false;
+  /// With a reference: energies are the midpoints of their enclosures, as in version 2 of the benchmark
+  /// suite.
+  bool keeps_midpoints = false;
 };
 
 /// Converts the texts of [run] to a request. Throws UsageError for an unknown text.

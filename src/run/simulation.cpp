@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <iterator>
+#include <utility>
 
 #include "geometry/steps/stop.hpp"
 #include "run/abilities.hpp"
@@ -62,6 +64,27 @@ std::vector<std::vector<EchoContribution>> plan_of(const Survey& survey, const R
   return plan;
 }
 
+/// Returns the request for the energies alone, without bounds, labels and derivatives.
+RunRequest ordinary_request(RunRequest request) {
+  request.reference_tolerance.reset();
+  request.labels = false;
+  request.gradient.clear();
+  request.gradient_steps = false;
+  return request;
+}
+
+/// Moves each value to the nearest value to the ordinary one in its enclosure, because midpoints are biased
+/// where enclosures are one-sided. Each bound becomes the larger distance to the ends of the enclosure.
+/// `values` and `bounds` contain midpoints and half-widths.
+void clip(std::span<const double> ordinary, std::span<double> values, std::span<double> bounds) {
+  constexpr double rounding = 1e-15;  // of the sum below
+  for (std::size_t bin = 0; bin < values.size(); ++bin) {
+    const double middle = values[bin], half = bounds[bin];
+    values[bin] = std::clamp(ordinary[bin], middle - half, middle + half);
+    bounds[bin] = (std::abs(middle - values[bin]) + half) * (1 + rounding);
+  }
+}
+
 }  // namespace
 
 StoreLayout layout_of(const Survey& survey, const RunRequest& request) {
@@ -91,9 +114,26 @@ PingSimulation::PingSimulation(const Survey& survey, const RunRequest& request)
     by_regions_ = std::make_unique<RegionalSimulation>(survey, request);
   else if (request.engine == Engine::ray && !survey.loaded_scene->has_surface_per_transmission())
     survey.loaded_scene->rays();
+  if (!request.reference_tolerance || request.keeps_midpoints || by_regions_) return;
+  ordinary_ = std::make_unique<PingSimulation>(survey, ordinary_request(request));
+  // Signals take long and have bounds of their own.
+  for (std::vector<EchoContribution>& of_group : ordinary_->plan_)
+    std::erase_if(of_group, [](const EchoContribution& part) { return part.add == add_signals; });
+  for (StoreLayout::Sensor& sensor : ordinary_->layout_.sensors)
+    std::erase_if(sensor.channels, [](const OutputChannel& channel) { return channel.name == "signals"; });
 }
 
 PingSimulation::~PingSimulation() = default;
+
+void PingSimulation::clip_to_enclosures(const PingUnit& unit, PingValues& values, PingCounts& counts) const {
+  ordinary_buffers_.with([&](PingValues& ordinary) {
+    const PingCounts more = ordinary_->run(unit, ordinary);
+    counts.visibility_seconds += more.visibility_seconds;
+    counts.echo_seconds += more.echo_seconds;
+    for (const std::size_t s : layout_.groups[unit.group].sensors)
+      clip(std::as_const(ordinary).of(s, "energy"), values.of(s, "energy"), values.of(s, "energy_bound"));
+  });
+}
 
 PingCounts PingSimulation::run(const PingUnit& unit, PingValues& values) const {
   if (by_regions_) return by_regions_->run(unit, values);
@@ -113,6 +153,7 @@ PingCounts PingSimulation::run(const PingUnit& unit, PingValues& values) const {
   counts.finer_relief_rms = sums.finer_relief.rms;
   counts.visibility_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - counts.echo_seconds;
+  if (ordinary_) clip_to_enclosures(unit, values, counts);
   return counts;
 }
 

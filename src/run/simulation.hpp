@@ -53,7 +53,8 @@ struct SimulationStats {
 StoreLayout layout_of(const Survey& survey, const RunRequest& request);
 
 /// Simulates single pings of a survey, on any thread, for one request. With a reference tolerance, stores
-/// must have bounds.
+/// must have bounds. Its energies are then those of an ordinary run, clipped to their enclosures, unless the
+/// request keeps midpoints.
 class PingSimulation {
  public:
   /// Throws InputError and UsageError for features that cannot be combined (abilities.hpp).
@@ -74,11 +75,15 @@ class PingSimulation {
   }
 
  private:
+  void clip_to_enclosures(const PingUnit& unit, PingValues& values, PingCounts& counts) const;
+
   std::vector<std::vector<EchoContribution>> plan_;  ///< by group; empty for terrain that is read by tiles
   Transmissions transmissions_;
   StoreLayout layout_;
   std::vector<ChosenEchoes> chosen_;                ///< by sensor
   std::unique_ptr<RegionalSimulation> by_regions_;  ///< for terrain that is read by tiles; otherwise null
+  std::unique_ptr<PingSimulation> ordinary_;        ///< computes the energies to clip, or null
+  mutable PingBufferPool ordinary_buffers_;
 };
 
 /// Options of the report of a simulation's progress.

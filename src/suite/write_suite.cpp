@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -53,18 +52,6 @@ void write_inputs(const fs::path& folder, const SuiteScene& scene, const SuiteVe
   write_file(folder / "scene.toml", std::string(version.heading) + scene.text);
 }
 
-/// Moves energies to the values nearest to the ordinary ones in their enclosures. Each bound becomes the
-/// larger distance to the ends of the enclosure. `energy` and `bound` contain midpoints and half-widths.
-void clip_to_enclosures(std::span<const double> ordinary, std::vector<double>& energy,
-                        std::vector<double>& bound) {
-  constexpr double rounding = 1e-15;  // of the sum below
-  for (std::size_t bin = 0; bin < energy.size(); ++bin) {
-    const double middle = energy[bin], half = bound[bin];
-    energy[bin] = std::clamp(ordinary[bin], middle - half, middle + half);
-    bound[bin] = (std::abs(middle - energy[bin]) + half) * (1 + rounding);
-  }
-}
-
 /// Energies and bounds of a scene, and its derivatives with their bounds: [parameter][beam][sample].
 struct SuiteAnswer {
   std::array<std::size_t, 3> shape{};
@@ -74,15 +61,15 @@ struct SuiteAnswer {
 };
 
 SuiteAnswer answer_of(const Survey& survey, const SuiteScene& scene, const SuiteVersion& version) {
-  const bool clips = scene.certified && !version.has_midpoints;
   RunRequest request = request_of(survey.scene.description.run);
   request.reference_tolerance = scene.certified;
+  request.keeps_midpoints = version.has_midpoints;
   request.gradient = scene.gradient;
   SimulationStats stats;
   SuiteAnswer answer;
   answer.recordings = simulate(survey, request, stats);
   answer.bins_over = stats.reference.bins_over;
-  Recording& recording = answer.recordings.front();
+  const Recording& recording = answer.recordings.front();
   answer.shape = {recording.pings(), recording.sensor->beams().size(),
                   static_cast<std::size_t>(recording.sensor->samples().count)};
   answer.energy.assign(recording.energy.begin(), recording.energy.end());
@@ -93,13 +80,6 @@ SuiteAnswer answer_of(const Survey& survey, const SuiteScene& scene, const Suite
     const bool bounds = variable.meaning.name.starts_with("gradient_bound.");
     std::vector<double>& all = bounds ? answer.gradient_bound : answer.gradient;
     all.insert(all.end(), values.begin(), values.end());
-  }
-  if (clips) {
-    request.reference_tolerance.reset();
-    request.gradient.clear();
-    clip_to_enclosures(simulate(survey, request, stats).front().energy, answer.energy, answer.bound);
-    recording.energy = answer.energy;
-    recording.energy_bound = answer.bound;
   }
   return answer;
 }

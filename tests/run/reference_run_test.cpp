@@ -79,7 +79,7 @@ ReferenceOutcome run_small(const std::string& more, const std::vector<std::strin
 
 TEST(ReferenceRun, SaysThatTheToleranceIsKept) {
   const auto [outcome, stats] = run_small("", {"--reference", "--quiet"});
-  EXPECT_THAT(outcome.out, HasSubstr("certified; the relative bound of each energy is at most 1e-09"));
+  EXPECT_THAT(outcome.out, HasSubstr("certified; the relative half-width of each interval is at most 1e-09"));
   EXPECT_EQ(stats["bins_over_tolerance"], 0);
   EXPECT_EQ(stats["tolerance"], 1e-9);
   EXPECT_LE(stats["worst_bound_over_asked"], 1.0);
@@ -90,7 +90,7 @@ TEST(ReferenceRun, SaysWhereAndByHowMuchItIsNot) {
       run_small("samples = 3\ntransmit_pattern = \"table\"\ntransmit_pattern_file = \"beam.csv\"\n",
                 {"--reference", "--tolerance", "1e-12"});
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("bins have bounds wider than 1e-12; the widest is "));
+  EXPECT_THAT(outcome.out, HasSubstr("bins have intervals wider than 1e-12; the widest is "));
   EXPECT_THAT(outcome.out, HasSubstr("at sensor 'camera', ping 0, beam "));
   EXPECT_GT(stats["bins_over_tolerance"], 0);
   EXPECT_GT(stats["worst_bound_over_asked"], 1.0);

@@ -27,7 +27,7 @@ TEST(RefractedReferenceRun, HoldsTheClosedFormWithinTheTolerance) {
     const std::string scene = scene_in(gradient(g, absorption));
     const Checkpoint run(scene, {"--reference", "--tolerance", "2e-3"});
     ASSERT_EQ(run.outcome.exit_code, 0) << run.outcome.err;
-    EXPECT_THAT(run.outcome.out, HasSubstr("the relative bound of each energy is at most 0.002"));
+    EXPECT_THAT(run.outcome.out, HasSubstr("the relative half-width of each interval is at most 0.002"));
     EXPECT_EQ(run.stats.at("reference").at("bins_over_tolerance"), 0);
     const Echoes echoes = read_echoes(run.folder / "out/echoes.nc"), ordinary = echoes_of(scene);
     for (std::size_t k = 0; k < echoes.samples; ++k) {
