@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <glm/geometric.hpp>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -29,6 +30,17 @@ constexpr std::size_t fewest_tubes_a_run = 8, most_tubes_a_run = 32, runs_of_a_s
 bool share_a_wall(const Tube& a, const Tube& b) {
   return std::count_if(a.begin(), a.end(),
                        [&](std::uint32_t ray) { return std::find(b.begin(), b.end(), ray) != b.end(); }) == 2;
+}
+
+/// Whether the middle of one tube lies within the other, up to rounding, as in beams wider than their
+/// spacing.
+bool overlap(const TubeSet& set, std::uint32_t a, std::uint32_t b) {
+  glm::dvec3 middle{0};
+  for (const GridPoint& ray : rays_of(set, b)) middle += glm::normalize(as_double(ray));
+  const std::array<GridPoint, 4> rays = rays_of(set, a);
+  for (std::size_t k = 0; k < 4; ++k)
+    if (glm::dot(glm::cross(as_double(rays[k]), as_double(rays[(k + 1) % 4])), middle) < 0) return false;
+  return true;
 }
 
 std::unique_ptr<TubeSolver> make_solver(Arithmetic arithmetic) {
@@ -101,7 +113,7 @@ std::vector<TubeRun> runs_of(const TubeSet& tubes) {
       std::clamp(tubes.tubes.size() / runs_of_a_set, fewest_tubes_a_run, most_tubes_a_run);
   for (std::uint32_t tube = 0; tube < tubes.tubes.size(); ++tube) {
     if (!runs.empty() && tube - runs.back().first < most &&
-        share_a_wall(tubes.tubes[tube - 1], tubes.tubes[tube]))
+        (share_a_wall(tubes.tubes[tube - 1], tubes.tubes[tube]) || overlap(tubes, tube - 1, tube)))
       runs.back().end = tube + 1;
     else
       runs.push_back({tube, tube + 1});

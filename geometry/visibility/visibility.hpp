@@ -113,7 +113,7 @@ struct TubeRun {
 };
 
 /// Returns the set's tubes as runs of neighbours, in order. Each tube of a run shares a wall with the
-/// previous one. The result depends on the set alone.
+/// previous one or overlaps it. The result depends on the set alone.
 std::vector<TubeRun> runs_of(const TubeSet& tubes);
 
 /// Computes the tubes of a run together, and calls `take(tube)` in turn when `out` is the result of that

@@ -126,5 +126,34 @@ TEST(TubeRuns, AreAllTubesInOrderAndSplitWhereTubesDoNotShareAWall) {
   EXPECT_TRUE(runs_of(TubeSet{}).empty());
 }
 
+/// Beams of `width` radians in steps of 0.02 rad, each with its own rays.
+TubeSet beams(double width, int count) {
+  TubeSet tubes;
+  tubes.reach = 1e9;
+  for (int k = 0; k < count; ++k)
+    append_tubes(tubes, AngularGrid{{0.02 * k - width / 2, 0.02 * k + width / 2}, {-0.1, 0.1}});
+  return tubes;
+}
+
+TEST(TubeRuns, HaveOverlappingTubesTogether) {
+  EXPECT_EQ(runs_of(beams(0.06, 16)).size(), 2u);
+  EXPECT_EQ(runs_of(beams(0.01, 16)).size(), 16u) << "the beams have gaps between them";
+}
+
+// Law V12.
+TEST(TubeRuns, OfOverlappingTubesSeeWhatEachTubeSeesAlone) {
+  Compared compared;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    for (const Scene& scene : all_scenes(seed)) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.name);
+      const SceneTree tree(scene.mesh);
+      TubeSet tubes = beams(0.07, 24);
+      tubes.apex = scene.tubes.apex;
+      for (const TubeRun run : runs_of(tubes))
+        compare(scene.mesh, tree, tubes, run, with(Arithmetic::fixed), compared);
+    }
+  EXPECT_GT(compared.pieces, 500u);
+}
+
 }  // namespace
 }  // namespace tubefoot
