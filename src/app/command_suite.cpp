@@ -48,9 +48,9 @@ int suite_command(const SuiteOptions& options) {
     if (options.quiet) break;
     const std::string answer = options.without_answers
                                    ? std::string()
-                                   : fmt::format(", {:.4g} J/m2 in {:.1f} s", scene.energy_j, scene.seconds);
+                                   : fmt::format(", {} in {:.1f} s", scene.result, scene.seconds);
     const std::string wider =
-        scene.bins_over > 0 ? fmt::format(", {} range bins with wider bounds than requested", scene.bins_over)
+        scene.bins_over > 0 ? fmt::format(", {} values with wider bounds than requested", scene.bins_over)
                             : std::string();
     tell("{:<17} {} facets{}{}\n", scene.aspect->name, scene.facets, answer, wider);
   }

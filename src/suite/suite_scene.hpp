@@ -18,6 +18,12 @@ struct Decider {
   double limit = 0;
 };
 
+/// A scene of target strength: a body, the directions to the sonar at elevation 0, and frequencies.
+struct StrengthBody {
+  std::string_view name;  ///< of its files in scenes/betssi
+  std::vector<double> azimuths_deg, frequencies_hz;
+};
+
 /// A scene of the benchmark suite before it is written.
 struct SuiteScene {
   std::string title;
@@ -28,11 +34,12 @@ struct SuiteScene {
   /// empty if no reference is possible.
   std::optional<double> certified = 1e-9;
   double tolerance_l1 = 0;  ///< without a reference: allowed relative error of the sum of all energies
-  std::optional<double> later_from_m{};  ///< range from which on all arrivals have two bounces
-  std::optional<int> main_lobe_beams{};  ///< half width of the main lobe, in beams
-  std::optional<double> water_to_m{};    ///< range up to which only the water scatters
-  std::vector<std::string> gradient{};   ///< parameters of the derivatives, of a scene with one ping
-  bool has_sharp_answer = false;         ///< whether the answer also has energies with sharp shadow borders
+  std::optional<double> later_from_m{};    ///< range from which on all arrivals have two bounces
+  std::optional<int> main_lobe_beams{};    ///< half width of the main lobe, in beams
+  std::optional<double> water_to_m{};      ///< range up to which only the water scatters
+  std::vector<std::string> gradient{};     ///< parameters of the derivatives, of a scene with one ping
+  bool has_sharp_answer = false;           ///< whether the answer also has energies with sharp shadow borders
+  std::optional<StrengthBody> strength{};  ///< in place of solids, text and energies
 };
 
 /// A property of engines that one scene of the suite tests separately from all others.
@@ -88,5 +95,8 @@ SuiteScene transmit_sectors_scene(Draw& draw);
 SuiteScene moving_object_scene(Draw& draw);
 SuiteScene derivatives_scene(Draw& draw);
 SuiteScene shadow_border_scene(Draw& draw);
+SuiteScene strength_m3_scene(Draw& draw);
+SuiteScene strength_m5a_scene(Draw& draw);
+SuiteScene strength_m5b_scene(Draw& draw);
 
 }  // namespace tubefoot

@@ -12,6 +12,8 @@ struct SuiteText {
   std::string_view file;  ///< path in the suite
   std::string_view content;
 };
+/// Bodies and published tables of target strength, instead of a version.
+constexpr int suite_bodies = 0;
 std::span<const SuiteText> suite_texts(int version);
 
 }  // namespace tubefoot

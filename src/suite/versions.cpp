@@ -37,6 +37,9 @@ constexpr std::array third{
     Aspect{"moving-object", "the position of a moving object at each ping", moving_object_scene},
     Aspect{"gradient", "derivatives of energies, with the motion of edges and shadows", derivatives_scene},
     Aspect{"shadow-border", "diffraction at the border of a shadow", shadow_border_scene},
+    Aspect{"strength-m3", "the target strength of a convex body", strength_m3_scene},
+    Aspect{"strength-m5a", "the target strength of two bodies side by side", strength_m5a_scene},
+    Aspect{"strength-m5b", "the target strength of two bodies that hide each other", strength_m5b_scene},
 };
 
 }  // namespace

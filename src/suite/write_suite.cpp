@@ -28,6 +28,7 @@
 #include "sensors/kinds/scene_file.hpp"
 #include "suite/npy.hpp"
 #include "suite/scene_numbers.hpp"
+#include "suite/strength_files.hpp"
 #include "suite/texts.hpp"
 
 namespace tubefoot {
@@ -99,7 +100,8 @@ void write_sharp_answer(const fs::path& folder, const SuiteScene& scene, SceneDe
 void write_answer(const fs::path& folder, const SuiteScene& scene, const Survey& survey,
                   const SuiteVersion& version, WrittenSuiteScene& written) {
   const SuiteAnswer answer = answer_of(survey, scene, version);
-  written.energy_j = sum(answer.energy);
+  const double energy_j = sum(answer.energy);
+  written.result = fmt::format("{:.4g} J/m2", energy_j);
   written.bins_over = answer.bins_over;
   make_folder(folder);
   write_npy(folder / "energy.npy", answer.shape, answer.energy);
@@ -108,14 +110,14 @@ void write_answer(const fs::path& folder, const SuiteScene& scene, const Survey&
       {"scene_hash", survey.scene.description.sha256},
       {"units", version.has_midpoints ? "J for a source of 1 J/sr at 1 m" : "J/m2 for a source of 1 J/sr"},
       {"shape", answer.shape},
-      {"energy_j", written.energy_j},
+      {"energy_j", energy_j},
       {"strongest_j", *std::ranges::max_element(answer.energy)}};
   if (scene.certified) {
     write_npy(folder / "bound.npy", answer.shape, answer.bound);
     json["certified"] = true;
     json["bound_asked"] = *scene.certified;
     json["bins_with_wider_bounds"] = answer.bins_over;
-    json["bound_l1"] = sum(answer.bound) / written.energy_j;
+    json["bound_l1"] = sum(answer.bound) / energy_j;
   } else {
     json["certified"] = false;
     json["tolerance_l1"] = scene.tolerance_l1;
@@ -157,6 +159,18 @@ void sync_below(const fs::path& folder) {
     }
 }
 
+/// Writes a scene of echoes, and its answer into the folder `answer`.
+void write_scene_of_echoes(const fs::path& place, const std::optional<fs::path>& answer,
+                           const SuiteScene& scene, const SuiteRequest& request,
+                           const OtherForms& other_forms, WrittenSuiteScene& written) {
+  write_inputs(place, scene, request.version);
+  const std::unique_ptr<const Survey> survey = open_survey(read_scene_file(place / "scene.toml"));
+  write_json(place / "scene.json", scene_numbers(*written.aspect, scene, *survey));
+  if (other_forms) other_forms(*survey, place);
+  written.facets = survey->scene.mesh.facets.size();
+  if (answer) write_answer(*answer, scene, *survey, request.version, written);
+}
+
 void write_frame(const fs::path& folder, const SuiteRequest& request) {
   for (const SuiteText& text : suite_texts(request.version.number)) {
     make_folder((folder / text.file).parent_path());
@@ -167,11 +181,16 @@ void write_frame(const fs::path& folder, const SuiteRequest& request) {
   Json json{{"pack", request.version.title},
             {"version", request.version.full_number},
             {"set", request.seed ? "validation" : "debug"}};
-  if (request.seed) json["seed"] = *request.seed;
+  const bool seed_is_public = request.version.number <= 2;
+  if (request.seed && seed_is_public) json["seed"] = *request.seed;
   json["scenes"] = names;
   json["made_by"] = "tubefoot " TUBEFOOT_VERSION;
   json["licence"] = "GPL-3.0-or-later";
   write_json(folder / "pack.json", json);
+  // Participants could write the answers with the seed.
+  if (!request.seed || seed_is_public || !request.answers) return;
+  make_folder(folder / answers_name);
+  write_json(folder / answers_name / "seed.json", {{"seed", *request.seed}});
 }
 
 }  // namespace
@@ -207,16 +226,17 @@ std::vector<WrittenSuiteScene> write_suite(const fs::path& folder, const SuiteRe
     const Clock::time_point start = Clock::now();
     Draw draw(request.seed, aspect->name);
     SuiteScene scene = aspect->scene(draw);
+    WrittenSuiteScene written{aspect};
+    const fs::path place = folder / "scenes" / aspect->name;
+    const std::optional<fs::path> answer =
+        request.answers ? std::optional(answers / aspect->name) : std::nullopt;
     for (Decider& decider : scene.deciders)
       if (decider.measure == "samples_moved" && request.version.samples_moved_limit)
         decider.limit = std::min(decider.limit, *request.version.samples_moved_limit);
-    const fs::path place = folder / "scenes" / aspect->name;
-    write_inputs(place, scene, request.version);
-    const std::unique_ptr<const Survey> survey = open_survey(read_scene_file(place / "scene.toml"));
-    write_json(place / "scene.json", scene_numbers(*aspect, scene, *survey));
-    if (other_forms) other_forms(*survey, place);
-    WrittenSuiteScene written{aspect, survey->scene.mesh.facets.size()};
-    if (request.answers) write_answer(answers / aspect->name, scene, *survey, request.version, written);
+    if (scene.strength)
+      write_strength_scene(place, answer, scene, written);
+    else
+      write_scene_of_echoes(place, answer, scene, request, other_forms, written);
     written.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     all.push_back(written);
     progress.step();

@@ -29,7 +29,7 @@ std::vector<const Aspect*> aspects_named(const SuiteVersion& version, const std:
 struct WrittenSuiteScene {
   const Aspect* aspect = nullptr;
   std::size_t facets = 0;
-  double energy_j = 0;        ///< sum of the reference energies
+  std::string result{};       ///< summary of the answer, with its unit
   std::size_t bins_over = 0;  ///< number of range bins whose bound is wider than the scene promises
   double seconds = 0;         ///< elapsed wall-clock time
 };

@@ -143,6 +143,13 @@ def test_derivatives_are_judged_by_the_worst_parameter(folder):
         assert not scene["agrees"] and "refused" in scene, scene
 
 
+def test_seeds_are_among_the_answers(folder):
+    suite = Suite(folder, {"samples_moved": 0.25})
+    (suite.folder / "pack.json").write_text(json.dumps({"version": "3.0", "set": "validation"}))
+    (suite.folder / "answers/seed.json").write_text(json.dumps({"seed": "snow"}))
+    assert suite.report()["suite"] == {"version": "3.0", "set": "validation", "seed": "snow"}
+
+
 def expect_refused(suite, text):
     try:
         suite.report()
@@ -174,6 +181,122 @@ def test_headers_cannot_ask_for_memory(folder):
     (suite.results / "one.npy").write_bytes(b"\x93NUMPY\x01\x00" + bytes([118, 0]) + header.encode() + b"\0" * 64)
     (scene,) = suite.report()["scenes"]
     assert "cannot read the file" in scene["refused"], scene
+
+
+class StrengthSuite:
+    """A suite with a scene of target strength. The published values are those of BeTSSi M3; the Kirchhoff values differ from them."""
+
+    def __init__(self, folder):
+        self.folder, self.results = pathlib.Path(folder) / "suite", pathlib.Path(folder) / "results"
+        for part in (self.folder / "scenes" / "body", self.folder / "answers" / "body", self.results):
+            part.mkdir(parents=True)
+        lines = (REFERENCE.parents[1] / "scenes/betssi/m3.csv").read_text().splitlines()[2:]
+        rows = [[float(cell) for cell in line.split(",")] for line in lines]
+        self.published = {azimuth: level for azimuth, _, level in rows if azimuth % 5 == 0}
+        # 3 dB below 60 degrees, as at a body with two parts, and the small difference of one convex body elsewhere
+        self.kirchhoff = {azimuth: level + (3 if azimuth < 60 else 0.2) for azimuth, level in self.published.items()}
+        scene = {"tests": "t", "body": {"obj": "m3.obj"}, "azimuths_deg": [int(a) for a in self.published], "frequencies_hz": [1000],
+                 "judged_by": [{"measure": name, "limit": 1} for name in ("kirchhoff_db", "boundary_db")]}
+        (self.folder / "scenes/body/scene.json").write_text(json.dumps(scene))
+        (self.folder / "pack.json").write_text(json.dumps({"version": "3.0", "set": "debug"}))
+        self.answer(0.01)
+
+    def answer(self, bound):
+        rows = [f"0,{a:g},1000,{self.kirchhoff[a]},{bound},{'' if a == 90 else level}\n" for a, level in self.published.items()]
+        (self.folder / "answers/body/strength.csv").write_text(
+            "elevation_deg,azimuth_deg,frequency_hz,target_strength_db,target_strength_bound_db,compared_strength_db\n" + "".join(rows))
+
+    def result(self, levels):
+        (self.results / "body.csv").write_text(
+            "# any comment\nazimuth_deg,frequency_hz,target_strength_db\n"
+            + "".join(f"{azimuth:.1f},1e3,{level}\n" for azimuth, level in reversed(levels.items())))
+
+    def report(self):
+        return compare_suite(self.folder, self.results)
+
+    def entry(self):
+        (entry,) = self.report()["scenes"]
+        return entry
+
+
+def test_target_strengths_agree_with_either_reference(folder):
+    suite = StrengthSuite(folder)
+    for levels, kept in ((suite.kirchhoff, [True, False]), (suite.published, [False, True])):
+        suite.result(levels)
+        entry = suite.entry()
+        assert [entry["measures"][name]["kept"] for name in ("kirchhoff_db", "boundary_db")] == kept and entry["agrees"], entry
+    aspects = {row["azimuth_deg"]: row for row in suite.entry()["aspects"]}
+    assert len(aspects) == 37 and aspects[90]["boundary_elements_db"] is None
+    for azimuth, difference in ((0, 3), (180, 0.2)):
+        near(aspects[azimuth]["kirchhoff_minus_boundary_elements_db"], difference)
+        near(aspects[azimuth]["minus_boundary_elements_db"], 0)
+    assert compare_suite(suite.folder, suite.folder / "answers")["scenes"][0]["agrees"]
+
+
+def test_planted_errors_of_target_strength_are_found(folder):
+    suite = StrengthSuite(folder)
+    planted = {
+        "amplitude instead of energy": lambda levels: {a: level / 2 for a, level in levels.items()},
+        "length in feet": lambda levels: {a: level + 20 * np.log10(1 / 0.3048) for a, level in levels.items()},
+        "cross-section without 1 / 4 pi": lambda levels: {a: level + 10 * np.log10(4 * np.pi) for a, level in levels.items()},
+        "cross-section instead of its level": lambda levels: {a: 10 ** (level / 10) for a, level in levels.items()},
+        "aspects reversed": lambda levels: {180 - a: level for a, level in levels.items()},
+        "aspects from broadside": lambda levels: {(a + 90) % 185: level for a, level in levels.items()},
+        "aspects moved by five degrees": lambda levels: {(a + 5) % 185: level for a, level in levels.items()}}
+    for name, change in planted.items():
+        for levels in (suite.kirchhoff, suite.published):
+            assert change(levels).keys() == levels.keys()
+            suite.result(change(levels))
+            assert not suite.entry()["agrees"], name
+    suite.result({a: level + 10 * np.log10(4 * np.pi) for a, level in suite.kirchhoff.items()})
+    near(suite.entry()["level_db"]["kirchhoff"], 10 * np.log10(4 * np.pi))
+
+
+def test_bounds_of_target_strength_excuse_differences(folder):
+    suite = StrengthSuite(folder)
+    suite.result({a: level + 1.5 for a, level in suite.kirchhoff.items()})
+    near(suite.entry()["measures"]["kirchhoff_db"]["value"], 1.49)
+    suite.answer(1.25)
+    near(suite.entry()["measures"]["kirchhoff_db"]["value"], 0.25)
+    # A tenth of the aspects may differ, because nulls have no significant digits.
+    for wrong, agrees in ((3, True), (4, False)):
+        suite.result({a: level + 40 * (k < wrong) for k, (a, level) in enumerate(suite.kirchhoff.items())})
+        assert suite.entry()["agrees"] == agrees, wrong
+
+
+def test_damaged_tables_are_refused(folder):
+    suite = StrengthSuite(folder)
+    try:
+        suite.report()
+        raise AssertionError("a scene without a table must be missing")
+    except Refused as refused:
+        assert "no result of any scene" in str(refused)
+    suite.result(suite.kirchhoff)
+    file = suite.results / "body.csv"
+    whole = file.read_text()
+    for damage, expected in (("", "no column"), (whole.replace("target_strength_db", "ts"), "no column 'target_strength_db'"),
+                             (whole.replace("90.0,1e3", "90.1,1e3"), "no row for azimuth 90 and 1000 Hz"),
+                             (whole.replace("90.0,1e3", "95.0,1e3"), "second value for azimuth 95"),
+                             (whole.replace("90.0,1e3", "90.0,1"), "no row for azimuth 90"),
+                             (whole.replace("95.0,1e3,", "95.0,1e3,nan"), ":20: 'target_strength_db' is 'nan"),
+                             (whole.replace("90.0,1e3,", "90.0,1e3,-inf#"), "a finite number was expected"),
+                             (whole.replace("90.0,1e3,", "90.0\n#"), "a finite number was expected")):
+        assert damage != whole
+        file.write_text(damage)
+        entry = suite.entry()
+        assert not entry["agrees"] and expected in entry["refused"] and str(file) in entry["refused"], (expected, entry)
+    file.write_bytes(b"\xff\xfe\x00")
+    assert "cannot read the file" in suite.entry()["refused"]
+
+
+def test_entries_contain_target_strengths(folder):
+    suite = StrengthSuite(folder)
+    suite.result(suite.published)
+    scene = submission(suite.report(), {}, False)["scenes"]["body"]
+    assert scene["agrees"] and scene["measures"]["boundary_db"] == {"value": 0.0, "standard_error": 0.0, "limit": 1, "kept": True}
+    assert "aspects" not in scene and "l1_error" not in scene, scene
+    from tubefoot_suite.judge import print_report
+    print_report(suite.report())
 
 
 def test_entries_need_a_whole_description(folder):

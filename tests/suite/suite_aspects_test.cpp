@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <numbers>
@@ -94,6 +95,10 @@ struct Results {
   }
   void heal(const std::string& scene) const {
     const fs::path answer = suite / "answers" / scene;
+    if (fs::exists(answer / "strength.csv")) {
+      fs::copy(answer / "strength.csv", results / (scene + ".csv"), fs::copy_options::overwrite_existing);
+      return;
+    }
     fs::copy(answer / "energy.npy", results / (scene + ".npy"), fs::copy_options::overwrite_existing);
     if (fs::exists(answer / "gradient.npy"))
       fs::copy(answer / "gradient.npy", results / (scene + "-gradient.npy"),
@@ -105,6 +110,20 @@ struct Results {
     const std::size_t cells = array.beams * array.samples;
     for (std::size_t k = 0; k < cells; ++k) array.values.at(parameter * cells + k) *= factor;
     write_npy(results / "gradient-gradient.npy", {array.pings, array.beams, array.samples}, array.values);
+  }
+  /// Replaces each level of a table of target strengths [dB] by a function of it.
+  void change_strength(const std::string& scene, const std::function<double(double level_db)>& change) const {
+    std::istringstream table(bytes_of(suite / "answers" / scene / "strength.csv"));
+    std::ostringstream changed;
+    std::string line;
+    std::getline(table, line);
+    changed << "azimuth_deg,frequency_hz,target_strength_db\n";
+    while (std::getline(table, line)) {
+      std::array<double, 4> cells{};
+      ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &cells[0], &cells[1], &cells[2], &cells[3]), 4);
+      changed << cells[1] << ',' << cells[2] << ',' << change(cells[3]) << '\n';
+    }
+    std::ofstream(results / (scene + ".csv")) << changed.str();
   }
   /// Runs the checker of the suite.
   int check(const std::string& options = {}) const {
@@ -135,12 +154,25 @@ void expect_every_plant_named(const fs::path& suite) {
   if (results.python.empty()) GTEST_SKIP() << "no Python with netCDF4 and NumPy (Debian: python3-netcdf4)";
   ASSERT_EQ(results.check(), 0) << results.said();
   EXPECT_THAT(results.wrong(), IsEmpty());
-  EXPECT_EQ(Json::parse(results.said())["scenes"].size(), 25u);
+  EXPECT_EQ(Json::parse(results.said())["scenes"].size(), 28u);
   for (const Plant& plant : plants()) {
     results.plant(plant);
     ASSERT_EQ(results.check(), 3) << plant.scene << results.said();
     EXPECT_THAT(results.wrong(), ElementsAre(plant.scene));
     results.heal(plant.scene);
+  }
+  const std::function<double(double)> amplitude = [](double db) { return db / 2; },
+                                      feet = [](double db) { return db + 20 * std::log10(1 / 0.3048); },
+                                      without_4_pi = [](double db) {
+                                        return db + 10 * std::log10(4 * std::numbers::pi);
+                                      };
+  for (const std::string scene : {"strength-m3", "strength-m5a", "strength-m5b"}) {
+    for (const auto& plant : {amplitude, feet, without_4_pi}) {
+      results.change_strength(scene, plant);
+      ASSERT_EQ(results.check(), 3) << scene << results.said();
+      EXPECT_THAT(results.wrong(), ElementsAre(scene));
+    }
+    results.heal(scene);
   }
   for (const std::size_t parameter : {0, 1, 2, 3, 4})
     for (const double factor : {-1.0, std::numbers::pi / 180}) {

@@ -78,7 +78,9 @@ def page(entries):
              "Each scene tests one property, and there is no total score. Bold figures exceed the limit. The abbreviation *debug* marks "
              "scenes whose answers were known, and *validation* marks scenes that were drawn for the test.", "",
              "If an engine writes energies in its own unit, the columns *L1 error* and *energy in dB* are empty. A wrong gain or power "
-             "of range in `range-law` is removed from its other scenes before they are judged.", "", "## Entries", "",
+             "of range in `range-law` is removed from its other scenes before they are judged.", "",
+             "A target strength agrees if one of its two figures is within its limit: `kirchhoff_db` for the Kirchhoff "
+             "approximation, or `boundary_db` for boundary elements.", "", "## Entries", "",
              "| engine | version | suite | set | unit of energy | who ran it | date | machine | scenes without result |",
              "|---|---|---|---|---|---|---|---|---|"]
     for entry in entries:
@@ -104,7 +106,7 @@ def page(entries):
                 row += [f"not comparable: {cell(result['refused'])}"] + [""] * (len(measures) + 1)
             else:
                 row += [figure(result["measures"][name]) if name in result["measures"] else "" for name in measures]
-                row += ["" if result[key] is None or entry["relative"] else f"{result[key]:.3g}" for key in ("l1_error", "energy_ratio_db")]
+                row += ["" if result.get(key) is None or entry["relative"] else f"{result[key]:.3g}" for key in ("l1_error", "energy_ratio_db")]
             lines.append("| " + " | ".join(row) + " |")
         lines.append("")
     return "\n".join(lines)

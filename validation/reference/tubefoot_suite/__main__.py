@@ -5,7 +5,7 @@
     compare.py REFERENCE CANDIDATE   two files of echoes: netCDF, or NumPy's .npy with the dimensions ping, beam, sample
 
 The result of the scene NAME is NAME.npy, NAME.nc, NAME/energy.npy or NAME/echoes.nc. Derivatives are NAME-gradient.npy or
-NAME/gradient.npy. For a suite, the program prints which scenes agree, and which measures exceed their limits. The program needs
+NAME/gradient.npy. Target strengths are NAME.csv or NAME/strength.csv. For a suite, the program prints which scenes agree, and which measures exceed their limits. The program needs
 NumPy, and netCDF4 for netCDF files. Exit status: 0 all scenes agree; 3 some scenes differ; 2 the files cannot be compared."""
 import argparse
 import json

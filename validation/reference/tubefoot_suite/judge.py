@@ -6,7 +6,9 @@ import numpy as np
 
 from .echoes import Refused, array_in, errors_of, sensors_of
 from .measures import MEASURES, measures_of
+from .strength import strength_entry
 
+STRENGTH_MEASURES = "kirchhoff_db", "boundary_db"
 FIRST = "range-law"  # its gain and power of range are removed from the other scenes, which then show other errors
 
 
@@ -18,6 +20,9 @@ def about(pack):
     try:
         content = json.loads(file.read_text())
         float(content["version"])
+        secret = pack / "answers" / "seed.json"  # since version 3; participants do not get the answers
+        if secret.exists():
+            content["seed"] = json.loads(secret.read_text())["seed"]
         return {key: content[key] for key in ("version", "set", "seed") if key in content}
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise Refused(f"{file}: does not describe a benchmark suite: {error!r}: write the suite again") from error
@@ -28,12 +33,17 @@ def scene_in(pack, name):
     file = pack / "scenes" / name / "scene.json"
     try:
         scene = json.loads(file.read_text())
-        samples = scene["samples"]
-        scene["range"] = samples["first_m"] + (np.arange(samples["count"]) + 0.5) * samples["step_m"]
         scene["limits"] = {judged["measure"]: judged["limit"] for judged in scene["judged_by"]}
-        # Beams across the track have no azimuths.
-        scene["azimuth"] = None if "sectors" in scene["beams"] else np.array(scene["beams"]["axes_deg"])
-        unknown = scene["limits"].keys() - MEASURES.keys()
+        if "body" in scene:
+            known = STRENGTH_MEASURES
+            scene["azimuths_deg"], scene["frequencies_hz"] = ([float(value) for value in scene[key]]
+                                                              for key in ("azimuths_deg", "frequencies_hz"))
+        else:
+            known, samples = MEASURES, scene["samples"]
+            scene["range"] = samples["first_m"] + (np.arange(samples["count"]) + 0.5) * samples["step_m"]
+            # Beams across the track have no azimuths.
+            scene["azimuth"] = None if "sectors" in scene["beams"] else np.array(scene["beams"]["axes_deg"])
+        unknown = scene["limits"].keys() - set(known)
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise Refused(f"{file}: not a scene of a benchmark suite: {error!r}") from error
     if unknown:
@@ -49,7 +59,7 @@ def scene_in(pack, name):
 def pack_scenes(pack):
     """Name and echoes of each scene with an answer, and the content of scene.json that measures need."""
     files = sorted((pack / "answers").glob("*/energy.npy")) or sorted(pack.glob("*/echoes.nc"))
-    if not files:
+    if not files and not strength_scenes(pack):
         raise Refused(f"{pack}: found no answers: expected answers/NAME/energy.npy (v2, v3) or NAME/echoes.nc (v1)")
     for file in sorted(files, key=lambda file: (file.parent.name != FIRST, file.parent.name)):
         name = file.parent.name
@@ -61,6 +71,10 @@ def pack_scenes(pack):
         bound = file.parent / "bound.npy"
         yield name, {"energy": array_in(file), "range": scene["range"], "azimuth": scene["azimuth"],
                      "bound": array_in(bound) if bound.exists() else None}, scene
+
+
+def strength_scenes(pack):
+    return sorted(file.parent.name for file in (pack / "answers").glob("*/strength.csv"))
 
 
 def result_of(results, name):
@@ -126,9 +140,26 @@ def compare_suite(pack, results, relative=False):
                 if law["value"] is not None and gain is not None:
                     first = {"gain_db": gain, "range_exponent": 0.0 if law["kept"] else law["value"]}
         scenes.append(entry)
+    for name in strength_scenes(pack):
+        scene = scene_in(pack, name)
+        try:
+            entry = strength_entry(pack, results, name, scene)
+        except Refused as refused:
+            entry = {"scene": name, "agrees": False, "refused": str(refused)}
+        missing.append(name) if entry is None else scenes.append(entry)
     if not scenes:
         raise Refused(f"{results}: found no result of any scene of {pack}: --help lists the file names")
     return {"suite": suite, "taken_off": first, "missing": missing, "scenes": scenes}
+
+
+def summary(entry):
+    if "aspects" in entry:
+        levels = [f"{level:+.2f} dB from {name.replace('_', ' ')}" for name, level in entry["level_db"].items() if level is not None]
+        return "median " + ", ".join(levels)
+    errors = entry["errors"]
+    share = errors["energy_ratio_db"]
+    return (f"L1 {errors['l1_error'] or 0:8.2g}, {errors['rms_db_error']:5.2f} dB RMS, energy "
+            + ("none" if share is None else f"{share:+.2f} dB"))
 
 
 def print_report(report):
@@ -137,15 +168,12 @@ def print_report(report):
         if "refused" in entry:
             print(f"{entry['scene']:<17} {verdict:<8} cannot be compared: {entry['refused']}")
             continue
-        errors = entry["errors"]
-        share = errors["energy_ratio_db"]
-        print(f"{entry['scene']:<17} {verdict:<8} L1 {errors['l1_error'] or 0:8.2g}, {errors['rms_db_error']:5.2f} dB RMS, energy "
-              + ("none" if share is None else f"{share:+.2f} dB"))
+        print(f"{entry['scene']:<17} {verdict:<8} " + summary(entry))
         for name, measure in entry.get("measures", {}).items():
             error = f" +- {measure['standard_error']:.2g}" if measure["standard_error"] > 0 else ""
             value = "unknown" if measure["value"] is None else f"{measure['value']:+.4g}"
             print(f"    {name:<15} {value}{error} (at most {measure['limit']:g})"
-                  + ("" if measure["kept"] else f": error in {entry['tests']}"))
+                  + ("" if measure["kept"] or entry["agrees"] else f": error in {entry['tests']}"))
     if report["taken_off"]:
         print("removed from all other scenes: {gain_db:+.2f} dB and r^{range_exponent:+.3f}, found in ".format(**report["taken_off"])
               + FIRST)

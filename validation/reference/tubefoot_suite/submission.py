@@ -34,8 +34,7 @@ def submission(report, description, relative):
         if "refused" in entry:
             kept["refused"] = entry["refused"]
         else:
-            kept["l1_error"] = digits(entry["errors"]["l1_error"])
-            kept["energy_ratio_db"] = digits(entry["errors"]["energy_ratio_db"])
+            kept |= {key: digits(entry["errors"][key]) for key in ("l1_error", "energy_ratio_db") if "errors" in entry}
             kept["measures"] = {name: {"value": digits(measure["value"]), "standard_error": digits(measure["standard_error"]),
                                        "limit": measure["limit"], "kept": measure["kept"]}
                                 for name, measure in entry.get("measures", {}).items()}
