@@ -50,10 +50,12 @@ class FineSearch {
       : pictures_(pictures), fan_(pictures.fan), shape_(fan_.shape()), warp_(start) {
     const double wide = fan_.has_width() ? fine_blur : 0;
     smooth_reference_ = fan_.blurred(pictures.reference_j, wide, fine_blur);
-    used_.assign(shape_.bins(), true);
+    used_ = pictures.left_out;
+    used_.flip();
+    used_.resize(shape_.bins(), true);
     calibrate();
     levels_ = row_levels(shape_, scaled(predicted_j_));
-    for (std::size_t k = 0; k < used_.size(); ++k) used_[k] = says_something(k);
+    for (std::size_t k = 0; k < used_.size(); ++k) used_[k] = used_[k] && says_something(k);
     set_knots();
     calibrate();
     levels_ = row_levels(shape_, scaled(predicted_j_));

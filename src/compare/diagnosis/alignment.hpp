@@ -18,6 +18,8 @@ struct Pictures {
   /// In the unit of the candidate; rows of a lower level are not used (8-bit steps, noise)
   double faintest_j = 0;
   std::size_t first_row = 0;  ///< earlier samples are not used
+  /// Bins whose difference no displacement causes, such as missing shadows; they are not used. Or empty.
+  std::vector<bool> left_out = {};
 };
 
 /// The parameters of a Warp with a size and a standard error.

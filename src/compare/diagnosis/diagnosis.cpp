@@ -85,24 +85,9 @@ class Doctor {
       take_off_floor(pictures, clean(result_.alignment.predicted_j), 1);
       align_both_ways(pictures, result_.alignment.warp);
     }
+    leave_out_missing_shadows(pictures);
     const std::vector<MaterialLevel> materials = correct_materials(pictures);
-    const Alignment& alignment = result_.alignment;
-
-    const std::vector<double> levels = row_levels(shape, alignment.predicted_j);
-    const std::vector<double> predicted = without_traces(shape, alignment.predicted_j, levels);
-    Residual residual{fan_,
-                      predicted,
-                      pictures.candidate_j,
-                      levels,
-                      deep_shadow(shape, predicted, 1, 2),
-                      {},
-                      std::max(4 * result_.floor.deviation_j, 1.5 * step_j()),
-                      alignment.level_curve,
-                      nullptr};
-    const SceneLabels labels = labels_ ? warped(*labels_, alignment.warp) : SceneLabels{};
-    if (labels_) residual.labels = &labels;
-    residual.row_counts = rows_that_count(predicted, levels, pictures.faintest_j);
-
+    const Residual residual = residual_of(pictures);
     find_errors({input_, fan_, excerpt_.reference, pictures.reference_j, as_read_, gains_, materials,
                  residual, steps_},
                 result_);
@@ -158,18 +143,52 @@ class Doctor {
     return result;
   }
 
+  /// The difference between candidate and prediction after the present alignment. It refers to members that
+  /// the next call replaces.
+  Residual residual_of(const Pictures& pictures) {
+    const Alignment& alignment = result_.alignment;
+    const std::vector<double> levels = row_levels(excerpt_.shape, alignment.predicted_j);
+    predicted_ = without_traces(excerpt_.shape, alignment.predicted_j, levels);
+    level_curve_ = alignment.level_curve;
+    for (std::size_t s = 0; s < level_curve_.size() && alignment.fit.exponent.value != 0; ++s)
+      level_curve_[s] *=
+          std::pow(excerpt_.ranges_m[s] / alignment.fit.middle_range_m, alignment.fit.exponent.value);
+    Residual residual{fan_,
+                      predicted_,
+                      pictures.candidate_j,
+                      levels,
+                      deep_shadow(excerpt_.shape, predicted_, 1, 2),
+                      rows_that_count(predicted_, levels, pictures.faintest_j),
+                      std::max(4 * result_.floor.deviation_j, 1.5 * step_j()),
+                      level_curve_,
+                      nullptr};
+    if (labels_) {
+      seen_labels_ = warped(*labels_, alignment.warp);
+      residual.labels = &seen_labels_;
+    }
+    return residual;
+  }
+
+  /// Aligns again without the shadows that the candidate lacks, since their borders are no evidence of its
+  /// displacement and blur.
+  void leave_out_missing_shadows(Pictures& pictures) {
+    constexpr std::size_t beams = 3, samples = 5;  // from a wrongly insonified bin to beyond the border
+    const std::vector<bool> wrong = wrongly_lit(residual_of(pictures)).bins;
+    if (static_cast<std::size_t>(std::ranges::count(wrong, true)) < least_wrongly_lit) return;
+    pictures.left_out =
+        deep_shadow(excerpt_.shape, std::vector<double>(wrong.begin(), wrong.end()), beams, samples);
+    pictures.left_out.flip();
+    align_both_ways(pictures, result_.alignment.warp);
+  }
+
   /// Measures the levels of the materials. If they differ, scales the reference accordingly and aligns it
   /// again, since wrong levels of objects hide their blur and their displacement. Otherwise returns nothing.
   std::vector<MaterialLevel> correct_materials(Pictures& pictures) {
     if (!labels_ || labels_->material.empty()) return {};
-    const SceneLabels labels = warped(*labels_, result_.alignment.warp);
-    const std::vector<double>& predicted = result_.alignment.predicted_j;
-    const std::vector<double> levels = row_levels(excerpt_.shape, predicted);
-    Residual residual{fan_, predicted, pictures.candidate_j, levels, {}, {}, 4 * result_.floor.deviation_j,
-                      {},   nullptr};
-    residual.row_counts = rows_that_count(predicted, levels, pictures.faintest_j);
+    Residual residual = residual_of(pictures);
+    leave_out_missing_rows(residual);
     std::vector<MaterialLevel> found =
-        material_levels(residual, labels.material, labels.material_names.size());
+        material_levels(residual, seen_labels_.material, seen_labels_.material_names.size());
     if (!differ(found)) return {};
     for (std::size_t k = 0; k < pictures.reference_j.size(); ++k)
       if (const std::uint16_t m = labels_->material[k]; m < found.size())
@@ -297,6 +316,8 @@ class Doctor {
   std::vector<double> as_read_;  // the candidate before the gains of its pings are corrected
   PingGains gains_;
   std::optional<SceneLabels> labels_;
+  std::vector<double> predicted_, level_curve_;  // of the last residual
+  SceneLabels seen_labels_;                      // at the positions of the bins of the last residual
   Diagnosis result_;
 };
 

@@ -13,9 +13,8 @@ namespace {
 
 // A finding exceeds five standard errors and a least relevant size.
 constexpr double error_bars = 5, least_level_db = 0.3, least_exponent = 0.1, least_edge = 0.25,
-                 least_profile_db = 1;
-constexpr double least_share_of_shadow = 0.05, least_share_of_law = 0.02, faded_share = 0.35;
-constexpr std::size_t least_wrongly_lit = 12;
+                 least_profile_db = 1, least_scallop = 0.3;
+constexpr double least_share_of_shadow = 0.05, least_share_of_law = 0.02;
 
 bool sure(double value, double error, double least) {
   return std::abs(value) > std::max(least, error_bars * error);
@@ -110,6 +109,7 @@ class Findings {
     result_.l1_after_warp = l1_under(alignment_.warp);
     base_ = result_.l1_after_gain;
     lit_ = wrongly_lit(r_);
+    scallops_ = scallops(r_);
     result_.l1_left = relative_l1(fitted(r_.candidate_j), fitted(r_.predicted_j), lit_.bins);
     if (!in_.input.ideal_j.empty())
       result_.ideal_l1 = relative_l1(in_.input.ideal_j, in_.input.pair.reference_j);
@@ -194,12 +194,20 @@ class Findings {
         plain_j_[k] /= std::pow(fan_.range_m(s) / fit.middle_range_m, fit.exponent.value);
     }
     Residual plain = r_;
+    leave_out_missing_rows(plain);
+    if (is_scalloped()) leave_out_edge(plain_j_);
     plain.predicted_j = plain_j_;
-    // Echoes that are missing altogether say nothing about levels.
-    if (const auto missing_to_m = near_returns_missing_to(r_))
-      for (std::size_t s = 0; s < plain.row_counts.size(); ++s)
-        if (fan_.range_m(s) < *missing_to_m + fan_.sample_m()) plain.row_counts[s] = false;
     return plain;
+  }
+  /// Removes the rows that a scalloped edge displaces. Their level is not that of a pattern.
+  void leave_out_edge(std::vector<double>& predicted_j) const {
+    const std::size_t samples = fan_.shape().samples,
+                      rows = static_cast<std::size_t>(std::ceil(scallops_.depth.value)) + 1;
+    for (std::size_t from = 0; from < predicted_j.size(); from += samples) {
+      std::size_t s = 0;
+      while (s < samples && !(predicted_j[from + s] > 0.1 * r_.levels_j[s])) ++s;
+      for (std::size_t k = s; k < std::min(s + rows, samples); ++k) predicted_j[from + k] = 0;
+    }
   }
   void add_profile(const char* fault, const LevelProfile& profile, const char* coordinate, const char* unit) {
     std::string list;
@@ -346,14 +354,6 @@ class Findings {
     return base_ > 0 && total > 0 ? off / total / base_ : 0;
   }
 
-  /// Returns whether the level curve is near 0 at this range, where a vertical pattern removes the echoes.
-  bool is_faded(double range_m) const {
-    const std::vector<double>& curve = alignment_.level_curve;
-    const auto sample = static_cast<std::size_t>(
-        std::clamp((range_m - fan_.range_m(0)) / fan_.sample_m(), 0.0, double(curve.size() - 1)));
-    return curve[sample] < faded_share * std::ranges::max(curve);
-  }
-
   void shadows() {
     // Both kinds of shadows share the error in the bins that have echoes.
     const double part = share_of_bins([&](std::size_t k) { return lit_.bins[k]; });
@@ -383,7 +383,7 @@ class Findings {
            fmt::format("{}, nearer than the first range bin, casts no shadow", names));
     else
       area("near-clipping", lit_.behind_unseen, "surfaces nearer than the first range bin cast no shadow");
-    if (const auto range_m = near_returns_missing_to(r_); range_m && !is_faded(*range_m))
+    if (const auto range_m = near_returns_missing_to(r_))
       add("near-returns-missing", *range_m, fan_.sample_m() / 2, "m",
           fmt::format(
               "there are no echoes nearer than {:.3f} +- {:.3f} m, but the reference has nearer echoes",
@@ -392,13 +392,16 @@ class Findings {
   }
 
   void edges() {
-    const Scallops found = scallops(r_);
-    if (found.views > 0 && found.alikeness > 4.5 && sure(found.depth.value, found.depth.error / 2, 0.3))
+    const Scallops& found = scallops_;
+    if (is_scalloped())
       add("scalloped-edge", found.depth.value, found.depth.error, "samples",
           fmt::format("the near edge of the fan is scalloped by {:.2f} +- {:.2f} range bins from crest to "
                       "trough, in {} equal arc{}",
                       found.depth.value, found.depth.error, found.views, found.views > 1 ? "s" : ""),
           base_ > 0 ? found.difference / total(r_.predicted_j) / base_ : 0);
+    else if (found.usual_error > 0)
+      result_.not_found.push_back(
+          {"scalloped-edge", std::max(least_scallop, error_bars * found.usual_error), "range bins", ""});
     result_.sides = shadow_sides(r_);
     result_.ends = shadow_ends(r_);
     const auto edge = [&](const char* fault, const EdgeOffsets& offsets, const char* unit,
@@ -413,6 +416,9 @@ class Findings {
       edge("shadow-ends", result_.ends, "samples", "range bins at each end");
     }
     result_.scatter = scatter(r_);
+  }
+  bool is_scalloped() const {
+    return scallops_.views > 0 && sure(scallops_.depth.value, scallops_.depth.error, least_scallop);
   }
   static double total(std::span<const double> energy_j) {
     double sum = 0;
@@ -480,6 +486,7 @@ class Findings {
   double l1_after_gain_alone_ = 0;
   double base_ = 0;  // the error to which shares refer
   WronglyLit lit_;
+  Scallops scallops_;
 };
 
 }  // namespace

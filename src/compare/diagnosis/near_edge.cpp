@@ -5,6 +5,7 @@
 #include "compare/diagnosis/near_edge.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "compare/measures/median.hpp"
@@ -13,57 +14,155 @@ namespace tubefoot {
 namespace {
 
 constexpr std::size_t reach = 5, least_beams = 16, most_views = 12, window = 5;
-constexpr double farthest = 4;  // samples; beams without an edge within this distance are left out
+constexpr std::size_t settled = 4;  // row behind an edge whose blur is complete
+constexpr double farthest = 4;      // samples; beams without an edge within this distance are left out
 
 struct Beam {
   double place = 0;  ///< in the fan, 0 to 1
   double offset = 0;
 };
 
-/// Median of the insonified bins of each row of the prediction. Objects do not affect it.
-std::vector<double> medians_of_rows(const Residual& r) {
-  const EchoShape& shape = r.fan.shape();
-  std::vector<std::vector<double>> lit(shape.samples);
-  for (std::size_t bin = 0; bin < r.predicted_j.size(); ++bin)
-    if (r.predicted_j[bin] > 0.1 * r.levels_j[bin % shape.samples])
-      lit[bin % shape.samples].push_back(r.predicted_j[bin]);
-  std::vector<double> medians;
-  for (auto& row : lit) medians.push_back(row.empty() ? 0 : median_of(std::move(row)));
-  return medians;
-}
+/// Displacements of the near edge. The level of the candidate relative to the prediction without level curve
+/// rises behind the edge, at once or over many rows if the vertical pattern is tapered. The median of all
+/// beams is the common rise. It contains the pattern, so that a displacement of the rise remains.
+class NearEdge {
+ public:
+  explicit NearEdge(const Residual& residual) : r_(residual), plain_j_(r_.predicted_j.size()) {
+    for (std::size_t k = 0; k < plain_j_.size(); ++k)
+      plain_j_[k] =
+          r_.predicted_j[k] / (r_.level_curve.empty() ? 1 : r_.level_curve[k % r_.fan.shape().samples]);
+    find_levels();
+    find_edges();
+    find_edge_shape();
+    find_rise();
+  }
 
-/// Displacement of the near edge in a beam, in samples. `difference` grows by |candidate - prediction|.
-std::optional<double> offset_of(const Residual& r, const std::vector<double>& medians, std::size_t from,
-                                double& difference) {
-  const std::size_t samples = r.fan.shape().samples;
-  std::size_t s = 0;
-  while (s < samples && !(r.predicted_j[from + s] > 0.3 * r.levels_j[s])) ++s;
-  if (s < reach || s + 2 * reach >= samples || !r.row_counts[s + 1]) return std::nullopt;
-  // A vertical pattern that falls to 0 leaves no edge to measure, and noise hides a faint edge.
-  if (medians[s + 1] < 3 * r.noise_j) return std::nullopt;
-  if (!r.level_curve.empty() && r.level_curve[s + reach] < 0.5 * std::ranges::max(r.level_curve))
-    return std::nullopt;
-  if (medians[s + reach] < 0.5 * medians[std::min(s + 4 * reach, samples - 1)]) return std::nullopt;
-  double lack = 0, should = 0, has = 0;
-  for (std::size_t k = s - reach; k <= s + reach; ++k) {
-    lack += r.predicted_j[from + k] - r.candidate_j[from + k];
-    difference += std::abs(r.predicted_j[from + k] - r.candidate_j[from + k]);
+  /// Displacement of a column in samples. The sums of the differences over the rise and over the rows behind
+  /// it are linear in the displacement and in the gain of the column.
+  std::optional<double> offset_of(std::size_t column) const {
+    if (end_ == 0 || !is_uniform(column, 1, 2 * end_)) return std::nullopt;
+    // Noise hides a faint edge.
+    if (r_.predicted_j[column * r_.fan.shape().samples + edges_[column] + end_] < 3 * r_.noise_j)
+      return std::nullopt;
+    double lack = 0, common = 0, lack_behind = 0, common_behind = 0;
+    for (std::ptrdiff_t k = -std::ptrdiff_t(reach); k <= std::ptrdiff_t(2 * end_); ++k) {
+      const bool behind = k > std::ptrdiff_t(end_);
+      (behind ? common_behind : common) += rise(k);
+      (behind ? lack_behind : lack) += rise(k) - level(column, k);
+    }
+    // The sum of the slopes of the rise over an interval is the difference of its ends.
+    const double slopes = rise(std::ptrdiff_t(end_)), slopes_behind = rise(std::ptrdiff_t(2 * end_)) - slopes;
+    const double determinant = slopes * common_behind - slopes_behind * common;
+    if (!(determinant > 0.1 * slopes * common_behind)) return std::nullopt;
+    const double offset = (lack * common_behind - lack_behind * common) / determinant,
+                 loss = (slopes * lack_behind - slopes_behind * lack) / determinant;
+    // If all echoes behind the edge differ, the edge is that of a shadow and not displaced.
+    if (loss > 0.4 || loss < -0.6 || std::abs(offset) > farthest) return std::nullopt;
+    return offset - within_sample(column);
   }
-  // If all echoes behind the edge differ, the edge is that of a shadow and not displaced.
-  for (std::size_t k = s + reach + 1; k <= s + 2 * reach; ++k) {
-    should += r.predicted_j[from + k];
-    has += r.candidate_j[from + k];
+
+  /// Sum of |candidate - prediction| over the rise.
+  double difference(std::size_t column) const {
+    const std::size_t from = column * r_.fan.shape().samples + edges_[column];
+    double sum = 0;
+    for (std::size_t bin = from - reach; bin <= from + end_; ++bin)
+      sum += std::abs(r_.predicted_j[bin] - r_.candidate_j[bin]);
+    return sum;
   }
-  if (has < 0.6 * should || has > 1.6 * should) return std::nullopt;
-  // A displaced edge lacks the level right behind it; a gradual edge lacks that at the end of the interval.
-  double level = 0;
-  for (std::size_t k = s + 2; k <= s + reach; ++k)
-    level = std::max(
-        level, (r.predicted_j[from + k - 1] + r.predicted_j[from + k] + r.predicted_j[from + k + 1]) / 3);
-  if (!(level > 0.3 * r.levels_j[s])) return std::nullopt;
-  const double offset = lack / level;
-  return std::abs(offset) < farthest ? std::optional(offset) : std::nullopt;
-}
+
+ private:
+  /// Median of the insonified bins of each row. Objects do not affect it.
+  void find_levels() {
+    levels_j_ = row_levels(r_.fan.shape(), plain_j_);
+    std::vector<std::vector<double>> insonified(levels_j_.size());
+    for (std::size_t bin = 0; bin < plain_j_.size(); ++bin)
+      if (const std::size_t s = bin % levels_j_.size(); plain_j_[bin] > 0.1 * levels_j_[s])
+        insonified[s].push_back(plain_j_[bin]);
+    for (std::size_t s = 0; s < levels_j_.size(); ++s)
+      if (!insonified[s].empty()) levels_j_[s] = median_of(std::move(insonified[s]));
+  }
+  void find_edges() {
+    const std::size_t samples = r_.fan.shape().samples, columns = plain_j_.size() / samples;
+    for (std::size_t column = 0; column < columns; ++column) {
+      std::size_t s = 0;
+      while (s < samples && !(plain_j_[column * samples + s] > 0.3 * levels_j_[s])) ++s;
+      edges_.push_back(s);
+    }
+  }
+
+  /// Measures how much the blur of the prediction lowers its first rows, relative to the trend of the rows
+  /// behind them.
+  void find_edge_shape() {
+    std::array<double, 2 * settled> sums{};
+    for (std::size_t column = 0; column < edges_.size(); ++column)
+      for (std::size_t row = 1; row < sums.size() && is_uniform(column, 1, sums.size()); ++row)
+        sums[row] += plain_j_[column * r_.fan.shape().samples + edges_[column] + row];
+    if (!(sums.back() > 0)) return;
+    const double trend = std::pow(sums[settled] / sums.back(), 1.0 / (settled - 1));
+    for (std::size_t row = 1; row < settled; ++row)
+      edge_shape_[row] = sums[row] / sums[settled] / std::pow(trend, settled - row);
+  }
+
+  /// Finds the common rise and its end, from which on it grows by less than a tenth over `reach` rows.
+  void find_rise() {
+    const std::size_t samples = r_.fan.shape().samples;
+    for (std::size_t place = 0; place < samples / 2; ++place) {
+      const std::ptrdiff_t k = std::ptrdiff_t(place) - std::ptrdiff_t(reach);
+      const auto row = static_cast<std::size_t>(std::max<std::ptrdiff_t>(k, 1));
+      std::vector<double> levels;
+      for (std::size_t column = 0; column < edges_.size(); ++column)
+        if (is_uniform(column, row, row)) levels.push_back(level(column, k));
+      if (levels.size() < least_beams) break;
+      double sum = 0;
+      const double middle = median_of(levels);
+      std::size_t count = 0;
+      // The mean without outliers has no steps where the samples of an edge are partly insonified.
+      for (const double l : levels)
+        if (std::abs(l - middle) < 1) sum += l, ++count;
+      rise_.push_back(count > 0 ? sum / double(count) : middle);
+    }
+    const auto mean = [&](std::size_t first) {
+      double sum = 0;
+      for (std::size_t k = first; k < first + reach; ++k) sum += rise_[k + reach];
+      return sum / double(reach);
+    };
+    for (std::size_t k = reach; 2 * k + reach < rise_.size() && end_ == 0; ++k)
+      if (mean(k - reach + 1) > 0 && mean(k + 1) < 1.1 * mean(k - reach + 1)) end_ = k;
+  }
+
+  /// Position of the predicted edge behind the beginning of its sample. The sample is partly insonified.
+  double within_sample(std::size_t column) const {
+    const std::size_t at = column * r_.fan.shape().samples + edges_[column];
+    double insonified = 0;
+    for (std::size_t bin = at - reach; bin <= at; ++bin) insonified += plain_j_[bin];
+    return 1 - insonified / plain_j_[at + 1] * edge_shape_[1];
+  }
+  double rise(std::ptrdiff_t k) const { return rise_[std::size_t(k + std::ptrdiff_t(reach))]; }
+  /// Level of a column relative to the prediction, k rows behind its edge. The row behind the edge is the
+  /// first that is insonified completely. `edge_shape_` removes the blur of the prediction.
+  double level(std::size_t column, std::ptrdiff_t k) const {
+    const std::size_t from = column * r_.fan.shape().samples + edges_[column],
+                      row = static_cast<std::size_t>(std::max<std::ptrdiff_t>(k, 1));
+    return r_.candidate_j[static_cast<std::size_t>(std::ptrdiff_t(from) + k)] / plain_j_[from + row] *
+           (row < settled ? edge_shape_[row] : 1);
+  }
+  /// Returns whether the prediction contains only the surface behind the edge in these rows.
+  bool is_uniform(std::size_t column, std::size_t first, std::size_t last) const {
+    const std::size_t samples = r_.fan.shape().samples, edge = edges_[column];
+    if (edge < reach || edge + last + 1 >= samples) return false;
+    for (std::size_t s = edge + first; s <= edge + last; ++s) {
+      const double p = plain_j_[column * samples + s];
+      if (!(p > 0.3 * levels_j_[s] && p < 1.8 * levels_j_[s])) return false;
+    }
+    return true;
+  }
+
+  const Residual& r_;
+  std::vector<double> plain_j_, levels_j_, rise_;  // the rise begins `reach` rows before the edge
+  std::vector<std::size_t> edges_;                 // first insonified sample of each column
+  std::array<double, settled> edge_shape_{1, 1, 1, 1};
+  std::size_t end_ = 0;  // of the rise, in rows behind the edge; 0: none
+};
 
 /// Depth of parabolas over equal views: least squares, and a standard error for residuals that are correlated
 /// over `window` beams (Newey and West 1987).
@@ -105,20 +204,18 @@ Arcs arcs(const std::vector<Beam>& beams, std::size_t views) {
 Scallops scallops(const Residual& r) {
   const EchoShape& shape = r.fan.shape();
   Scallops result;
-  const std::vector<double> medians = medians_of_rows(r);
+  const NearEdge edge(r);
   std::vector<std::vector<double>> of_beam(shape.beams);
-  std::size_t edges = 0, pings = 0;
   for (std::size_t ping = 0; ping < shape.pings; ++ping) {
     std::vector<std::pair<std::size_t, double>> offsets;
-    for (std::size_t beam = 0; beam < shape.beams; ++beam)
-      if (const auto offset =
-              offset_of(r, medians, (ping * shape.beams + beam) * shape.samples, result.difference))
-        offsets.emplace_back(beam, *offset);
-    if (offsets.size() < least_beams) continue;
-    ++pings;
-    edges += offsets.size();
     std::vector<double> all;
-    for (const auto& [beam, offset] : offsets) all.push_back(offset);
+    for (std::size_t beam = 0; beam < shape.beams; ++beam)
+      if (const auto offset = edge.offset_of(ping * shape.beams + beam)) {
+        offsets.emplace_back(beam, *offset);
+        all.push_back(*offset);
+        result.difference += edge.difference(ping * shape.beams + beam);
+      }
+    if (offsets.size() < least_beams) continue;
     const double middle = median_of(all);
     for (const auto& [beam, offset] : offsets) of_beam[beam].push_back(offset - middle);
   }
@@ -128,14 +225,10 @@ Scallops scallops(const Residual& r) {
       beams.push_back(
           {(static_cast<double>(beam) + 0.5) / static_cast<double>(shape.beams), median_of(of_beam[beam])});
   if (beams.size() < std::max(least_beams, shape.beams / 3)) return result;
-  double products = 0, squares = 0, mean = 0;
+  double products = 0, mean = 0;
   for (const Beam& beam : beams) mean += beam.offset / static_cast<double>(beams.size());
-  for (std::size_t k = 0; k < beams.size(); ++k) {
-    squares += std::pow(beams[k].offset - mean, 2);
-    if (k > 0) products += (beams[k].offset - mean) * (beams[k - 1].offset - mean);
-  }
-  if (!(squares > 0)) return result;
-  result.alikeness = products / squares * std::sqrt(static_cast<double>(beams.size() - 1));
+  for (std::size_t k = 1; k < beams.size(); ++k)
+    products += (beams[k].offset - mean) * (beams[k - 1].offset - mean);
   // The covariance of neighbours is the variance without the noise of single beams.
   const double without_noise = products / static_cast<double>(beams.size() - 1);
   Arcs best;
@@ -144,6 +237,7 @@ Scallops scallops(const Residual& r) {
       best = found;
       result.views = static_cast<int>(views);
     }
+  result.usual_error = arcs(beams, static_cast<std::size_t>(r.fan.usual_views())).depth.error;
   if (best.explained > 0.6 * without_noise)
     result.depth = {std::abs(best.depth.value), best.depth.error};
   else

@@ -9,9 +9,10 @@ namespace tubefoot {
 /// Scallops of the near edge: equal arcs side by side.
 struct Scallops {
   Estimate depth;         ///< from crest to trough, in samples; 0 without arcs
-  double alikeness = 0;   ///< correlation of adjacent beams times the root of their number
   int views = 0;          ///< number of arcs that explain the displacements; 0: none does
   double difference = 0;  ///< sum of |candidate - prediction| around the edge
+  /// Standard error of the depth of arcs in as many views as usual; 0 if too few beams have an edge.
+  double usual_error = 0;
 };
 Scallops scallops(const Residual& residual);
 

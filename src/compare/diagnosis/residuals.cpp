@@ -93,6 +93,29 @@ bool bright_before(const Residual& r, std::size_t bin) {
   return false;
 }
 
+/// Returns whether the level of the candidate relative to the reference rises at a row in a step: by more
+/// than twice as much as behind the row. A vertical pattern that begins there rises at most as much. The
+/// interval is wider than a step that is blurred by one bin.
+bool is_step(const Residual& r, std::size_t row) {
+  constexpr std::size_t interval = 5;
+  const EchoShape& shape = r.fan.shape();
+  if (row < 2 || row + 2 * interval >= shape.samples) return false;
+  const auto level = [&](std::size_t first) {
+    double p = 0, c = 0;
+    for (std::size_t s = first; s < first + 2; ++s)
+      for (std::size_t column = 0; column < shape.pings * shape.beams; ++column) {
+        const std::size_t bin = column * shape.samples + s;
+        if (!(r.predicted_j[bin] > 0.2 * r.levels_j[s])) continue;
+        p += r.predicted_j[bin] / (r.level_curve.empty() ? 1 : r.level_curve[s]);
+        c += r.candidate_j[bin];
+      }
+    return p > 0 ? c / p : 0;
+  };
+  const double before = level(row - 2), at = level(row - 2 + interval),
+               behind = level(row - 2 + 2 * interval);
+  return at - before > 2 * std::max(behind - at, 0.0);
+}
+
 /// Number of the bins of a shadow in runs along range that contain wrongly insonified bins. Other shadows
 /// that touch this one, and the dark parts of the fan, do not count.
 std::size_t own_shadow(const Residual& r, const std::vector<bool>& wrong, std::vector<std::size_t>& shadow) {
@@ -175,13 +198,19 @@ std::optional<double> near_returns_missing_to(const Residual& r) {
     if (10 * has > should) {
       // Missing near returns are a cut: nearly all echoes before it are missing and most echoes after it
       // are present.
-      if (rows < 3 || lost < 30 || 2 * has < should) return std::nullopt;
+      if (rows < 3 || lost < 30 || 2 * has < should || !is_step(r, s)) return std::nullopt;
       return r.fan.range_m(s) - r.fan.sample_m() / 2;
     }
     lost += should;
     ++rows;
   }
   return std::nullopt;
+}
+
+void leave_out_missing_rows(Residual& r) {
+  const auto missing_to_m = near_returns_missing_to(r);
+  for (std::size_t s = 0; missing_to_m && s < r.row_counts.size(); ++s)
+    if (r.fan.range_m(s) < *missing_to_m + r.fan.sample_m()) r.row_counts[s] = false;
 }
 
 EdgeOffsets shadow_sides(const Residual& r) {

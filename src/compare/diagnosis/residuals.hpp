@@ -15,7 +15,7 @@ struct Residual {
   std::vector<bool> dark;                            ///< the prediction is dark in this bin and around it
   std::vector<bool> row_counts;                      ///< rows in which the prediction has enough echoes
   double noise_j = 0;                                ///< energies below this value may be noise
-  std::span<const double> level_curve = {};          ///< of the alignment; empty: 1 in all rows
+  std::span<const double> level_curve = {};          ///< power of range and level curve; empty: 1 in all rows
   const SceneLabels* labels = nullptr;               ///< or null
 };
 
@@ -34,9 +34,14 @@ struct WronglyLit {
 };
 WronglyLit wrongly_lit(const Residual& residual);
 
+/// Smallest number of wrongly insonified bins that is an error.
+inline constexpr std::size_t least_wrongly_lit = 12;
+
 /// Range in m up to which the candidate has no echoes although the prediction has; nothing if there is no
-/// such range.
+/// such range. The level rises there in a step. The gradual rise of a vertical pattern is no such range.
 std::optional<double> near_returns_missing_to(const Residual& residual);
+/// Lets the rows up to near_returns_missing_to() no longer count. They contain no levels.
+void leave_out_missing_rows(Residual& residual);
 
 /// Offsets of the sides and of the ends of shadows.
 EdgeOffsets shadow_sides(const Residual& residual);
