@@ -22,9 +22,9 @@ struct Beam {
   double offset = 0;
 };
 
-/// Displacements of the near edge. The level of the candidate relative to the prediction without level curve
-/// rises behind the edge, at once or over many rows if the vertical pattern is tapered. The median of all
-/// beams is the common rise. It contains the pattern, so that a displacement of the rise remains.
+/// Displacements of the near edge. Levels are those of the candidate relative to the prediction without level
+/// curve. They rise behind the edge, at once or over many rows if the vertical pattern is tapered. The median
+/// of all beams is the common rise. It contains the pattern, so that a displacement of the rise remains.
 class NearEdge {
  public:
   explicit NearEdge(const Residual& residual) : r_(residual), plain_j_(r_.predicted_j.size()) {
@@ -37,8 +37,8 @@ class NearEdge {
     find_rise();
   }
 
-  /// Displacement of a column in samples. The sums of the differences over the rise and over the rows behind
-  /// it are linear in the displacement and in the gain of the column.
+  /// Displacement of a column in samples. The differences are summed over the rise and over the rows behind
+  /// it. Both sums are linear in the displacement and in the gain of the column.
   std::optional<double> offset_of(std::size_t column) const {
     if (end_ == 0 || !is_uniform(column, 1, 2 * end_)) return std::nullopt;
     // Noise hides a faint edge.

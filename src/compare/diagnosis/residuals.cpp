@@ -93,8 +93,8 @@ bool bright_before(const Residual& r, std::size_t bin) {
   return false;
 }
 
-/// Returns whether the level of the candidate relative to the reference rises at a row in a step: by more
-/// than twice as much as behind the row. A vertical pattern that begins there rises at most as much. The
+/// Returns whether the level of the candidate relative to the reference rises in a step at a row. A step is
+/// more than twice the rise behind the row. A vertical pattern that begins there rises at most as much. The
 /// interval is wider than a step that is blurred by one bin.
 bool is_step(const Residual& r, std::size_t row) {
   constexpr std::size_t interval = 5;
