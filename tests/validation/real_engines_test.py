@@ -126,8 +126,9 @@ class Parts(unittest.TestCase):
             "side-lobes": "no side lobes", "layered-water": "no sound speed profile",
             "surface-multiple": "no reflections at the sea surface", "two-scatterings": "one scattering per path",
             "receivers-apart": "no separate receiver", "volume": "no scattering in the water", "sectors": "no transmit sectors",
-            "gradient": "no derivatives", "shadow-border": "no diffraction"})
-        self.assertEqual(len(reasons), 25)
+            "gradient": "no derivatives", "shadow-border": "no diffraction",
+            **{f"strength-{body}": "no target strengths" for body in ("m3", "m5a", "m5b")}})
+        self.assertEqual(len(reasons), 28)
 
     def test_a_folder_without_the_sources_is_rejected(self):
         with tempfile.TemporaryDirectory() as folder:

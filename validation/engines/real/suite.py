@@ -36,6 +36,8 @@ ENGINES = ["stonefish", "stonefish_near", "stonefish_default", "simple_sonar"]
 
 def left_out(scene):
     """Why the input of these engines cannot describe a scene, from its scene.json; None if it can."""
+    if "body" in scene:
+        return "no target strengths"
     water, beams = scene["water"], scene["beams"]
     reasons = {
         "no derivatives": "gradient" in scene,
