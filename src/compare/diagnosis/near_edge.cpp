@@ -20,6 +20,7 @@ constexpr double farthest = 4;      // samples; beams without an edge within thi
 struct Beam {
   double place = 0;  ///< in the fan, 0 to 1
   double offset = 0;
+  double edge = 0;  ///< predicted, in samples
 };
 
 /// Displacements of the near edge. Levels are those of the candidate relative to the prediction without level
@@ -60,6 +61,11 @@ class NearEdge {
     if (loss > 0.4 || loss < -0.6 || std::abs(offset) > farthest) return std::nullopt;
     return offset - within_sample(column);
   }
+
+  /// Position of the predicted edge in samples.
+  double edge(std::size_t column) const { return double(edges_[column]) + within_sample(column); }
+  /// A long rise is that of a tapered vertical pattern. Its length depends on the range of the edge.
+  bool is_long() const { return end_ > 2 * reach; }
 
   /// Sum of |candidate - prediction| over the rise.
   double difference(std::size_t column) const {
@@ -164,6 +170,27 @@ class NearEdge {
   std::size_t end_ = 0;  // of the rise, in rows behind the edge; 0: none
 };
 
+/// Subtracts from values their mean and, if `edges` is given, their linear dependence on it.
+void subtract_trend(std::vector<double>& values, const std::vector<double>& edges) {
+  const auto centre = [](std::vector<double>& of) {
+    double mean = 0;
+    for (const double v : of) mean += v / static_cast<double>(of.size());
+    for (double& v : of) v -= mean;
+  };
+  centre(values);
+  if (edges.empty()) return;
+  std::vector<double> trend = edges;
+  centre(trend);
+  double squares = 0, products = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    squares += trend[k] * trend[k];
+    products += trend[k] * values[k];
+  }
+  // Edges within one sample differ only by rounding.
+  if (squares < static_cast<double>(values.size())) return;
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] -= products / squares * trend[k];
+}
+
 /// Depth of parabolas over equal views: least squares, and a standard error for residuals that are correlated
 /// over `window` beams (Newey and West 1987).
 struct Arcs {
@@ -171,26 +198,27 @@ struct Arcs {
   double explained = 0;  ///< mean square of the fitted displacements
 };
 
-Arcs arcs(const std::vector<Beam>& beams, std::size_t views) {
+/// Fits arcs to beams without trend; `edges` is that of subtract_trend(). Arcs that the trend contains are
+/// not resolved and have a depth of 0.
+Arcs arcs(const std::vector<Beam>& beams, const std::vector<double>& edges, std::size_t views) {
   std::vector<double> shape;
-  double mean = 0, mean_offset = 0;
   for (const Beam& beam : beams) {
     const double of_view = beam.place * static_cast<double>(views),
                  off = 2 * (of_view - std::floor(of_view)) - 1;
     shape.push_back(1 - off * off);
-    mean += shape.back() / static_cast<double>(beams.size());
-    mean_offset += beam.offset / static_cast<double>(beams.size());
   }
+  subtract_trend(shape, edges);
   double squares = 0, products = 0;
   for (std::size_t k = 0; k < beams.size(); ++k) {
-    shape[k] -= mean;
     squares += shape[k] * shape[k];
-    products += shape[k] * (beams[k].offset - mean_offset);
+    products += shape[k] * beams[k].offset;
   }
+  // The variance of a parabola over whole views is 0.09.
+  if (squares < 0.02 * static_cast<double>(beams.size())) return {};
   const double depth = products / squares;
   std::vector<double> scores;
   for (std::size_t k = 0; k < beams.size(); ++k)
-    scores.push_back(shape[k] * (beams[k].offset - mean_offset - depth * shape[k]));
+    scores.push_back(shape[k] * (beams[k].offset - depth * shape[k]));
   double variance = 0;
   for (std::size_t k = 0; k < scores.size(); ++k)
     for (std::size_t lag = 0; lag <= window && lag <= k; ++lag)
@@ -205,7 +233,7 @@ Scallops scallops(const Residual& r) {
   const EchoShape& shape = r.fan.shape();
   Scallops result;
   const NearEdge edge(r);
-  std::vector<std::vector<double>> of_beam(shape.beams);
+  std::vector<std::vector<double>> of_beam(shape.beams), edges_of_beam(shape.beams);
   for (std::size_t ping = 0; ping < shape.pings; ++ping) {
     std::vector<std::pair<std::size_t, double>> offsets;
     std::vector<double> all;
@@ -217,27 +245,35 @@ Scallops scallops(const Residual& r) {
       }
     if (offsets.size() < least_beams) continue;
     const double middle = median_of(all);
-    for (const auto& [beam, offset] : offsets) of_beam[beam].push_back(offset - middle);
+    for (const auto& [beam, offset] : offsets) {
+      of_beam[beam].push_back(offset - middle);
+      edges_of_beam[beam].push_back(edge.edge(ping * shape.beams + beam));
+    }
   }
   std::vector<Beam> beams;
   for (std::size_t beam = 0; beam < shape.beams; ++beam)
     if (!of_beam[beam].empty())
-      beams.push_back(
-          {(static_cast<double>(beam) + 0.5) / static_cast<double>(shape.beams), median_of(of_beam[beam])});
+      beams.push_back({(static_cast<double>(beam) + 0.5) / static_cast<double>(shape.beams),
+                       median_of(of_beam[beam]), median_of(edges_of_beam[beam])});
   if (beams.size() < std::max(least_beams, shape.beams / 3)) return result;
-  double products = 0, mean = 0;
-  for (const Beam& beam : beams) mean += beam.offset / static_cast<double>(beams.size());
-  for (std::size_t k = 1; k < beams.size(); ++k)
-    products += (beams[k].offset - mean) * (beams[k - 1].offset - mean);
+  std::vector<double> offsets, edges;
+  for (const Beam& beam : beams) {
+    offsets.push_back(beam.offset);
+    if (edge.is_long()) edges.push_back(beam.edge);
+  }
+  subtract_trend(offsets, edges);
+  for (std::size_t k = 0; k < beams.size(); ++k) beams[k].offset = offsets[k];
+  double products = 0;
+  for (std::size_t k = 1; k < beams.size(); ++k) products += offsets[k] * offsets[k - 1];
   // The covariance of neighbours is the variance without the noise of single beams.
   const double without_noise = products / static_cast<double>(beams.size() - 1);
   Arcs best;
   for (std::size_t views = 1; views <= std::min(most_views, shape.beams / 6); ++views)
-    if (const Arcs found = arcs(beams, views); found.explained > best.explained) {
+    if (const Arcs found = arcs(beams, edges, views); found.explained > best.explained) {
       best = found;
       result.views = static_cast<int>(views);
     }
-  result.usual_error = arcs(beams, static_cast<std::size_t>(r.fan.usual_views())).depth.error;
+  result.usual_error = arcs(beams, edges, static_cast<std::size_t>(r.fan.usual_views())).depth.error;
   if (best.explained > 0.6 * without_noise)
     result.depth = {std::abs(best.depth.value), best.depth.error};
   else
