@@ -140,7 +140,7 @@ TEST(IdealBeams, EveryKindIsWithinTheFigureOfItsReference) {
         "12\nwindow_length_m = 20\nsamples = 40\n",
         "kind = \"sidescan\"\nrange_max_m = 40\nsamples = 40\ndepression_min_deg = 20\ndepression_max_deg = "
         "40\n",
-        "kind = \"multibeam\"\nbeams = 3\nswath_deg = 60\nrange_min_m = 5\nrange_max_m = 25\nsamples = 80\n",
+        "kind = \"multibeam\"\nbeams = 3\nswath_deg = 60\nrange_min_m = 5\nrange_max_m = 25\nsamples = 400\n",
         "kind = \"imaging\"\nbeams = 4\nhorizontal_deg = 12\ntilt_deg = 30\nrange_min_m = 5\nrange_max_m = "
         "25\nsamples = 40\n",
         "kind = \"scanning\"\nscan_deg = 12\nstep_deg = 4\nbeam_horizontal_deg = 5\ntilt_deg = 30\n"
