@@ -34,10 +34,10 @@ void expect_same(const FacetMesh& mesh, const TubeSet& tubes, std::uint32_t tube
   EXPECT_EQ(hidden_in_part(together), hidden_in_part(alone));
 }
 
-/// Whether the first ray of each plane's name precedes the second. Names that do not are not comparable.
+/// Whether the first point of each plane's name precedes the second. Their order defines the plane's normal.
 bool is_ordered(const CornerName& name) {
-  return name.point != no_point || (name.p.a < name.p.b && name.q.a < name.q.b) || name.p.depth ||
-         name.q.depth;
+  const auto ordered = [](const PlaneName& plane) { return plane.depth || plane.a < plane.b; };
+  return name.point != no_point || (ordered(name.p) && ordered(name.q));
 }
 
 /// A sector straight ahead (+y) and slightly downwards, in columns and rows of tubes.
