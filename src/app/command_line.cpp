@@ -216,7 +216,7 @@ int obeyed(int argc, char** argv) {
 int run_command_line(int argc, char** argv) {
   hold_closed_streams();
   remove_library_variables();
-  save_addresses();
+  configure_heap();
   take_signals();
   const int code = called([&] { return obeyed(argc, argv); });
   errno = tell_error;

@@ -130,6 +130,7 @@ void PingSimulation::clip_to_enclosures(const PingUnit& unit, PingValues& values
     const PingCounts more = ordinary_->run(unit, ordinary);
     counts.visibility_seconds += more.visibility_seconds;
     counts.echo_seconds += more.echo_seconds;
+    counts.energy_of_order = more.energy_of_order;
     for (const std::size_t s : layout_.groups[unit.group].sensors)
       clip(std::as_const(ordinary).of(s, "energy"), values.of(s, "energy"), values.of(s, "energy_bound"));
   });

@@ -29,6 +29,7 @@
 #include "pure_embree.hpp"
 #include "refraction_figures.hpp"
 #include "relief_figures.hpp"
+#include "run/console/exhausted.hpp"
 #include "scaling_figures.hpp"
 #include "survey_figures.hpp"
 #include "terrain.hpp"
@@ -112,6 +113,7 @@ FootprintMemory footprint_memory(View& view) {
 }  // namespace
 
 int main(int, char** argv) {
+  configure_heap();
   nlohmann::ordered_json figures;
   const auto figure = [&](const std::string& name, double value) {
     figures[name] = value;

@@ -102,7 +102,10 @@ void before_libraries_start() {
   _exit(1);
 }
 
-void save_addresses() {
+void configure_heap() {
+  constexpr int kept_bytes = 128 << 20, largest_block_bytes = 32 << 20;  // the second is glibc's maximum
+  mallopt(M_TRIM_THRESHOLD, kept_bytes);
+  mallopt(M_MMAP_THRESHOLD, largest_block_bytes);
   if (addresses_are_limited() && memory_at_hand() < 16e9) mallopt(M_ARENA_MAX, 1);
 }
 
