@@ -66,7 +66,9 @@ TEST(ReferenceRun, WideEnclosuresReportTheOrdinaryEnergyAndTheFartherEnd) {
                narrow = echoes_of(scene, {"--reference", "--tolerance", "1e-7"}), ordinary = echoes_of(scene);
   std::size_t wider = 0;
   for (std::size_t k = 0; k < wide.energy.size(); ++k) {
-    EXPECT_NEAR(wide.energy[k], ordinary.energy[k], 1e-9 * ordinary.energy[k]) << k;
+    // Some enclosures are as narrow as the error of the ordinary quadrature. Midpoints are off by 1e-4 and
+    // more.
+    EXPECT_NEAR(wide.energy[k], ordinary.energy[k], 1e-6 * ordinary.energy[k]) << k;
     EXPECT_LE(std::abs(wide.energy[k] - narrow.energy[k]), wide.energy_bound[k] + narrow.energy_bound[k])
         << k;
     // The half-width is within the tolerance, so that the farther end is within twice of it.
