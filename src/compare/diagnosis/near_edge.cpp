@@ -36,11 +36,17 @@ class NearEdge {
     find_edges();
     find_edge_shape();
     find_rise();
+    find_step();
   }
 
-  /// Displacement of a column in samples. The differences are summed over the rise and over the rows behind
-  /// it. Both sums are linear in the displacement and in the gain of the column.
-  std::optional<double> offset_of(std::size_t column) const {
+  /// Displacement of a column in samples. Rounding of the candidate to steps moves it by at most `rounding`,
+  /// by similar amounts in neighbouring columns.
+  struct Offset {
+    double value = 0, rounding = 0;
+  };
+  /// The differences are summed over the rise and over the rows behind it. Both sums are linear in the
+  /// displacement and in the gain of the column.
+  std::optional<Offset> offset_of(std::size_t column) const {
     if (end_ == 0 || !is_uniform(column, 1, 2 * end_)) return std::nullopt;
     // Noise hides a faint edge.
     if (r_.predicted_j[column * r_.fan.shape().samples + edges_[column] + end_] < 3 * r_.noise_j)
@@ -59,7 +65,10 @@ class NearEdge {
                  loss = (slopes * lack_behind - slopes_behind * lack) / determinant;
     // If all echoes behind the edge differ, the edge is that of a shadow and not displaced.
     if (loss > 0.4 || loss < -0.6 || std::abs(offset) > farthest) return std::nullopt;
-    return offset - within_sample(column);
+    const double half_step =
+        step_j_ / 2 / r_.predicted_j[column * r_.fan.shape().samples + edges_[column] + end_];
+    return Offset{offset - within_sample(column),
+                  half_step * double(end_) * (common_behind + common) / determinant};
   }
 
   /// Position of the predicted edge in samples.
@@ -136,6 +145,25 @@ class NearEdge {
       if (mean(k - reach + 1) > 0 && mean(k + 1) < 1.1 * mean(k - reach + 1)) end_ = k;
   }
 
+  /// Finds the steps to which the candidate is rounded near the edges: the smallest difference of values. It
+  /// is close to 0 without such steps.
+  void find_step() {
+    std::vector<double> values;
+    for (std::size_t column = 0; column < edges_.size() && end_ > 0; ++column)
+      if (is_uniform(column, 1, 2 * end_)) {
+        const auto behind = r_.candidate_j.subspan(column * r_.fan.shape().samples + edges_[column] + 1);
+        values.insert(values.end(), behind.begin(), behind.begin() + std::ptrdiff_t(2 * end_));
+      }
+    if (values.empty()) return;
+    std::ranges::sort(values);
+    constexpr double rounding = 1e-6;
+    double least = values.back();
+    for (std::size_t k = 1; k < values.size(); ++k)
+      if (const double gap = values[k] - values[k - 1]; gap > rounding * values.back())
+        least = std::min(least, gap);
+    step_j_ = least;
+  }
+
   /// Position of the predicted edge behind the beginning of its sample. The sample is partly insonified.
   double within_sample(std::size_t column) const {
     const std::size_t at = column * r_.fan.shape().samples + edges_[column];
@@ -167,6 +195,7 @@ class NearEdge {
   std::vector<double> plain_j_, levels_j_, rise_;  // the rise begins `reach` rows before the edge
   std::vector<std::size_t> edges_;                 // first insonified sample of each column
   std::array<double, settled> edge_shape_{1, 1, 1, 1};
+  double step_j_ = 0;    // of the candidate's values
   std::size_t end_ = 0;  // of the rise, in rows behind the edge; 0: none
 };
 
@@ -234,13 +263,15 @@ Scallops scallops(const Residual& r) {
   Scallops result;
   const NearEdge edge(r);
   std::vector<std::vector<double>> of_beam(shape.beams), edges_of_beam(shape.beams);
+  std::vector<double> roundings;
   for (std::size_t ping = 0; ping < shape.pings; ++ping) {
     std::vector<std::pair<std::size_t, double>> offsets;
     std::vector<double> all;
     for (std::size_t beam = 0; beam < shape.beams; ++beam)
       if (const auto offset = edge.offset_of(ping * shape.beams + beam)) {
-        offsets.emplace_back(beam, *offset);
-        all.push_back(*offset);
+        offsets.emplace_back(beam, offset->value);
+        all.push_back(offset->value);
+        roundings.push_back(offset->rounding);
         result.difference += edge.difference(ping * shape.beams + beam);
       }
     if (offsets.size() < least_beams) continue;
@@ -273,9 +304,11 @@ Scallops scallops(const Residual& r) {
       best = found;
       result.views = static_cast<int>(views);
     }
-  result.usual_error = arcs(beams, edges, static_cast<std::size_t>(r.fan.usual_views())).depth.error;
+  const double rounding = median_of(roundings);
+  const Arcs usual = arcs(beams, edges, static_cast<std::size_t>(r.fan.usual_views()));
+  result.usual_error = std::hypot(usual.depth.error, rounding);
   if (best.explained > 0.6 * without_noise)
-    result.depth = {std::abs(best.depth.value), best.depth.error};
+    result.depth = {std::abs(best.depth.value), std::hypot(best.depth.error, rounding)};
   else
     result.views = 0;
   return result;

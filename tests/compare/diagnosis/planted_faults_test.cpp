@@ -286,6 +286,21 @@ TEST(Diagnosis, APictureWhoseFaintestValueIsManyStepsSaysAsMuch) {
   EXPECT_NEAR(diagnosis.alignment.warp.samples, -1.3, 0.1);
 }
 
+TEST(Diagnosis, FewLevelsAtTheNearEdgeAreNoScallops) {
+  const std::vector<double> truth = rendered(fan().truth, 0);
+  for (const double bits : {4, 5, 6})
+    for (const double shift : {0.0, 0.5})
+      for (unsigned seed = 1; seed <= 3; ++seed) {
+        Mistakes mistakes;
+        mistakes.sample_shift = shift;
+        const std::vector<double> candidate = rendered(fan().picture(mistakes, 1, 600, seed), bits);
+        const Diagnosis diagnosis = diagnose(
+            {{fan().shape(), truth, candidate, {}, fan().ranges_m}, fan().azimuths_deg, candidate, {}});
+        EXPECT_FALSE(diagnosis.has("scalloped-edge"))
+            << bits << " bits, shift " << shift << ", seed " << seed;
+      }
+}
+
 TEST(Diagnosis, MirroredBeamsEvenInTheTangentUnderSpeckleAreNotAnotherOpening) {
   Mistakes mistakes;
   mistakes.mirror = true;
