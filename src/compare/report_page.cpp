@@ -68,8 +68,10 @@ std::string findings_of(const Json& sensor) {
         number(finding["look_for"]));
   }
   for (const Json& size : not_found)
-    limits += fmt::format("{}{} below {} {}{}", limits.empty() ? "" : "; ", number(size["fault"]),
-                          number(size["size"]), number(size["unit"]),
+    limits += fmt::format("{}{}{}{}", limits.empty() ? "" : "; ", number(size["fault"]),
+                          finite(size["size"]) == "-"
+                              ? ", for which the echoes are too few"
+                              : fmt::format(" below {} {}", number(size["size"]), number(size["unit"])),
                           size["remark"] == "" ? "" : " (" + number(size["remark"]) + ")");
   if (!limits.empty()) limits = "<p class=\"faint\">Not found, and not resolved: " + limits + ".</p>\n";
   if (rows.empty()) return "<p>No mistake found.</p>\n" + limits;

@@ -41,8 +41,12 @@ def fan_edge_scallop(scene, sonar, views):
 
 def near_shadow(scene, sonar, truth):
     """Bins in the shadow of objects that lie nearer than the picture, one beam and two samples within its edges."""
-    near = [name for k, name in enumerate(scene.objects)
-            if np.linalg.norm(scene.triangles[scene.owner == k].mean(axis=(0, 1)) - sonar.apex) < sonar.edges[0]]
+    def is_near(triangles):
+        # The middle of a curved strip may be nearer than all of its points.
+        offsets = triangles - sonar.apex
+        return max(np.linalg.norm(offsets.mean(axis=(0, 1))), np.linalg.norm(offsets, axis=2).min()) < sonar.edges[0]
+
+    near = [name for k, name in enumerate(scene.objects) if is_near(scene.triangles[scene.owner == k])]
     if not near:
         return Known("near-clipping", 0, "bins", "no object is nearer than the picture", may=True)
     shadow = (truth() == 0) & (truth(without=near) > 0)

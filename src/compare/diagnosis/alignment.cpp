@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -415,7 +416,8 @@ class FineSearch {
     }
     for (std::size_t k = 0; k < of_right.size(); ++k) right[k % n] += of_right[k];
     for (std::size_t k = 0; k < of_normal.size(); ++k) normal[k % (n * n)] += of_normal[k];
-    for (std::size_t i = 0; i < n; ++i) normal[i * n + i] += 1e-12;
+    constexpr double regularisation = 1e-12;
+    for (std::size_t i = 0; i < n; ++i) normal[i * n + i] += regularisation;
     const std::vector<double> inverse = inverted(normal, n);
     std::vector<double> steps(n);
     for (std::size_t i = 0; i < n; ++i)
@@ -446,7 +448,9 @@ class FineSearch {
     for (std::size_t k = 0; k < by_column.size(); ++k) errors_[k % n] += by_column[k] * by_column[k];
     for (std::size_t k = 0; k < by_row.size(); ++k) errors_[k % n] += by_row[k] * by_row[k];
     for (std::size_t i = 0; i < n; ++i)
-      errors_[i] = std::sqrt(few * std::max(of_cells[i], errors_[i] - of_cells[i]));
+      errors_[i] = normal[i * n + i] > 2 * regularisation
+                       ? std::sqrt(few * std::max(of_cells[i], errors_[i] - of_cells[i]))
+                       : std::numeric_limits<double>::infinity();  // no bin contains the parameter
     return steps;
   }
 

@@ -42,7 +42,7 @@ struct Finding {
 /// A systematic error that was not found, and the smallest size that would have been found.
 struct ResolvableSize {
   std::string fault;
-  double size = 0;
+  double size = 0;  ///< infinite: the echoes do not determine the error
   std::string unit;
   std::string remark;  ///< for example the size that a usual engine would have; or empty
 };

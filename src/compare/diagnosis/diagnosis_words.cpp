@@ -88,7 +88,10 @@ std::string diagnosis_text(const std::string& sensor, const Diagnosis& diagnosis
     text += fmt::format("  {:<24} {}{}\n", finding.fault, finding.words,
                         finding.share ? fmt::format(" [{:.0f} % of the error]", 100 * *finding.share) : "");
   for (const ResolvableSize& size : diagnosis.not_found)
-    text += fmt::format("  not found below {:.3g} {:<12} {}{}\n", size.size, size.unit, size.fault,
+    text += fmt::format("  {} {:<12} {}{}\n",
+                        std::isfinite(size.size) ? fmt::format("not found below {:.3g}", size.size)
+                                                 : "too few echoes to find",
+                        std::isfinite(size.size) ? size.unit : "", size.fault,
                         size.remark.empty() ? "" : "; " + size.remark);
   text += "  relative L1 error\n";
   for (const ErrorShare& share : error_shares(diagnosis))

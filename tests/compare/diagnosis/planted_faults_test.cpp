@@ -301,6 +301,27 @@ TEST(Diagnosis, FewLevelsAtTheNearEdgeAreNoScallops) {
       }
 }
 
+TEST(Diagnosis, AStripInTheFirstRowDeterminesNoDisplacement) {
+  // All beams see the strip, but the candidate lacks the outer beams of three views and blurs the others.
+  std::vector<double> truth(fan().truth.size()), candidate(truth.size());
+  constexpr std::size_t beams_of_view = PlantedFan::beams / 3, lost = 3;
+  for (std::size_t beam = 0; beam < PlantedFan::beams; ++beam) {
+    double* const row = candidate.data() + beam * PlantedFan::samples;
+    truth[beam * PlantedFan::samples] = 1;
+    const std::size_t from_edge = std::min(beam % beams_of_view, beams_of_view - 1 - beam % beams_of_view);
+    if (from_edge < lost) continue;
+    for (const std::size_t s : {0, 1, 2}) row[s] = (from_edge == lost ? 0.2 : 0.5) * (3.0 - double(s));
+  }
+  const Diagnosis diagnosis =
+      diagnose({{fan().shape(), truth, candidate, {}, fan().ranges_m}, fan().azimuths_deg, candidate, {}});
+  for (const char* fault :
+       {"beam-shift", "half-sample", "sample-shift", "range-scale", "azimuth-scale", "tangent-spacing"})
+    EXPECT_FALSE(diagnosis.has(fault)) << fault;
+  EXPECT_TRUE(std::ranges::any_of(diagnosis.not_found,
+                                  [](const ResolvableSize& size) { return std::isinf(size.size); }));
+  EXPECT_THAT(diagnosis_text("camera", diagnosis), testing::HasSubstr("too few echoes to find"));
+}
+
 TEST(Diagnosis, MirroredBeamsEvenInTheTangentUnderSpeckleAreNotAnotherOpening) {
   Mistakes mistakes;
   mistakes.mirror = true;
