@@ -7,77 +7,41 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
+#include <iterator>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include "run/simulation.hpp"
+#include "sensors/kinds/kind_imaging.hpp"
 #include "sensors/kinds/scene_file.hpp"
 
 namespace tubefoot {
 namespace {
 
-constexpr const char* scene_text = R"(
-[water]
-sound_speed_m_s = 1500
-[[materials]]
-name = "bed"
-lambert_db = -25
-[[terrain]]
-name = "seen"
-kind = "fractal"
-width_m = 24
-length_m = 24
-centre_m = [0, 14, 0]
-cell_m = 0.2
-rms_height_m = 0.3
-hurst = 0.7
-seed = 5
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 5]
-[[sensors]]
-name = "sonar"
-kind = "imaging"
-tilt_deg = 29
-horizontal_deg = 40
-vertical_deg = 24
-beams = {}
-samples = 512
-range_min_m = 1
-range_max_m = 25
-pings = 3
-{})";
-
-constexpr const char* wall_text = R"(
-[[objects]]
-name = "wall"
-shape = "box"
-size_m = [40, 0.2, 40]
-position_m = [0, 8, 0]
-)";
-
-/// A million facets behind the wall. They are rough, because the facets of a plane would be merged.
-constexpr const char* hidden_text = R"(
-[[terrain]]
-name = "unseen"
-kind = "fractal"
-rms_height_m = 0.05
-hurst = 0.7
-seed = 6
-width_m = 12
-length_m = 12
-centre_m = [0, 15, 0]
-cell_m = 0.01697
-)";
+/// Returns the text of a file of the scaling study.
+std::string text_of(const char* name) {
+  std::ifstream file(std::filesystem::path(TUBEFOOT_SCALING) / name);
+  if (!file) throw std::runtime_error(fmt::format("cannot read '{}/{}'", TUBEFOOT_SCALING, name));
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 struct PingSeconds {
   double visibility = std::numeric_limits<double>::infinity(), whole = visibility;
 };
 
-PingSeconds least_seconds(int beams, const std::string& more) {
+/// `more`: files that are appended to the scene.
+PingSeconds least_seconds(int beams, std::initializer_list<const char*> more) {
   const std::filesystem::path file = std::filesystem::temp_directory_path() / "tubefoot-bench-scaling.toml";
-  std::ofstream(file) << fmt::format(fmt::runtime(scene_text), beams, more);
-  const auto survey = open_survey(read_scene_file(file));
+  std::ofstream text(file);
+  text << text_of("fan.toml");
+  for (const char* name : more) text << text_of(name);
+  text.close();
+  SceneDescription scene = read_scene_file(file);
   std::filesystem::remove(file);
+  scene.sensors.front().kind.edit<ImagingDescription>().beams = beams;
+  const auto survey = open_survey(scene);
   PingSeconds least;
   constexpr int repeats = 5;
   for (int repeat = 0; repeat < repeats; ++repeat) {
@@ -93,11 +57,11 @@ PingSeconds least_seconds(int beams, const std::string& more) {
 
 void scaling_figures(const std::function<void(const std::string&, double)>& figure) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const PingSeconds single = least_seconds(1, ""), many = least_seconds(1024, "");
+  const PingSeconds single = least_seconds(1, {}), many = least_seconds(1024, {});
   figure("beams_1024_over_1", many.visibility / single.visibility);
   figure("beams_1024_over_1_ping", many.whole / single.whole);
-  const PingSeconds none = least_seconds(64, wall_text),
-                    million = least_seconds(64, std::string(wall_text) + hidden_text);
+  const PingSeconds none = least_seconds(64, {"wall.toml"}),
+                    million = least_seconds(64, {"wall.toml", "unseen.toml"});
   figure("hidden_million_over_none", million.visibility / none.visibility);
 }
 

@@ -1,85 +1,44 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a ping costs: one thing is varied at a time."""
 import math
+import pathlib
+import re
 
 import numpy
 
 from runs import Run, with_pings
 
-# An imaging sonar over rough ground, all of its fan on the bed. `{more}`: what a series adds.
-SCENE = """
-[water]
-sound_speed_m_s = 1500
-[[materials]]
-name = "bed"
-lambert_db = -25
-[[terrain]]
-name = "seen"
-kind = "fractal"
-width_m = 24
-length_m = 24
-centre_m = [0, 14, 0]
-cell_m = {cell_m}
-rms_height_m = 0.3
-hurst = 0.7
-seed = 5
-[trajectory]
-kind = "fixed"
-position_m = [0, 0, 5]
-[[sensors]]
-name = "sonar"
-kind = "imaging"
-tilt_deg = 29
-horizontal_deg = 40
-vertical_deg = 24
-beams = {beams}
-samples = {samples}
-range_min_m = 1
-range_max_m = 25
-pings = 3
-{more}
-"""
-# Facets that no ping sees: behind the sonar, or behind a wall that closes the fan. Rough ones: those of a plane
-# would be merged.
-BEHIND = """
-[[terrain]]
-name = "unseen"
-kind = "fractal"
-rms_height_m = 0.05
-hurst = 0.7
-seed = 6
-width_m = {side}
-length_m = {side}
-centre_m = [0, {middle}, 0]
-cell_m = {cell}
-"""
-WALL = """
-[[objects]]
-name = "wall"
-shape = "box"
-size_m = [40, 0.2, 40]
-position_m = [0, 8, 0]
-"""
-USUAL = {"cell_m": 0.2, "beams": 64, "samples": 512, "more": ""}
+HERE = pathlib.Path(__file__).resolve().parent
+FAN, WALL, UNSEEN = ((HERE / f"{name}.toml").read_text() for name in ("fan", "wall", "unseen"))
 
 
-def scene(**changes):
-    return SCENE.format(**{**USUAL, **changes})
+def edited(text, **changes):
+    """The text of a scene with other values of these keys, each at its first occurrence."""
+    for key, value in changes.items():
+        text, number = re.subn(rf"^{key} = .*$", f"{key} = {value}", text, count=1, flags=re.M)
+        if number != 1:
+            raise ValueError(f"no key '{key}' in the scene")
+    return text
+
+
+def unseen(side, middle, facets):
+    """Facets that no ping sees."""
+    return edited(UNSEEN, width_m=side, length_m=side, centre_m=[0, middle, 0], cell_m=side / math.sqrt(facets / 2))
 
 
 def series(quick):
     """{name: (what is varied, its values, value -> scene text)}"""
     some = lambda values: values[::3] if quick else values
-    outside = lambda n: scene(more=BEHIND.format(side=200, middle=-110, cell=200 / math.sqrt(n / 2)))
-    hidden = lambda n: scene(more=WALL + BEHIND.format(side=12, middle=15, cell=12 / math.sqrt(n / 2)))
+    outside = lambda n: FAN + unseen(200, -110, n)
+    hidden = lambda n: FAN + WALL + unseen(12, 15, n)
     counts = [1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6]
     return {
         "seen": ("seabed facets, by cell size", [2, 1, 0.5, 0.3, 0.2, 0.1, 0.06, 0.04][:6 if quick else 8],
-                 lambda cell: scene(cell_m=cell)),
+                 lambda cell: edited(FAN, cell_m=cell)),
         "outside": ("facets outside the fan", some(counts + [3e6]), outside),
         "hidden": ("facets in the fan, hidden by a wall", some(counts), hidden),
-        "beams": ("beams in the same fan", some([2**k for k in range(11)]), lambda n: scene(beams=n)),
-        "samples": ("range samples", some([2**k for k in range(6, 17)]), lambda n: scene(samples=n)),
+        "beams": ("beams in the same fan", some([2**k for k in range(11)]), lambda n: edited(FAN, beams=n)),
+        "samples": ("range samples", some([2**k for k in range(6, 17)]), lambda n: edited(FAN, samples=n)),
         "orders": ("order of paths", [1, 2, 3] if quick else [1, 2, 3, 4, 5, 6], None),
     }
 
