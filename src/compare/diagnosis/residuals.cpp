@@ -264,8 +264,10 @@ EvenSteps steps_of(std::span<const double> values) {
     if (v > 0 && different.size() <= most) different.insert(v);
   }
   if (lit == 0) return steps;
-  steps.share_at_top =
-      static_cast<double>(std::count(values.begin(), values.end(), top)) / static_cast<double>(lit);
+  // Some bin has the largest value, and in a symmetric scene several have.
+  constexpr std::ptrdiff_t least_at_top = 8;
+  const std::ptrdiff_t at_top = std::count(values.begin(), values.end(), top);
+  if (at_top >= least_at_top) steps.share_at_top = static_cast<double>(at_top) / static_cast<double>(lit);
   steps.smallest = different.size() <= most ? *different.begin() : 0;
   if (different.size() > most || different.size() * least_share > lit || different.size() < 2) return steps;
   steps.levels = different.size();

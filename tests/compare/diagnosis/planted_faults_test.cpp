@@ -301,6 +301,16 @@ TEST(Diagnosis, FewLevelsAtTheNearEdgeAreNoScallops) {
       }
 }
 
+TEST(Diagnosis, SomeEqualLargestValuesAreNoClamping) {
+  // A symmetric picture of 72 bins with the largest value in two of them.
+  std::vector<double> truth(fan().truth.size());
+  for (std::size_t beam = 0; beam < PlantedFan::beams; ++beam)
+    truth[beam * PlantedFan::samples + 100] =
+        1 / (1 + std::abs(double(beam) - (PlantedFan::beams - 1) / 2.0));
+  EXPECT_FALSE(diagnose({{fan().shape(), truth, truth, {}, fan().ranges_m}, fan().azimuths_deg, truth, {}})
+                   .has("clamped"));
+}
+
 TEST(Diagnosis, AStripInTheFirstRowDeterminesNoDisplacement) {
   // All beams see the strip, but the candidate lacks the outer beams of three views and blurs the others.
   std::vector<double> truth(fan().truth.size()), candidate(truth.size());
