@@ -19,9 +19,9 @@ std::string_view exhaustion_in_words(const std::exception& error);
 /// noexcept may be the first one to need a library on demand.
 void before_libraries_start();
 
-/// Call once at the start of main(). The heap keeps up to 128 MB of freed memory for the next ping, because
-/// each page that the system takes back and gives again costs time. If the address space is limited, all
-/// threads share one heap, because a heap of its own takes 64 MB of address space per thread.
+/// Call once at the start of main(). The heap keeps up to 128 MB of freed memory for the next ping. Pages
+/// that the system takes back and gives again cost time. If the address space is limited, all threads share
+/// one heap, because a heap of its own takes 64 MB of address space per thread.
 void configure_heap();
 
 }  // namespace tubefoot
