@@ -49,7 +49,9 @@ GnomonicFrame::GnomonicFrame(const std::array<GridPoint, 4>& rays) {
   for (const GridPoint& ray : rays) sum += glm::normalize(as_double(ray));
   axis_ = glm::normalize(sum);
   right_ = glm::normalize(as_double(rays[1]) - as_double(rays[0]));
-  right_ = glm::normalize(right_ - axis_ * glm::dot(right_, axis_));
+  // In a narrow tube whose rays differ in length, the difference of two rays is nearly parallel to the axis.
+  // A second subtraction removes the rounding error of the first one.
+  for (int pass = 0; pass < 2; ++pass) right_ = glm::normalize(right_ - axis_ * glm::dot(right_, axis_));
   up_ = glm::cross(axis_, right_);
   tube_ = Bounds::nothing();
   for (int k = 0; k < 4; ++k) {

@@ -62,6 +62,9 @@ class GnomonicFrame {
     p = {glm::dot(d, right_) / depth, glm::dot(d, up_) / depth};
     return true;
   }
+  /// Returns the unit vector to a point.
+  ///
+  /// Law K4 (direction): project(direction(p)) is p, within margin * (1 + |p|).
   glm::dvec3 direction(glm::dvec2 p) const { return glm::normalize(axis_ + p.x * right_ + p.y * up_); }
 
   /// Bounds of the tube; infinite if the tube is too wide for a gnomonic plane.

@@ -189,7 +189,8 @@ double LayerGrid::farthest_in(std::uint32_t f, const Directions& corners) const 
   const double offset = static_cast<double>(cone.offset), length = glm::length(normal);
   double farthest = 0;
   for (const glm::dvec3& corner : corners) {
-    const double along = glm::dot(normal, corner);
+    // Coordinates in the plane are uncertain by the margin, so the direction of the corner is, too.
+    const double along = glm::dot(normal, corner) - 2 * GnomonicFrame::margin * length;
     if (!(along > plane_margin * length)) return farthest_[f];
     farthest = std::max(farthest, offset / along * (1 + plane_margin));
   }

@@ -78,6 +78,36 @@ TEST(GnomonicFilters, WhatIsSureIsSo) {
   EXPECT_GT(outside, 2000u);
 }
 
+// Law K4, also in tubes of a few units of a grid of 2^30 whose rays differ in length.
+TEST(GnomonicFilters, DirectionsReturnToTheirCoordinates) {
+  double narrowest = 1;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const auto any = [&](int least, int most) { return uniform(random, least, most); };
+    const GridPoint first{any(-(1 << 28), 1 << 28), any(-(1 << 28), 1 << 28), -(1 << 28)};
+    const int side = 1 << any(1, 27);
+    std::array<GridPoint, 4> rays{};
+    for (int k = 0; k < 4; ++k) {
+      const int times = any(1, 3);  // the length of the ray
+      rays[k] = {times * (first.x + (k == 1 || k == 2 ? side : 0)), times * (first.y + (k >= 2 ? side : 0)),
+                 times * first.z};
+    }
+    const GnomonicFrame frame(rays);
+    ASSERT_TRUE(frame.tube().is_finite());
+    const Bounds& tube = frame.tube();
+    narrowest = std::min(narrowest, tube.x1 - tube.x0);
+    for (int k = 0; k < 10; ++k) {
+      const glm::dvec2 p{tube.x0 + (tube.x1 - tube.x0) * any(0, 1000) / 1000,
+                         tube.y0 + (tube.y1 - tube.y0) * any(0, 1000) / 1000};
+      glm::dvec2 again;
+      ASSERT_TRUE(frame.project(frame.direction(p), 1, again));
+      EXPECT_LE(glm::length(again - p), GnomonicFrame::margin * (1 + glm::length(p)));
+    }
+  }
+  EXPECT_LT(narrowest, 1e-7);
+}
+
 // Law G1.
 TEST(CandidateFacets, RefusesOnlyFacetsThatAWallHasNoVertexOf) {
   std::size_t admitted = 0, refused = 0;

@@ -51,6 +51,15 @@ TEST_P(ProvenLaws, HoldOnEveryTube) {
       << "tubes that see nothing but water prove little";
 }
 
+// A scene in which a facet hid itself: the plane of a narrow tube was not perpendicular to its axis.
+TEST(ProvenScenes, HoldEveryLaw) {
+  Prover prover;
+  Ledger ledger;
+  prover.check(1, 9246, ledger, true);
+  for (std::size_t l = 0; l < law_names.size(); ++l)
+    EXPECT_EQ(ledger.total(static_cast<Law>(l)).failures, 0u) << law_names[l];
+}
+
 INSTANTIATE_TEST_SUITE_P(On, ProvenLaws, testing::Range<std::uint64_t>(0, kinds), [](const auto& kind) {
   std::string name(generator_names[kind.param]);
   std::replace_if(
