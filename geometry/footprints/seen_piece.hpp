@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/footprints/corner_rests.hpp"
 #include "geometry/footprints/piece_walls.hpp"
 #include "geometry/footprints/plane_lines.hpp"
 #include "geometry/footprints/shared_footprints.hpp"
@@ -117,13 +118,15 @@ class SeenPiece {
       return std::nullopt;
     return static_cast<std::uint32_t>(&line - lines_.data());
   }
-  /// Returns the corner of this piece at which `arriving` turns into `leaving`, or null if these are not
+  /// Returns the corner of this piece at which `arriving` turns into `leaving`, or none if these are not
   /// successive lines of the piece.
-  const glm::dvec3* corner_between(const PlaneLine& arriving, const PlaneLine& leaving) const {
+  std::optional<std::uint32_t> corner_between(const PlaneLine& arriving, const PlaneLine& leaving) const {
     const std::optional<std::uint32_t> first = edge_of(arriving), second = edge_of(leaving);
-    if (!first || !second) return nullptr;
-    return *first == (*second == 0 ? lines_.size() : *second) - 1 ? &points_[*second] : nullptr;
+    if (!first || !second || *first != (*second == 0 ? lines_.size() : *second) - 1) return std::nullopt;
+    return second;
   }
+  /// Encloses a corner relative to the apex, in grid units.
+  BallVector exact_point(std::uint32_t k) const { return exact_point_on(context_, corner(k), *facet_); }
   /// Returns the name of a corner, with rays of its own tube.
   const CornerName& name(std::uint32_t k) const { return corner(k); }
   const LinePolygon& polygon() {

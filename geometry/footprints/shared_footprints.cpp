@@ -9,6 +9,7 @@
 #include <span>
 
 #include "geometry/arithmetic/wide_direction.hpp"
+#include "geometry/footprints/corner_rests.hpp"
 #include "geometry/footprints/footprint_builder.hpp"
 #include "geometry/footprints/plane_lines.hpp"
 #include "geometry/footprints/seen_piece.hpp"
@@ -69,16 +70,16 @@ std::vector<FootprintSharer::Seen> FootprintSharer::pieces_of(const ApexLook& lo
 }
 
 FootprintSharer::FootprintSharer(const FacetMesh& mesh, const ApexLook& transmit, const ApexLook& receive,
-                                 double unit_m, bool named_edges)
+                                 double unit_m, SharedDetails details)
     : mesh_(mesh),
       transmit_(transmit),
       receive_(receive),
       unit_m_(unit_m),
-      named_edges_(named_edges),
+      details_(details),
       transmit_pieces_(pieces_of(transmit)),
       receive_pieces_(pieces_of(receive)) {
   find_facets();
-  if (!named_edges_) return;
+  if (!details_.named_edges) return;
   transmit_first_ray_ = first_rays(transmit_);
   receive_first_ray_ = first_rays(receive_);
 }
@@ -158,7 +159,7 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
       if (!images_ && !s.may_meet(h)) continue;
       SharedPiece piece{s.tube(), h.tube(), static_cast<std::uint32_t>(out.corners_m.size()), 0};
       const auto add_edge = [&](bool of_receiver, std::uint32_t k) {
-        if (!named_edges_) return;
+        if (!details_.named_edges) return;
         const SeenPiece& own = of_receiver ? h : s;
         const std::uint32_t next = k + 1 == own.points().size() ? 0 : k + 1,
                             first_ray = (of_receiver ? receive_first_ray_ : transmit_first_ray_)[own.tube()];
@@ -170,26 +171,40 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
         const auto edges = static_cast<std::uint32_t>((of_receiver ? h : s).points().size());
         for (std::uint32_t k = 0; k < edges; ++k) add_edge(of_receiver, k);
       };
+      const auto add_rest = [&](const BallVector& exact) {
+        out.corner_rests_m.push_back(rest_m(exact, unit_m_, out.corners_m.back()));
+      };
       if (h.is_whole_facet()) {
-        for (const glm::dvec3& p : s.points()) out.corners_m.push_back(p * unit_m_);
+        for (std::uint32_t k = 0; k < s.points().size(); ++k) {
+          out.corners_m.push_back(s.points()[k] * unit_m_);
+          if (details_.corner_rests) add_rest(s.exact_point(k));
+        }
         add_all_edges(false);
       } else if (s.is_whole_facet() && !images_) {
-        for (const glm::dvec3& p : h.points()) out.corners_m.push_back(p * unit_m_ + baseline);
+        for (std::uint32_t k = 0; k < h.points().size(); ++k) {
+          out.corners_m.push_back(h.points()[k] * unit_m_ + baseline);
+          if (details_.corner_rests)
+            add_rest(moved(h.exact_point(k), transmit_.tubes.apex, receive_.tubes.apex));
+        }
         add_all_edges(true);
       } else {
         shared_by(s, h, polygon);
         for (std::size_t k = 0; k < polygon.size(); ++k) {
           const PlaneLine &arriving = *polygon[k == 0 ? polygon.size() - 1 : k - 1], &leaving = *polygon[k];
-          const glm::dvec3* own = s.corner_between(arriving, leaving);
+          const std::optional<std::uint32_t> own = s.corner_between(arriving, leaving);
           out.corners_m.push_back(
-              (own != nullptr ? *own : meeting_point(on.from_transmitter, on.chart, arriving, leaving)) *
+              (own ? s.points()[*own] : meeting_point(on.from_transmitter, on.chart, arriving, leaving)) *
               unit_m_);
+          if (details_.corner_rests)
+            add_rest(own ? s.exact_point(*own)
+                         : exact_meeting_point(on.from_transmitter, on.chart, arriving, leaving));
           const std::optional<std::uint32_t> edge = s.edge_of(leaving);
           add_edge(!edge, edge ? *edge : h.edge_of(leaving).value());
         }
       }
       if (!is_finite(std::span(out.corners_m).subspan(piece.first))) out.corners_m.resize(piece.first);
-      if (named_edges_) out.edges.resize(out.corners_m.size());
+      if (details_.named_edges) out.edges.resize(out.corners_m.size());
+      if (details_.corner_rests) out.corner_rests_m.resize(out.corners_m.size());
       piece.count = static_cast<std::uint32_t>(out.corners_m.size()) - piece.first;
       if (piece.count > 0) out.pieces.push_back(piece);
     }
@@ -206,7 +221,7 @@ void FootprintSharer::append(std::size_t number, SharedFootprints& out) const {
 SharedFootprints FootprintSharer::without_facets() const {
   SharedFootprints shared;
   shared.receiver_m = receiver_m();
-  if (!named_edges_) return shared;
+  if (!details_.named_edges) return shared;
   shared.transmit_rays = all_rays(transmit_);
   shared.receive_rays = all_rays(receive_);
   return shared;
@@ -219,16 +234,21 @@ SharedFootprints FootprintSharer::all() const {
 }
 
 SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m,
-                                    bool named_edges) {
+                                    SharedDetails details) {
   const FacetMesh& seen_mesh = look.mesh == nullptr ? mesh : *look.mesh;
   std::vector<FootprintSet> sets(look.seen.size());
   for (std::uint32_t tube = 0; tube < sets.size(); ++tube)
-    append_footprints(seen_mesh, look.tubes, tube, look.seen[tube], unit_m, sets[tube], named_edges);
+    append_footprints(seen_mesh, look.tubes, tube, look.seen[tube], unit_m, sets[tube],
+                      details.named_edges || details.corner_rests);
   SharedFootprints shared;
   for (const FootprintSet& set : sets) {
     const auto first_ray = static_cast<std::uint32_t>(shared.transmit_rays.size());
-    shared.transmit_rays.insert(shared.transmit_rays.end(), set.name_rays.begin(), set.name_rays.end());
+    const NameContext context{seen_mesh, look.tubes.apex, set.name_rays};
+    if (details.named_edges)
+      shared.transmit_rays.insert(shared.transmit_rays.end(), set.name_rays.begin(), set.name_rays.end());
     for (const Footprint& footprint : set.footprints) {
+      FacetCone cone;
+      if (details.corner_rests) FacetCone::make(seen_mesh, footprint.facet, look.tubes.apex, cone);
       SharedFacet facet;
       facet.facet = look.origin_of(footprint.facet);
       facet.first_piece = static_cast<std::uint32_t>(shared.pieces.size());
@@ -241,7 +261,10 @@ SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look,
                                  static_cast<std::uint32_t>(shared.corners_m.size()), piece.count});
         const auto first = set.corners_m.begin() + piece.first;
         shared.corners_m.insert(shared.corners_m.end(), first, first + piece.count);
-        for (std::uint32_t c = 0; c < piece.count && named_edges; ++c) {
+        for (std::uint32_t c = piece.first; c < piece.first + piece.count && details.corner_rests; ++c)
+          shared.corner_rests_m.push_back(
+              rest_m(exact_point_on(context, set.corner_names[c], cone), unit_m, set.corners_m[c]));
+        for (std::uint32_t c = 0; c < piece.count && details.named_edges; ++c) {
           const std::uint32_t from = piece.first + c, to = piece.first + (c + 1 == piece.count ? 0 : c + 1);
           shared.edges.push_back({false, moved(set.corner_names[from], first_ray),
                                   moved(set.corner_names[to], first_ray), set.corners_m[from],
@@ -251,13 +274,15 @@ SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look,
       shared.facets.push_back(facet);
     }
   }
-  if (named_edges) shared.receive_rays = shared.transmit_rays;
+  if (details.named_edges) shared.receive_rays = shared.transmit_rays;
   return shared;
 }
 
 SharedFootprints exchanged(SharedFootprints shared) {
   for (SharedFacet& facet : shared.facets) std::swap(facet.transmit_distance_m, facet.receive_distance_m);
   for (SharedPiece& piece : shared.pieces) std::swap(piece.transmit_tube, piece.receive_tube);
+  for (std::size_t k = 0; k < shared.corner_rests_m.size(); ++k)
+    shared.corner_rests_m[k] += rounding_of_difference(shared.corners_m[k], shared.receiver_m);
   for (glm::dvec3& corner : shared.corners_m) corner -= shared.receiver_m;
   for (SharedEdge& edge : shared.edges) {
     edge.of_receiver = !edge.of_receiver;
@@ -281,6 +306,7 @@ void append(SharedFootprints& all, const SharedFootprints& more) {
     all.pieces.push_back(piece);
   }
   all.corners_m.insert(all.corners_m.end(), more.corners_m.begin(), more.corners_m.end());
+  all.corner_rests_m.insert(all.corner_rests_m.end(), more.corner_rests_m.begin(), more.corner_rests_m.end());
   all.edges.insert(all.edges.end(), more.edges.begin(), more.edges.end());
 }
 

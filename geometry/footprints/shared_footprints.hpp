@@ -41,6 +41,12 @@ struct SharedEdge {
   glm::dvec3 from_m{0}, to_m{0};  ///< relative to the transmit apex
 };
 
+/// Optional contents of SharedFootprints.
+struct SharedDetails {
+  bool named_edges = false;   ///< SharedFootprints::edges
+  bool corner_rests = false;  ///< SharedFootprints::corner_rests_m
+};
+
 /// The common visibility of two apexes. Pieces are ordered by facet, transmit tube and receive tube, and have
 /// disjoint interiors.
 struct SharedFootprints {
@@ -48,11 +54,20 @@ struct SharedFootprints {
   std::vector<SharedFacet> facets;
   std::vector<SharedPiece> pieces;
   std::vector<glm::dvec3> corners_m;  ///< relative to the transmit apex, metres
-  /// Edge k starts at corner k. Empty unless FootprintSharer has `named_edges`.
+  /// By corner: the exact corner minus its rounded position in corners_m. The sum is accurate to
+  /// corner_rest_error times the size of the coordinates. Empty unless SharedDetails requests it.
+  std::vector<glm::dvec3> corner_rests_m{};
+  /// Edge k starts at corner k. Empty unless SharedDetails requests it.
   std::vector<SharedEdge> edges{};
   /// The rays to which the names of edges refer, as FootprintSet::name_rays.
   std::vector<GridPoint> transmit_rays{}, receive_rays{};
 };
+
+/// Relative error of a corner with its rest. The reference is the distance of the corner from the apex of its
+/// piece, plus the distance between the apexes.
+///
+/// Law S6 (rests): the exact corner lies within this error of the sum of corner and rest.
+constexpr double corner_rest_error = 0x1p-98;
 
 /// Returns the facet itself, without pieces, from its cones of both apexes.
 SharedFacet facet_between(const FacetCone& from_transmitter, const FacetCone& from_receiver, double unit_m);
@@ -110,10 +125,9 @@ struct SharedAudit {
 /// Law S4 (exchange): an exchange of transmitter and receiver gives the same parts.
 class FootprintSharer {
  public:
-  /// The looks and the mesh must outlive the object. `unit_m` is the grid unit in metres. `named_edges`: the
-  /// pieces have SharedFootprints::edges.
+  /// The looks and the mesh must outlive the object. `unit_m` is the grid unit in metres.
   FootprintSharer(const FacetMesh& mesh, const ApexLook& transmit, const ApexLook& receive, double unit_m,
-                  bool named_edges = false);
+                  SharedDetails details = {});
   /// Constructs the intersection for two images of the same facets. Both looks have a mesh. Facets of the
   /// same origin have the same vertices in the same order, at any position of each image. A point of one
   /// image corresponds to the point of the other that lies in the same way between the vertices. The shared
@@ -159,7 +173,7 @@ class FootprintSharer {
   bool images_ = false;
   ApexLook transmit_, receive_;
   double unit_m_;
-  bool named_edges_ = false;
+  SharedDetails details_;
   std::vector<Seen> transmit_pieces_, receive_pieces_;                 ///< by facet, then tube
   std::vector<std::uint32_t> transmit_first_ray_, receive_first_ray_;  ///< by tube, for names of edges
   std::vector<Both> facets_;
@@ -167,7 +181,7 @@ class FootprintSharer {
 
 /// Returns the common visibility of an apex with itself: all that it sees.
 SharedFootprints shared_with_itself(const FacetMesh& mesh, const ApexLook& look, double unit_m,
-                                    bool named_edges = false);
+                                    SharedDetails details = {});
 
 /// Exchanges transmitter and receiver. Pieces keep their order.
 SharedFootprints exchanged(SharedFootprints shared);

@@ -4,35 +4,19 @@
 
 #include "geometry/integrals/certified_polygon.hpp"
 
-#include <flint/fmpz.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
-#include <iterator>
 #include <utility>
 
+#include "geometry/arithmetic/integer_balls.hpp"
 #include "geometry/arithmetic/wide_direction.hpp"
+#include "geometry/footprints/shared_footprints.hpp"
 #include "geometry/integrals/polar_numbers.hpp"
 #include "geometry/numbers/ball_vector.hpp"
 
 namespace tubefoot {
 namespace {
-
-/// Converts exactly, then rounds outwards once.
-Ball ball(const WideInt& x) {
-  std::vector<mp_limb_t> limbs;
-  export_bits(x, std::back_inserter(limbs), 64, false);
-  fmpz_t integer;
-  fmpz_init(integer);
-  if (!limbs.empty()) fmpz_set_ui_array(integer, limbs.data(), slong(limbs.size()));
-  Ball result;
-  arb_set_round_fmpz(result.get(), integer, ball_bits);
-  fmpz_clear(integer);
-  return x < 0 ? -result : result;
-}
-
-BallVector balls(const WideVec& v) { return {ball(v[0]), ball(v[1]), ball(v[2])}; }
 
 BallVector scaled(const BallVector& a, const Ball& factor) {
   return {a[0] * factor, a[1] * factor, a[2] * factor};
@@ -78,15 +62,21 @@ CertifiedPolygon certified_polygon(const NameContext& context, const std::vector
 }
 
 CertifiedPolygon certified_polygon(const FacetCone& facet, std::span<const glm::dvec3> corners_m,
-                                   glm::dvec3 other_apex_m, double unit_m) {
+                                   std::span<const glm::dvec3> rests_m, glm::dvec3 other_apex_m,
+                                   double unit_m) {
   constexpr double four_units = 0x1p-50, rounding = 0x1p-52;
   CertifiedPolygon polygon = on_plane_of(facet, unit_m);
-  for (const glm::dvec3& corner : corners_m) {
+  for (std::size_t i = 0; i < corners_m.size(); ++i) {
+    const glm::dvec3& corner = corners_m[i];
     BallVector p;
     for (int k = 0; k < 3; ++k) {
-      const double sizes = std::abs(corner[k] - other_apex_m[k]) + std::abs(other_apex_m[k]);
-      p[std::size_t(k)] = Ball(corner[k]);
-      p[std::size_t(k)].add_error(Ball((four_units * sizes + rounding * std::abs(corner[k])) * (1 + 1e-9)));
+      const double sizes = std::abs(corner[k] - other_apex_m[k]) + std::abs(other_apex_m[k]),
+                   error = rests_m.empty() ? four_units * sizes + rounding * std::abs(corner[k])
+                                           : corner_rest_error * (sizes + std::abs(corner[k]));
+      Ball& coordinate = p[std::size_t(k)];
+      coordinate = Ball(corner[k]);
+      if (!rests_m.empty()) coordinate += Ball(rests_m[i][k]);
+      coordinate.add_error(Ball(error * (1 + 1e-9)));
     }
     polygon.points.push_back({dot(p, polygon.u), dot(p, polygon.v)});
   }

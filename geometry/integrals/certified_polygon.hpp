@@ -28,10 +28,12 @@ CertifiedPolygon certified_polygon(const NameContext& context, const std::vector
 
 /// Encloses a convex polygon on a facet whose corners were rounded. Corners are relative to the cone's apex,
 /// in metres. The error of each coordinate is at most 4 units in the last place. These units are those of
-/// the coordinate, or of its value relative to `other_apex_m` together with that apex (FootprintSharer). The
-/// plane of the facet is exact.
+/// the coordinate, or of its value relative to `other_apex_m` together with that apex (FootprintSharer). With
+/// `rests_m` the corners are the sums of both, and their error is corner_rest_error. The plane of the facet
+/// is exact.
 CertifiedPolygon certified_polygon(const FacetCone& facet, std::span<const glm::dvec3> corners_m,
-                                   glm::dvec3 other_apex_m, double unit_m);
+                                   std::span<const glm::dvec3> rests_m, glm::dvec3 other_apex_m,
+                                   double unit_m);
 
 /// Encloses a convex polygon whose corners are relative to the apex and lie on the plane of the points p with
 /// dot(normal, p) = -distance_m. `normal` need not be a unit vector.

@@ -168,6 +168,7 @@ void add_for_sensors(const EchoContribution& plan, const Transmission& transmiss
   for (const std::size_t s : plan.sensors) try {
       PathSettings settings = *path_settings(transmission, s);
       settings.reference_tolerance = plan.tolerance;
+      settings.rounds_corners = transmission.request().rounds_corners;
       add(transmission, s, settings, sums);
     } catch (const std::length_error& error) {
       throw too_many_images(transmission.sensor(s).description(), error);

@@ -45,6 +45,9 @@ struct RunRequest {
   /// With a reference: energies are the midpoints of their enclosures, as in version 2 of the benchmark
   /// suite.
   bool keeps_midpoints = false;
+  /// With a reference: corners that two apexes share are rounded to doubles, as in the published answers of
+  /// the benchmark suite.
+  bool rounds_corners = false;
 };
 
 /// Converts the texts of [run] to a request. Throws UsageError for an unknown text.

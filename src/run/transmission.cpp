@@ -150,7 +150,8 @@ std::vector<TubeAudit> Transmission::audit(std::uint64_t label) const {
 
 BistaticHistory Transmission::trace_both() const {
   return trace_bistatic(surface_mesh().mesh(), surface_mesh().tree(), scene().grid.unit_m(),
-                        request().visibility, tubes(), receive_tubes(first()));
+                        request().visibility, tubes(), receive_tubes(first()),
+                        request().reference_tolerance && !request().rounds_corners);
 }
 
 void Transmission::trace_rays_of_both(const RayScene& rays, const RaySettings& settings,
@@ -173,7 +174,8 @@ ReceiverPairHistory Transmission::trace_receiver_pair(std::size_t s, std::uint32
   return tubefoot::trace_receiver_pair(
       surface_mesh().mesh(), surface_mesh().tree(), scene().grid.unit_m(), request().visibility,
       tubes_of_fan(tubes(), fans, fan),
-      tubes_of_fan(has_separate_receiver() ? receive_tubes(s) : tubes(), fans, fan), receiver_pair);
+      tubes_of_fan(has_separate_receiver() ? receive_tubes(s) : tubes(), fans, fan), receiver_pair,
+      request().reference_tolerance && !request().rounds_corners);
 }
 
 ReceiveBeams Transmission::beams_by_fans(std::size_t s, const std::vector<std::uint32_t>& fans) const {

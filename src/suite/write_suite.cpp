@@ -64,6 +64,7 @@ struct SuiteAnswer {
 SuiteAnswer answer_of(const Survey& survey, const SuiteScene& scene, const SuiteVersion& version) {
   RunRequest request = request_of(survey.scene.description.run);
   request.reference_tolerance = scene.certified;
+  request.rounds_corners = true;
   request.keeps_midpoints = version.has_midpoints;
   request.gradient = scene.gradient;
   SimulationStats stats;
@@ -132,6 +133,7 @@ void write_answer(const fs::path& folder, const SuiteScene& scene, const Survey&
   write_json(folder / "answer.json", json);
   RunRequest request = request_of(survey.scene.description.run);
   request.reference_tolerance = scene.certified;
+  request.rounds_corners = true;
   write_echoes(folder / "echoes.nc", answer.recordings, provenance_of(survey.scene, request));
 }
 

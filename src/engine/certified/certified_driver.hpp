@@ -132,10 +132,14 @@ std::vector<Sums> enclose_tubes(const FacetMesh& mesh, const SceneTree& tree, co
 /// A piece that a transmitter and a receiver share.
 struct ReceivedPiece {
   std::span<const glm::dvec3> corners_m;  ///< as the transmitter sees them (SharedFootprints)
+  std::span<const glm::dvec3> rests_m;    ///< of these corners, or empty
   glm::dvec3 receiver_m;
 
   ReceivedPiece(const SharedFootprints& shared, const SharedPiece& piece)
       : corners_m(std::span(shared.corners_m).subspan(piece.first, piece.count)),
+        rests_m(shared.corner_rests_m.empty()
+                    ? std::span<const glm::dvec3>()
+                    : std::span(shared.corner_rests_m).subspan(piece.first, piece.count)),
         receiver_m(shared.receiver_m) {}
 };
 

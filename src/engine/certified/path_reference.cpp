@@ -55,8 +55,9 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const BistaticHistory& history
     each_received(
         request, beams, shared, shared.facets[number], [&](const SharedPiece& piece, const auto& received) {
           const auto [first, end] = received;
-          const CertifiedPolygon polygon = certified_polygon(cone, ReceivedPiece(shared, piece).corners_m,
-                                                             shared.receiver_m, history.grid_unit_m);
+          const ReceivedPiece seen(shared, piece);
+          const CertifiedPolygon polygon =
+              certified_polygon(cone, seen.corners_m, seen.rests_m, shared.receiver_m, history.grid_unit_m);
           const CertifiedPathEnergy energy(polygon, rx_m, own.model, own.model.seabed(facet),
                                            request.beta_per_m);
           CertifiedPathGains gains;

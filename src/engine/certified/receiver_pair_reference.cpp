@@ -51,7 +51,7 @@ class ReceiverPairEncloser {
     FacetCone cone;
     FacetCone::make(mesh_, facet, history_.transmit.apex, cone);
     const auto polygon = [&](const ReceivedPiece& piece) {
-      return certified_polygon(cone, piece.corners_m, piece.receiver_m, unit_m_);
+      return certified_polygon(cone, piece.corners_m, piece.rests_m, piece.receiver_m, unit_m_);
     };
     CertifiedPathIntegrator integrator(request_.borders);
     for (const std::size_t end : {0, 1}) {

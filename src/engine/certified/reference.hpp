@@ -55,9 +55,9 @@ CertifiedEcho certify_echo(const FacetMesh& mesh, const SceneTree& tree, const H
                            double tolerance);
 
 /// Does the same for the common visibility of two apexes, or of two images of them (model.path), in
-/// isovelocity water. Corners are rounded as FootprintSharer rounds them. Ellipses of equal path length and
-/// integrals are computed in ball arithmetic. `mesh` contains the facets of the history. `ordinary` is the
-/// result of integrate_echo() for the same arguments.
+/// isovelocity water. Corners are as accurate as the history has them (SharedDetails::corner_rests). Ellipses
+/// of equal path length and integrals are computed in ball arithmetic. `mesh` contains the facets of the
+/// history. `ordinary` is the result of integrate_echo() for the same arguments.
 CertifiedEcho certify_echo(const FacetMesh& mesh, const BistaticHistory& history, const ReceiveBeams& beams,
                            const RangeSamples& samples, const EchoModel& model, const Echo& ordinary,
                            double tolerance);

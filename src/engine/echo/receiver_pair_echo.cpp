@@ -214,7 +214,8 @@ TubeSet moved_along(const TubeSet& tubes, const ReceiverBaseline& receiver_pair,
 
 ReceiverPairHistory trace_receiver_pair(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                                         const VisibilityOptions& options, TubeSet transmit,
-                                        const TubeSet& receive, const ReceiverBaseline& receiver_pair) {
+                                        const TubeSet& receive, const ReceiverBaseline& receiver_pair,
+                                        bool corner_rests) {
   ReceiverPairHistory history;
   history.upper = moved_along(receive, receiver_pair, 1, grid_unit_m);
   history.lower = moved_along(receive, receiver_pair, -1, grid_unit_m);
@@ -223,7 +224,9 @@ ReceiverPairHistory trace_receiver_pair(const FacetMesh& mesh, const SceneTree& 
   const auto sent = look(mesh, tree, history.transmit, options);
   const auto share = [&](const TubeSet& tubes, SharedFootprints& shared) {
     const auto received = look(mesh, tree, tubes, options);
-    shared = FootprintSharer(mesh, {history.transmit, sent}, {tubes, received}, grid_unit_m).all();
+    shared = FootprintSharer(mesh, {history.transmit, sent}, {tubes, received}, grid_unit_m,
+                             {.corner_rests = corner_rests})
+                 .all();
   };
   share(history.upper, history.by_upper);
   share(history.lower, history.by_lower);

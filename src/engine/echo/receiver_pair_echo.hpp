@@ -39,10 +39,11 @@ TubeSet moved_along(const TubeSet& tubes, const ReceiverBaseline& receiver_pair,
 
 /// Computes the visibility from the transmitter and from both ends of the receiver pair. The tubes of the
 /// ends have the directions of `receive`, the tubes of the middle. In a monostatic sonar these are the
-/// transmitter's tubes.
+/// transmitter's tubes. `corner_rests`: as SharedDetails::corner_rests.
 ReceiverPairHistory trace_receiver_pair(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
                                         const VisibilityOptions& options, TubeSet transmit,
-                                        const TubeSet& receive, const ReceiverBaseline& receiver_pair);
+                                        const TubeSet& receive, const ReceiverBaseline& receiver_pair,
+                                        bool corner_rests = false);
 
 /// The same for bistatic sonars in refracting water (as trace_bistatic()). Both ends see the apparent seabed
 /// of the receiver pair's middle.

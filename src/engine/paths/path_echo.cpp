@@ -118,8 +118,10 @@ class PathTracer {
         if (one_place_ && !itself) add_refracted(parts[k], order, received, sent);
         return;
       }
-      SharedFootprints shared = itself ? shared_with_itself(mesh_, sent.look(), unit_m_)
-                                       : FootprintSharer(mesh_, sent.look(), received.look(), unit_m_).all();
+      const SharedDetails details{.corner_rests = settings_.reference_tolerance && !settings_.rounds_corners};
+      SharedFootprints shared =
+          itself ? shared_with_itself(mesh_, sent.look(), unit_m_, details)
+                 : FootprintSharer(mesh_, sent.look(), received.look(), unit_m_, details).all();
       if (shared.pieces.empty()) return;
       const std::size_t pieces = shared.pieces.size();
       if (one_place_ && !itself)

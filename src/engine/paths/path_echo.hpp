@@ -42,6 +42,8 @@ struct PathSettings {
   /// Requests energies with bounds at this tolerance, applied to each path (engine/certified/reference.hpp).
   /// Requires `scatterings` = 1.
   std::optional<double> reference_tolerance{};
+  /// Computes bounds from rounded corners, as the benchmark suite, whose published answers keep their bytes.
+  bool rounds_corners = false;
   Mirrors mirrors;
   Binning binning = Binning::exact;   ///< binning of the common visibility of two images
   const EchoModel* before = nullptr;  ///< model of all scatterings except the last; null: the model of the

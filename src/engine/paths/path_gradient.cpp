@@ -103,8 +103,8 @@ class NamedPaths {
   /// Walls of both ends may lie in one plane. An edge there is that of the receiver, because walls between
   /// tubes of a transmitter do not divide the beams.
   SharedFootprints shared_by(const Image& sent, const Image& received) const {
-    if (&sent == &received) return shared_with_itself(scene_.mesh, sent.look(), scene_.unit_m, true);
-    return exchanged(FootprintSharer(scene_.mesh, received.look(), sent.look(), scene_.unit_m, true).all());
+    if (&sent == &received) return shared_with_itself(scene_.mesh, sent.look(), scene_.unit_m, {true});
+    return exchanged(FootprintSharer(scene_.mesh, received.look(), sent.look(), scene_.unit_m, {true}).all());
   }
 
   std::pair<std::size_t, std::uint32_t> window_of(const ArrivedEnergy& arrived) const {

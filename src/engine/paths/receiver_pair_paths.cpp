@@ -228,7 +228,8 @@ class ReceiverPairTracer {
   void share(const Image& sent, const Image& received, SharedFootprints& shared,
              std::vector<BistaticFacet>& bistatic) const {
     if (!refracted_) {
-      shared = FootprintSharer(mesh_, sent.look(), received.look(), unit_m_).all();
+      const SharedDetails details{.corner_rests = settings_.reference_tolerance && !settings_.rounds_corners};
+      shared = FootprintSharer(mesh_, sent.look(), received.look(), unit_m_, details).all();
       return;
     }
     shared = FootprintSharer(sent.look(), received.look(), unit_m_).all();

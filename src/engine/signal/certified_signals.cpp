@@ -118,7 +118,7 @@ std::optional<ReceivedPolygon> received_polygon(const CertifiedSmoothSignals::Se
   FacetCone cone;
   FacetCone::make(seen.mesh, patch.facet, seen.apex, cone);
   const CertifiedPolygon polygon =
-      certified_polygon(cone, patches.corners(patch), seen.other_apex_m, seen.grid_unit_m);
+      certified_polygon(cone, patches.corners(patch), {}, seen.other_apex_m, seen.grid_unit_m);
   const ApexOverPlane tx = apex_over(polygon, vector_between(patches.origin_m, channel.transmit_m)),
                       back = apex_over(polygon, vector_between(patches.origin_m, channel.receive_m));
   if (!(tx.height.hi() > 0 && back.height.hi() > 0)) return std::nullopt;

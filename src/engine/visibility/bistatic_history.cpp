@@ -34,12 +34,13 @@ std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, c
 }
 
 BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
-                               const VisibilityOptions& options, TubeSet transmit, TubeSet receive) {
+                               const VisibilityOptions& options, TubeSet transmit, TubeSet receive,
+                               bool corner_rests) {
   BistaticHistory history{std::move(transmit), std::move(receive), grid_unit_m, {}};
   const auto sent = look(mesh, tree, history.transmit, options),
              received = look(mesh, tree, history.receive, options);
   history.shared = shared_by_all(FootprintSharer(mesh, {history.transmit, sent}, {history.receive, received},
-                                                 grid_unit_m, options.corner_names));
+                                                 grid_unit_m, {options.corner_names, corner_rests}));
   return history;
 }
 

@@ -42,9 +42,10 @@ std::vector<TubeVisibility> look(const FacetMesh& mesh, const SceneTree& tree, c
                                  const VisibilityOptions& options);
 
 /// Computes the visibility from both apexes and the exact intersections on the facets. The result does not
-/// depend on the threads.
+/// depend on the threads. `corner_rests`: as SharedDetails::corner_rests.
 BistaticHistory trace_bistatic(const FacetMesh& mesh, const SceneTree& tree, double grid_unit_m,
-                               const VisibilityOptions& options, TubeSet transmit, TubeSet receive);
+                               const VisibilityOptions& options, TubeSet transmit, TubeSet receive,
+                               bool corner_rests = false);
 
 /// The same in stratified water, for facets with different apparent positions for the two apexes (trees of
 /// the two apparent meshes). Facets of the history are those of pair.mesh. `transmit` and `receive` are the

@@ -32,7 +32,7 @@ struct Pair {
       test::add_pyramid(set, corners);
       return set;
     };
-    history = trace_bistatic(mesh, tree, grid.unit_m(), {}, tubes(tx_m, tx_tube), tubes(rx_m, rx_tube));
+    history = trace_bistatic(mesh, tree, grid.unit_m(), {}, tubes(tx_m, tx_tube), tubes(rx_m, rx_tube), true);
     apex_m = tx_m;
   }
 
@@ -130,6 +130,68 @@ TEST(PathReference, FortyDigitsFromOutsideTheProgram) {
   }
 }
 
+/// Two enclosures of the same number must intersect.
+void expect_same(const CertifiedEcho& a, const CertifiedEcho& b, double slack = 0) {
+  for (std::size_t k = 0; k < a.bound.size(); ++k)
+    EXPECT_LE(std::abs(a.echo.energy[k] - b.echo.energy[k]),
+              a.bound[k] + b.bound[k] + slack * a.echo.energy[k])
+        << k;
+}
+
+/// A rectangle of the plane z = 0 around `centre`.
+Facets strip(glm::dvec3 centre, double length_x_m, double length_y_m) {
+  return square(centre, {length_x_m / 2, 0, 0}, {0, length_y_m / 2, 0});
+}
+/// Looks along x, slightly downwards.
+std::array<glm::dvec3, 4> forward(double across, double lower, double upper) {
+  return {glm::dvec3(1, -across, lower), {1, -across, upper}, {1, across, upper}, {1, across, lower}};
+}
+
+TEST(PathReference, ThinStripsMeetTheToleranceOfOneApex) {
+  // from thin_strip_digits.py, for the widths 15.6 mm and 2 mm
+  const std::vector<std::vector<double>> digits{
+      {6.089713570572914452703248e-14, 8.906776488985870536313849e-14, 6.652474277497414306829767e-14,
+       5.021307042893710554766695e-14, 1.661751454034399222150705e-14},
+      {7.612143043179156100094289e-15, 1.113347057671953757361888e-14, 8.315592823251096720385279e-15,
+       6.276633787218487631728627e-15, 2.077189010804359316705179e-15}};
+  const std::vector<double> bright{0x1p-9};
+  for (std::size_t which = 0; which < 2; ++which)
+    for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
+      SCOPED_TRACE(testing::Message() << "strip " << which << ", tolerance " << tolerance);
+      const Pair pair(strip({60, 0, 0}, 10, which == 0 ? 0x1p-6 : 0x1p-9), {0, 0, 10}, {1.5, 0.25, 9.75},
+                      forward(0.2, -0.3, -0.05), forward(0.2, -0.3, -0.05));
+      EchoModel model = pair.model(0.03125);
+      model.material_mu = bright;
+      const auto result = pair.run({54, 2.5, 5}, model, tolerance);
+      expect_holds(result, tolerance);
+      for (std::size_t k = 0; k < digits[which].size(); ++k) {
+        const double energy = result.certified.echo.energy[k], bound = result.certified.bound[k];
+        EXPECT_LE(std::abs(energy - digits[which][k]), bound + 1e-15 * digits[which][k]) << k;
+        EXPECT_GT(std::abs(energy - digits[which][k] - 2.1 * bound), bound) << k;
+      }
+    }
+}
+
+/// The corners of the common part are where walls of both ends cross the long edges of the strip.
+TEST(PathReference, ThinStripsBetweenWallsOfBothEndsMeetTheTolerance) {
+  const std::uint64_t seed = 31;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (int trial = 0; trial < 12; ++trial) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", trial " << trial);
+    const double width = std::exp2(-3.0 - trial);  // 12.5 cm to 61 micrometres
+    const bool along_x = trial % 2 == 0;
+    const Facets facets = strip({60, 0, 0}, along_x ? 30 : width, along_x ? width : 30);
+    const glm::dvec3 rx = glm::round(glm::dvec3(u(random), u(random), 10 + u(random)) * 1024.0) / 1024.0;
+    const Pair pair(facets, {0, 0, 10}, rx, forward(0.05, -0.18, -0.14), forward(0.04, -0.2, -0.12));
+    const auto fine = pair.run({50, 1, 20}, pair.model(0.1), 1e-6),
+               coarse = pair.run({50, 1, 20}, pair.model(0.1), 1e-2);
+    expect_holds(fine, 1e-6);
+    expect_holds(coarse, 1e-2);
+    expect_same(fine.certified, coarse.certified);
+  }
+}
+
 Facets hills(std::mt19937_64& random) {
   std::uniform_real_distribution<double> height(-0.6, 0.6);
   double z[4][4];
@@ -150,14 +212,6 @@ glm::dvec3 place(std::mt19937_64& random) {
   // Coordinates lie on the grid, so that nothing is rounded.
   const auto on_grid = [](double x) { return std::round(x * 1024) / 1024; };
   return {on_grid(u(random)), on_grid(u(random)), 6 + on_grid(u(random) / 2)};
-}
-
-/// Two enclosures of the same number must intersect.
-void expect_same(const CertifiedEcho& a, const CertifiedEcho& b, double slack = 0) {
-  for (std::size_t k = 0; k < a.bound.size(); ++k)
-    EXPECT_LE(std::abs(a.echo.energy[k] - b.echo.energy[k]),
-              a.bound[k] + b.bound[k] + slack * a.echo.energy[k])
-        << k;
 }
 
 TEST(PathReference, OrdinaryEnergiesLieWithinAndBothWaysAreTheSame) {

@@ -58,6 +58,7 @@ using Key = std::tuple<FacetId, std::uint32_t, std::uint32_t>;
 struct Part {
   int pieces = 0;
   double area = 0, rounding = 0;
+  std::vector<std::vector<V3>> corners;  // of the oracle's polygons, from the transmit apex
 };
 using Parts = std::map<Key, Part>;
 
@@ -116,6 +117,7 @@ Parts shared_oracle(const FacetMesh& mesh, const Look& transmit, const Look& rec
           if (twice <= 0) continue;
           Part& part = parts[{sent.facet, t, r}];
           ++part.pieces;
+          part.corners.push_back(points);
           part.area +=
               CGAL::to_double(twice) / 2 / std::sqrt(CGAL::to_double(test::scalar_product(a.n, a.n)));
           part.rounding +=
@@ -213,6 +215,78 @@ TEST(SharedFootprints, AreThoseOfRationalClipping) {
       }
     }
   EXPECT_GT(shared, 1500u);
+}
+
+/// Whether a point lies on the border of one of the polygons, to within `error`.
+bool is_on_border(const V3& p, const std::vector<std::vector<V3>>& polygons, const Q& error) {
+  for (const std::vector<V3>& points : polygons)
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const V3 &a = points[k], &b = points[(k + 1) % points.size()];
+      const V3 from_a = test::minus(p, a), edge = test::minus(b, a);
+      if (test::scalar_product(from_a, from_a) <= error * error) return true;
+      const V3 aside = test::vector_product(edge, from_a);
+      const Q length2 = test::scalar_product(edge, edge), along = test::scalar_product(edge, from_a);
+      if (along > 0 && along < length2 && test::scalar_product(aside, aside) <= error * error * length2)
+        return true;
+    }
+  return false;
+}
+
+// Law S6.
+TEST(SharedFootprints, CornersWithTheirRestsAreThoseOfRationalClipping) {
+  const double unit_m = 0x1p-10;
+  std::size_t corners = 0, rounded = 0;
+  for (const std::uint64_t seed : {20265, 20266})
+    for (const test::Scene& scene : test::adversarial_cases(seed)) {
+      test::Random random(seed);
+      std::int32_t reach = 1;
+      for (const GridPoint& p : scene.mesh.vertices)
+        reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+      if (reach > 1 << 28) continue;  // no space for another apex
+      const std::int32_t step = std::max(reach / 8, 1);
+      const Look transmit = shared_look(scene.mesh, scene.tubes);
+      for (const GridPoint by : {GridPoint{0, 0, 0}, GridPoint{test::uniform(random, -step, step),
+                                                               test::uniform(random, -step, step),
+                                                               test::uniform(random, -step, step)}}) {
+        SCOPED_TRACE(testing::Message() << scene.name << ", seed " << seed << ", receiver at " << by.x << ' '
+                                        << by.y << ' ' << by.z);
+        const Look receive = shared_look(scene.mesh, moved(scene.tubes, by));
+        const Parts expected = shared_oracle(scene.mesh, transmit, receive);
+        const auto check = [&](const SharedFootprints& shared, bool exchanged) {
+          ASSERT_EQ(shared.corner_rests_m.size(), shared.corners_m.size());
+          const double apart = std::abs(by.x) + std::abs(by.y) + std::abs(by.z);
+          for (const SharedFacet& facet : shared.facets)
+            for (std::uint32_t k = 0; k < facet.piece_count; ++k) {
+              const SharedPiece& piece = shared.pieces[facet.first_piece + k];
+              const Part& part = exchanged
+                                     ? expected.at({facet.facet, piece.receive_tube, piece.transmit_tube})
+                                     : expected.at({facet.facet, piece.transmit_tube, piece.receive_tube});
+              for (std::uint32_t c = piece.first; c < piece.first + piece.count; ++c) {
+                const glm::dvec3 corner = shared.corners_m[c], rest = shared.corner_rests_m[c];
+                V3 exact;
+                for (int axis = 0; axis < 3; ++axis)
+                  exact[axis] = (Q(corner[axis]) + Q(rest[axis])) / Q(unit_m);
+                if (exchanged) {
+                  const V3 baseline = test::vec(by);
+                  for (int axis = 0; axis < 3; ++axis) exact[axis] += baseline[axis];
+                }
+                const double size = 4 * (glm::length(corner) / unit_m + 2 * apart);
+                EXPECT_TRUE(is_on_border(exact, part.corners, Q(size) * Q(corner_rest_error)));
+                ++corners;
+                rounded += rest != glm::dvec3(0);
+              }
+            }
+        };
+        const SharedDetails details{.corner_rests = true};
+        const SharedFootprints shared = FootprintSharer(scene.mesh, transmit, receive, unit_m, details).all();
+        EXPECT_EQ(shared.corners_m, share(scene.mesh, transmit, receive, unit_m).corners_m);
+        check(shared, false);
+        check(exchanged(shared), true);
+        if (by == GridPoint{}) check(shared_with_itself(scene.mesh, transmit, unit_m, details), false);
+      }
+    }
+  EXPECT_GT(corners, 3000u);
+  EXPECT_GT(rounded, corners / 4);
 }
 
 // Law S3.
