@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/search/scene_tree.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <queue>
 
 #include "geometry/search/height_fields.hpp"
@@ -50,28 +55,145 @@ struct Reach {
   }
 };
 
+/// A facet and three times its centroid, in single precision, because it only determines the shape of the
+/// tree.
+struct CentredFacet {
+  std::array<float, 3> centre;
+  FacetId facet;
+};
+
+CentredFacet centred(const FacetMesh& mesh, FacetId facet) {
+  CentredFacet made{{0, 0, 0}, facet};
+  for (const VertexId v : mesh.facets[facet]) {
+    const GridPoint p = mesh.vertices[v];
+    made.centre[0] += static_cast<float>(p.x);
+    made.centre[1] += static_cast<float>(p.y);
+    made.centre[2] += static_cast<float>(p.z);
+  }
+  return made;
+}
+
 /// Moves the facets of [begin, end) that have no copy (the same three vertices) with a lower id to the front.
 /// Returns the end of these facets.
-std::uint32_t drop_copies(const FacetMesh& mesh, std::vector<FacetId>& order, std::uint32_t begin,
+std::uint32_t drop_copies(const FacetMesh& mesh, std::vector<CentredFacet>& order, std::uint32_t begin,
                           std::uint32_t end) {
-  const auto key = [&mesh](FacetId f) {
-    std::array<VertexId, 3> vertices = mesh.facets[f];
+  const auto key = [&mesh](const CentredFacet& f) {
+    std::array<VertexId, 3> vertices = mesh.facets[f.facet];
     std::sort(vertices.begin(), vertices.end());
     return vertices;
   };
   const auto first = order.begin() + begin, last = order.begin() + end;
-  std::sort(first, last, [&](FacetId f, FacetId g) { return std::pair(key(f), f) < std::pair(key(g), g); });
-  const auto distinct = std::unique(first, last, [&](FacetId f, FacetId g) { return key(f) == key(g); });
+  std::sort(first, last, [&](const CentredFacet& f, const CentredFacet& g) {
+    return std::pair(key(f), f.facet) < std::pair(key(g), g.facet);
+  });
+  const auto distinct = std::unique(
+      first, last, [&](const CentredFacet& f, const CentredFacet& g) { return key(f) == key(g); });
   return static_cast<std::uint32_t>(distinct - order.begin());
 }
+
+/// Number of nodes of a tree of so many facets without copies. Halving gives all parts at one depth the same
+/// size, except for a difference of one facet.
+std::uint32_t nodes_for(std::uint32_t facets) {
+  if (facets <= facets_per_leaf) return 1;
+  std::uint32_t parts = 1;  // at the deepest level that has parts larger than a leaf
+  while (facets > std::uint64_t{2} * parts * facets_per_leaf) parts *= 2;
+  const std::uint32_t leaves = facets / parts > facets_per_leaf ? 2 * parts : parts + facets % parts;
+  return 2 * leaves - 1;
+}
+
+/// Builds the nodes of a SceneTree. Each part of the facets has its own range of facets and of nodes. Threads
+/// work on different parts, so the tree does not depend on their number.
+template <class Node>
+class TreeBuilder {
+ public:
+  TreeBuilder(const FacetMesh& mesh, std::vector<CentredFacet>& order)
+      : mesh_(mesh), order_(order), nodes_(nodes_for(static_cast<std::uint32_t>(order.size()))) {
+    split(0, 0, static_cast<std::uint32_t>(order.size()));
+  }
+
+  std::vector<Node> nodes() {
+    if (!dropped_) return std::move(nodes_);
+    std::vector<Node> dense;  // without the places of the nodes of copies
+    const auto take = [&](const auto& self, std::uint32_t index) -> std::uint32_t {
+      const auto place = static_cast<std::uint32_t>(dense.size());
+      dense.push_back(nodes_[index]);
+      if (nodes_[index].count > 0) return place;
+      self(self, index + 1);
+      dense[place].link = self(self, nodes_[index].link);
+      return place;
+    };
+    take(take, 0);
+    dense.shrink_to_fit();
+    return dense;
+  }
+
+ private:
+  void split(std::uint32_t index, std::uint32_t begin, std::uint32_t end) {
+    stop_if_wanted();
+    if (end - begin <= facets_per_leaf) {
+      constexpr auto top = std::numeric_limits<std::int32_t>::max();
+      decltype(Node::box) box{{top, top, top}, {-top, -top, -top}};
+      for (std::uint32_t k = begin; k < end; ++k)
+        for (const VertexId v : mesh_.facets[order_[k].facet]) {
+          box.lo = min(box.lo, mesh_.vertices[v]);
+          box.hi = max(box.hi, mesh_.vertices[v]);
+        }
+      nodes_[index] = {box, begin, end - begin};
+      return;
+    }
+    std::array<float, 3> lo = order_[begin].centre, hi = lo;
+    for (std::uint32_t k = begin; k < end; ++k)
+      for (std::size_t a = 0; a < 3; ++a) {
+        lo[a] = std::min(lo[a], order_[k].centre[a]);
+        hi[a] = std::max(hi[a], order_[k].centre[a]);
+      }
+    std::size_t axis = 0;
+    for (std::size_t a = 1; a < 3; ++a)
+      if (hi[a] - lo[a] > hi[axis] - lo[axis]) axis = a;
+    // No cut separates facets with equal centroids, and all pairs of them would have to be compared. Only the
+    // visible copy of a facet is needed.
+    if (hi[axis] == lo[axis])
+      if (const std::uint32_t distinct = drop_copies(mesh_, order_, begin, end); distinct < end) {
+        dropped_ = true;
+        return split(index, begin, distinct);
+      }
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    std::nth_element(
+        order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+        [axis](const CentredFacet& f, const CentredFacet& g) { return f.centre[axis] < g.centre[axis]; });
+    const std::uint32_t first = index + 1, second = first + nodes_for(middle - begin);
+    constexpr std::uint32_t worth_a_thread = 8192;
+    if (end - begin >= worth_a_thread) {
+      tbb::parallel_invoke([&] { split(first, begin, middle); }, [&] { split(second, middle, end); });
+    } else {
+      split(first, begin, middle);
+      split(second, middle, end);
+    }
+    nodes_[index] = {
+        {min(nodes_[first].box.lo, nodes_[second].box.lo), max(nodes_[first].box.hi, nodes_[second].box.hi)},
+        second,
+        0};
+  }
+
+  const FacetMesh& mesh_;
+  std::vector<CentredFacet>& order_;
+  std::vector<Node> nodes_;
+  std::atomic<bool> dropped_ = false;  ///< whether nodes of copies are missing
+};
 
 }  // namespace
 
 SceneTree::SceneTree(const FacetMesh& mesh, HeightFieldSearch height_fields) : mesh_(&mesh) {
-  build(0);
-  if (height_fields == HeightFieldSearch::proven)
-    if (auto found = std::make_shared<const HeightFields>(mesh); found->count() > 0)
-      height_fields_ = std::move(found);
+  if (height_fields == HeightFieldSearch::ignored) {
+    build(0);
+    return;
+  }
+  std::shared_ptr<const HeightFields> found;
+  // A thread that waits here must not take up other work, which might wait for this tree.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_invoke([&] { build(0); }, [&] { found = std::make_shared<const HeightFields>(mesh); });
+  });
+  if (found->count() > 0) height_fields_ = std::move(found);
 }
 
 SceneTree::SceneTree(const FacetMesh& mesh, std::shared_ptr<const SceneTree> at_rest, FacetId first_moving)
@@ -81,65 +203,21 @@ SceneTree::SceneTree(const FacetMesh& mesh, std::shared_ptr<const SceneTree> at_
 
 void SceneTree::build(FacetId first_facet) {
   const FacetMesh& mesh = *mesh_;
-  order_.resize(mesh.facets.size() - first_facet);
-  std::iota(order_.begin(), order_.end(), first_facet);
-  if (order_.empty()) return;
-  // Three times the centroid, in single precision, because it only determines the tree's shape.
-  std::vector<std::array<float, 3>> centres(order_.size());
-  const auto centre = [&](FacetId f) -> std::array<float, 3>& { return centres[f - first_facet]; };
-  for (const FacetId f : order_) {
-    centre(f) = {0, 0, 0};
-    for (const VertexId v : mesh.facets[f]) {
-      const GridPoint p = mesh.vertices[v];
-      centre(f)[0] += static_cast<float>(p.x);
-      centre(f)[1] += static_cast<float>(p.y);
-      centre(f)[2] += static_cast<float>(p.z);
-    }
-  }
-  nodes_.reserve(2 * (order_.size() / (facets_per_leaf / 2) + 1));
-  const auto split = [&](const auto& self, std::uint32_t begin, std::uint32_t end) -> std::uint32_t {
-    stop_if_wanted();
-    const auto index = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.emplace_back();
-    if (end - begin <= facets_per_leaf) {
-      constexpr auto top = std::numeric_limits<std::int32_t>::max();
-      Box box{{top, top, top}, {-top, -top, -top}};
-      for (std::uint32_t k = begin; k < end; ++k)
-        for (const VertexId v : mesh.facets[order_[k]]) {
-          box.lo = min(box.lo, mesh.vertices[v]);
-          box.hi = max(box.hi, mesh.vertices[v]);
-        }
-      nodes_[index] = {box, begin, end - begin};
-      return index;
-    }
-    std::array<float, 3> lo = centre(order_[begin]), hi = lo;
-    for (std::uint32_t k = begin; k < end; ++k)
-      for (int a = 0; a < 3; ++a) {
-        lo[a] = std::min(lo[a], centre(order_[k])[a]);
-        hi[a] = std::max(hi[a], centre(order_[k])[a]);
-      }
-    int axis = 0;
-    for (int a = 1; a < 3; ++a)
-      if (hi[a] - lo[a] > hi[axis] - lo[axis]) axis = a;
-    // No cut separates facets with equal centroids, and all pairs of them would have to be compared. Only the
-    // visible copy of a facet is needed.
-    if (hi[axis] == lo[axis])
-      if (const std::uint32_t distinct = drop_copies(mesh, order_, begin, end); distinct < end) {
-        nodes_.pop_back();
-        return self(self, begin, distinct);
-      }
-    const std::uint32_t middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                     [&](FacetId f, FacetId g) { return centre(f)[axis] < centre(g)[axis]; });
-    const std::uint32_t first = self(self, begin, middle), second = self(self, middle, end);
-    nodes_[index] = {
-        {min(nodes_[first].box.lo, nodes_[second].box.lo), max(nodes_[first].box.hi, nodes_[second].box.hi)},
-        second,
-        0};
-    return index;
-  };
-  split(split, 0, static_cast<std::uint32_t>(order_.size()));
-  nodes_.shrink_to_fit();
+  std::vector<CentredFacet> order(mesh.facets.size() - first_facet);
+  if (order.empty()) return;
+  constexpr std::size_t block = 4096;
+  const tbb::blocked_range<std::size_t> all(0, order.size(), block);
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& part) {
+      for (std::size_t k = part.begin(); k != part.end(); ++k)
+        order[k] = centred(mesh, first_facet + static_cast<FacetId>(k));
+    });
+    nodes_ = TreeBuilder<Node>(mesh, order).nodes();
+    order_.resize(order.size());
+    tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& part) {
+      for (std::size_t k = part.begin(); k != part.end(); ++k) order_[k] = order[k].facet;
+    });
+  });
 }
 
 std::size_t SceneTree::bytes() const {

@@ -5,8 +5,11 @@
 #include "geometry/search/scene_tree.hpp"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -284,6 +287,68 @@ TEST(SceneTree, HoldsTheFirstOfManyCopies) {
   const TubeSet tubes = lattice_tubes({0, 0, 0}, -1, -1, 2, 2, 1);
   EXPECT_EQ(query(tree, {0, 0, 0}, walls_of(tubes, 0)), (std::vector<FacetId>{0, 1, 2}));
   EXPECT_LT(tree.bytes(), 100'000u);
+}
+
+/// All boxes of a tree in the order of a query, and its facets.
+struct Shape {
+  std::vector<std::array<std::int32_t, 6>> boxes;
+  std::vector<FacetId> facets;
+  std::size_t bytes = 0;
+
+  friend bool operator==(const Shape&, const Shape&) = default;
+};
+
+Shape shape_by(int threads, const FacetMesh& mesh) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
+  tbb::task_arena arena(threads);
+  Shape shape;
+  arena.execute([&] {
+    const SceneTree tree(mesh, SceneTree::HeightFieldSearch::ignored);
+    tree.query(
+        [&](const GridPoint& lo, const GridPoint& hi) {
+          shape.boxes.push_back({lo.x, lo.y, lo.z, hi.x, hi.y, hi.z});
+          return true;
+        },
+        shape.facets);
+    shape.bytes = tree.bytes();
+  });
+  return shape;
+}
+
+// Several threads divide a large mesh. In the second half of the cases, facets in its middle have many
+// copies.
+TEST(SceneTree, IsTheSameByAnyNumberOfThreads) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    FacetMesh mesh;
+    for (int k = 0; k < 25000; ++k) {
+      const auto corner = [&] {
+        return add_vertex(mesh, {uniform(random, -90'000, 90'000), uniform(random, -90'000, 90'000),
+                                 uniform(random, -900, 900)});
+      };
+      const VertexId a = corner(), b = corner(), c = corner();
+      add_facet(mesh, a, b, c);
+    }
+    const auto facets = static_cast<FacetId>(mesh.facets.size());
+    if (seed >= 2)
+      for (FacetId f = 0; f < 40; ++f)
+        for (int copy = 0; copy < 100; ++copy) {
+          const auto [a, b, c] = mesh.facets[100 * f];
+          add_facet(mesh, b, c, a);
+        }
+    const Shape one = shape_by(1, mesh);
+    for (const int threads : {2, 5}) EXPECT_TRUE(shape_by(threads, mesh) == one) << threads;
+    std::vector<FacetId> found = one.facets;
+    std::ranges::sort(found);
+    EXPECT_EQ(std::ranges::adjacent_find(found), found.end());
+    for (FacetId f = 0; f < facets; ++f) EXPECT_TRUE(std::ranges::binary_search(found, f)) << f;
+    if (seed < 2) {
+      EXPECT_EQ(found.size(), facets);
+    }
+    EXPECT_LT(found.size(), facets + 40u * 50);  // some copies remain next to other facets
+    EXPECT_GT(one.boxes.size(), facets / 8);
+  }
 }
 
 }  // namespace
