@@ -77,6 +77,7 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
   if (options.arithmetic) description.run.arithmetic = *options.arithmetic;
   if (options.threads) description.run.threads = *options.threads;
   RunRequest request = requested(options, description);
+  const OmittedFiles omitted = omitted_files(description, options);
   request.own_engine = own;
   std::optional<OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output, inputs_of(description));
@@ -109,10 +110,11 @@ std::shared_ptr<NativeResult> compute(SceneDescription description, const RunOpt
                      {"echo_of_all_pings", stats.echo_seconds}};
   if (output) {
     std::vector<std::string> left_out;
-    write_result_files(output->staging(), survey, request, result->recordings, left_out, {},
+    write_result_files(output->staging(), survey, request, result->recordings, left_out, {{}, true, omitted},
                        result->label_recordings);
-    write_scene_picture(output->staging() / scene_picture_name, survey);
+    if (!omitted.scene_picture) write_scene_picture(output->staging() / scene_picture_name, survey);
     warnings.add(left_out);
+    if (!omitted.names.empty()) json["omitted_files"] = omitted.names;
   }
   result->warnings = warnings.all();
   json["seconds"]["total"] = seconds_since(start);
@@ -155,6 +157,7 @@ std::shared_ptr<NativeResult> run(const NativeScene& scene, const py::dict& opti
   requested.tolerance = option<std::string>(options, "tolerance");
   requested.coarsen = option<std::string>(options, "coarsen");
   requested.gradient = option<std::string>(options, "gradient");
+  requested.without = option<std::string>(options, "without");
   requested.gradient_steps = option<bool>(options, "gradient_steps").value_or(false);
   const auto engine = own_name ? own_engine(*own_name, own) : nullptr;
   RunWatch watch;

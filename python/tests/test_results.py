@@ -208,3 +208,15 @@ def test_a_scene_that_has_changed_since_is_not_taken_for_it(scene, folder):
 def test_a_confined_scene_stays_so(folder):
     again = pickle.loads(pickle.dumps(tubefoot.load(folder / "scene.toml", confined=True)))
     assert pickle.loads(pickle.dumps(again))._confined is True
+
+
+def test_a_run_omits_files_by_name(scene, folder):
+    tubefoot.run(scene, output=folder / "whole")
+    result = tubefoot.run(scene, output=folder / "some", without=["scene.png", "side.exr"])
+    names = {path.name for path in (folder / "whole").iterdir()} - {"scene.png", "side.exr"}
+    assert {path.name for path in (folder / "some").iterdir()} == names
+    assert result.stats["omitted_files"] == ["scene.png", "side.exr"]
+    with pytest.raises(tubefoot.UsageError, match="did you mean 'side.exr'"):
+        tubefoot.run(scene, output=folder / "other", without=["sid.exr"])
+    with pytest.raises(tubefoot.UsageError, match="add 'output'"):
+        tubefoot.run(scene, without=["side.exr"])

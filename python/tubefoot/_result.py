@@ -15,6 +15,7 @@ from . import _native
 from ._arrays import unmasked
 from ._engines import Engine, own_engine
 from ._errors import InputError, UsageError, warn, whole
+from ._options import gradient_option, without_option
 from ._picture import Picture, as_html, drawn, plural
 from ._scene import PathLike, Scene, a_scene
 from ._signals import Signals
@@ -472,7 +473,7 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         seed: Optional[int] = None, sensor: Optional[str] = None, pings: Union[int, str, None] = None,
         beams: Union[int, str, None] = None, coarsen: float = 0, labels: bool = False, label_level: Optional[float] = None,
         gradient: Optional[Sequence[str]] = None, gradient_steps: bool = False,
-        output: Optional[PathLike] = None, progress: Optional[Progress] = None) -> Result:
+        output: Optional[PathLike] = None, without: Sequence[str] = (), progress: Optional[Progress] = None) -> Result:
     """Simulates all pings of a scene in memory, as ``tubefoot run`` does.
 
     Args:
@@ -504,6 +505,8 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
         gradient_steps: with ``gradient``: also prove how far each parameter may move before the visible edges change
             (:attr:`SensorResult.gradient_step`).
         output: folder for the files of ``tubefoot run -o``. The files appear only when complete.
+        without: with ``output``: files that are not written, such as ``"sonar.nc"`` (of all sensors) or
+            ``"fan-sonar.nc"`` (of the sensor ``fan``).
         progress: function that is called occasionally with the number of finished pings and of all pings. An exception
             from this function stops the run.
 
@@ -526,10 +529,11 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
                     beams=None if beams is None else str(beams))
     if tolerance is not None:
         options["tolerance"] = tolerance if isinstance(tolerance, str) else repr(float(tolerance))
-    options |= _gradient_option(gradient)
+    options |= gradient_option(gradient)
     options["gradient_steps"] = bool(gradient_steps)
     if coarsen:
         options["coarsen"] = repr(float(coarsen))
+    options |= without_option(without, output)
     if output is not None and not os.fspath(output):
         raise UsageError("output: the name of a folder is empty")
     own = own_engine(engine)
@@ -538,12 +542,6 @@ def run(scene: Union[Scene, PathLike], *, engine: Union[str, Engine, None] = Non
     elif tolerance is not None:
         raise UsageError("a tolerance selects a built-in engine: leave out 'engine' or 'tolerance'")
     return _run(scene, options, own, progress)
-
-
-def _gradient_option(gradient: Optional[Sequence[str]]) -> dict[str, str]:
-    if isinstance(gradient, str):
-        raise UsageError(f"gradient: expected a list of names, not the text {gradient!r}")
-    return {"gradient": ",".join(gradient)} if gradient is not None and len(gradient) else {}
 
 
 @with_named_arguments
@@ -565,7 +563,7 @@ def reference(scene: Union[Scene, PathLike], tolerance: float = 1e-9, *, arithme
         InputError, UsageError: as for :func:`run`.
     """
     options = dict(arithmetic=arithmetic, threads=threads, reference=True, tolerance=repr(float(tolerance)),
-                   output=None if output is None else os.fspath(output)) | _gradient_option(gradient)
+                   output=None if output is None else os.fspath(output)) | gradient_option(gradient)
     return _run(scene, options, None, progress)
 
 

@@ -401,6 +401,7 @@ class ArrayKind : public SensorKind {
     return std::make_unique<Array>(sensor);
   }
 
+  std::vector<std::string> products() const override { return signal_file_products(); }
   std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {

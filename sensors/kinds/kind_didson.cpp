@@ -371,6 +371,11 @@ class DidsonKind : public SensorKind {
     return std::make_unique<Didson>(sensor);
   }
 
+  std::vector<std::string> products() const override {
+    std::vector<std::string> names = fan_picture_products();
+    std::ranges::copy(camera_file_products(), std::back_inserter(names));
+    return names;
+  }
   std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
@@ -378,7 +383,7 @@ class DidsonKind : public SensorKind {
     const std::string& scene_says = recording.sensor->description().kind.as<DidsonDescription>().pictures;
     std::vector<fs::path> files =
         write_fan_pictures(folder, recording, receiver_output_of(recording, run), run.pictures,
-                           scene_says == "sequence" ? Which::sequence : Which::all, warnings);
+                           scene_says == "sequence" ? Which::sequence : Which::all, warnings, run.omitted);
     append(files, write_camera_files(folder, recording, run, warnings));
     return files;
   }
@@ -402,10 +407,11 @@ class DidsonKind : public SensorKind {
     using Which = PictureSettings::Which;
     const bool sheet_alone =
         recording.sensor->description().kind.as<DidsonDescription>().pictures == "sequence";
-    WritingCost cost = cost_of_fan_pictures(recording, receiver_output_of(recording, run).has_value(),
-                                            run.pictures, sheet_alone ? Which::sequence : Which::all);
+    WritingCost cost =
+        cost_of_fan_pictures(recording, receiver_output_of(recording, run).has_value(), run.pictures,
+                             sheet_alone ? Which::sequence : Which::all, run.omitted);
     constexpr double code_s = 2e-7;
-    if (camera_files_left_out(recording, run).empty()) cost += cost_by_cells(recording, code_s, 1);
+    if (has_camera_file(recording, run)) cost += cost_by_cells(recording, code_s, 1);
     return cost;
   }
   std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) const override {

@@ -142,6 +142,9 @@ struct ReceivedPing {
 std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Recording& recording,
                                               const RunContext& run, std::vector<std::string>& warnings) {
   check(recording);
+  const bool table = run.writes("csv"), echogram = run.draws("png"), exr = run.draws("exr"),
+             echogram_as_received = run.draws("received.png");
+  if (!table && !echogram && !exr && !echogram_as_received) return {};
   const Sensor& sensor = *recording.sensor;
   const std::string stem = sensor.description().name;
   const DetectionRule rule = rule_of(sensor.description().kind.as<EchosounderDescription>());
@@ -159,6 +162,7 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
     ReceivedPing made;
     made.energies.assign(energy.begin(), energy.end());
     made.ideal_m = range_of(detect_bottom(energy, sensor.samples(), rule));
+    if (!table && !(receiver_output && echogram_as_received)) return made;
     std::vector<double> own = receiver_output ? receiver_output->energy_of(ping)
                                               : std::vector<double>(energy.begin(), energy.end());
     made.received.assign(own.begin(), own.end());
@@ -179,19 +183,21 @@ std::vector<fs::path> write_echosounder_files(const fs::path& folder, const Reco
              csv += made.line;
            });
 
-  std::vector<fs::path> files{stem + ".csv"};
-  write_file(folder / files[0], csv);
-  if (!run.pictures.wants(PictureSettings::Which::sequence)) return files;
-  const std::string& font = font_for(stem, warnings);
-  files.insert(files.end(), {stem + ".png", stem + ".exr"});
-  draw_echogram(recording, energies, ideal_bottoms, font)
-      .write_png(folder / files[1], stem, run.pictures.bits);
-  write_exr_of(folder / files[2], recording, energies);
-  if (receiver_output) {
-    files.emplace_back(stem + "-received.png");
+  std::vector<fs::path> files;
+  const auto new_file = [&](const char* ending) {
+    files.emplace_back(stem + ending);
+    return folder / files.back();
+  };
+  if (table) write_file(new_file(".csv"), csv);
+  const bool draws = echogram || (receiver_output && echogram_as_received);
+  const std::string font = draws ? font_for(stem, warnings) : std::string();
+  if (echogram)
+    draw_echogram(recording, energies, ideal_bottoms, font)
+        .write_png(new_file(".png"), stem, run.pictures.bits);
+  if (exr) write_exr_of(new_file(".exr"), recording, energies);
+  if (receiver_output && echogram_as_received)
     draw_echogram(recording, received, bottoms, font, receiver_output->said)
-        .write_png(folder / files.back(), stem, run.pictures.bits);
-  }
+        .write_png(new_file("-received.png"), stem, run.pictures.bits);
   return files;
 }
 
@@ -244,6 +250,7 @@ class EchosounderKind : public SensorKind {
     return std::make_unique<Echosounder>(sensor);
   }
 
+  std::vector<std::string> products() const override { return {"csv", "png", "exr", "received.png"}; }
   std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
@@ -261,11 +268,11 @@ class EchosounderKind : public SensorKind {
   }
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
     constexpr double sounding_s = 1.1e-7, echogram_s = 0.25, exr_cell_s = 4e-8, energy_bytes = 4;
-    WritingCost cost = cost_by_cells(recording, sounding_s, 0);
-    if (run.pictures.wants(PictureSettings::Which::sequence)) {
-      cost += {echogram_s, 0, 0};
-      cost += cost_by_cells(recording, exr_cell_s, energy_bytes);
-    }
+    WritingCost cost;
+    const bool echograms = run.draws("png") || run.draws("received.png");
+    if (run.writes("csv") || echograms || run.draws("exr")) cost += cost_by_cells(recording, sounding_s, 0);
+    if (echograms) cost += {echogram_s, 0, 0};
+    if (run.draws("exr")) cost += cost_by_cells(recording, exr_cell_s, energy_bytes);
     return cost;
   }
 };

@@ -159,11 +159,12 @@ class ImagingKind : public SensorKind {
     return std::make_unique<Imaging>(sensor);
   }
 
+  std::vector<std::string> products() const override { return fan_picture_products(); }
   std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
     return write_fan_pictures(folder, recording, receiver_output_of(recording, run), run.pictures,
-                              PictureSettings::Which::all, warnings);
+                              PictureSettings::Which::all, warnings, run.omitted);
   }
   std::optional<SonarOutline> outline(const SensorDescription& sensor) const override {
     const auto& own = sensor.kind.as<ImagingDescription>();
@@ -180,7 +181,7 @@ class ImagingKind : public SensorKind {
   }
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
     return cost_of_fan_pictures(recording, receiver_output_of(recording, run).has_value(), run.pictures,
-                                PictureSettings::Which::all);
+                                PictureSettings::Which::all, run.omitted);
   }
 };
 

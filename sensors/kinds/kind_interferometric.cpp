@@ -83,13 +83,18 @@ class InterferometricKind : public SensorKind {
     return std::make_unique<Interferometric>(sensor);
   }
 
+  std::vector<std::string> products() const override {
+    std::vector<std::string> names = two_sided_picture_products();
+    std::ranges::copy(receiver_pair_products(), std::back_inserter(names));
+    return names;
+  }
   std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
     const bool phase_noise =
         recording.sensor->description().kind.as<InterferometricDescription>().phase_noise;
     std::vector<fs::path> files = write_two_sided_pictures(
-        folder, recording, receiver_output_of(recording, run), run.pictures, warnings);
+        folder, recording, receiver_output_of(recording, run), run.pictures, warnings, run.omitted);
     append(files, write_receiver_pair_files(folder, recording, run, phase_noise));
     return files;
   }
@@ -97,10 +102,10 @@ class InterferometricKind : public SensorKind {
     return sidescan_outline(sensor.kind.as<InterferometricDescription>());
   }
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
-    WritingCost cost =
-        cost_of_two_sided_pictures(recording, receiver_output_of(recording, run).has_value(), run.pictures);
+    WritingCost cost = cost_of_two_sided_pictures(recording, receiver_output_of(recording, run).has_value(),
+                                                  run.pictures, run.omitted);
     constexpr double sounding_s = 1.2e-6, sounding_bytes = 200;
-    cost += cost_by_cells(recording, sounding_s, sounding_bytes);
+    if (run.writes("soundings.csv")) cost += cost_by_cells(recording, sounding_s, sounding_bytes);
     return cost;
   }
 };

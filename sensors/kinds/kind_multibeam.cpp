@@ -442,6 +442,7 @@ class MultibeamKind : public SensorKind {
     return std::make_unique<Multibeam>(sensor);
   }
 
+  std::vector<std::string> products() const override { return swath_products(); }
   std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
@@ -469,10 +470,13 @@ class MultibeamKind : public SensorKind {
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
     constexpr double detecting_s = 3e-9, sounding_s = 2.2e-5, sounding_bytes = 600, depth_pictures_s = 0.3,
                      depth_pictures_bytes = 5e5;
-    WritingCost cost = cost_by_cells(recording, detecting_s, run.frame.is_georeferenced() ? 2 : 0);
+    if (std::ranges::none_of(products(), [&](const std::string& product) { return run.writes(product); }))
+      return {};
+    const bool all_samples = run.frame.is_georeferenced() && run.writes("sonar.nc");
+    WritingCost cost = cost_by_cells(recording, detecting_s, all_samples ? 2 : 0);
     const auto soundings = static_cast<double>(recording.pings() * recording.sensor->beams().size());
     cost += {sounding_s * soundings, 0, sounding_bytes * soundings};
-    if (run.pictures.wants(PictureSettings::Which::sequence))
+    if (run.draws("depth.png") || run.draws("depth-ideal.png"))
       cost += {depth_pictures_s, 0, depth_pictures_bytes};
     return cost;
   }

@@ -223,6 +223,11 @@ class ScanningKind : public SensorKind {
     return std::make_unique<Scanning>(sensor);
   }
 
+  std::vector<std::string> products() const override {
+    std::vector<std::string> names = fan_picture_products();
+    names.emplace_back("steps.csv");
+    return names;
+  }
   std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
@@ -232,7 +237,8 @@ class ScanningKind : public SensorKind {
           recording.sensor->description().name, *too_soon_s));
     const std::optional<ReceiverOutput> receiver_output = receiver_output_of(recording, run);
     std::vector<fs::path> files = write_fan_pictures(folder, recording, receiver_output, run.pictures,
-                                                     PictureSettings::Which::all, warnings);
+                                                     PictureSettings::Which::all, warnings, run.omitted);
+    if (!run.writes("steps.csv")) return files;
     files.emplace_back(recording.sensor->description().name + "-steps.csv");
     write_file(folder / files.back(), steps_table(recording, receiver_output));
     return files;
@@ -255,7 +261,7 @@ class ScanningKind : public SensorKind {
   }
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
     return cost_of_fan_pictures(recording, receiver_output_of(recording, run).has_value(), run.pictures,
-                                PictureSettings::Which::all);
+                                PictureSettings::Which::all, run.omitted);
   }
 };
 

@@ -93,12 +93,17 @@ class SidescanKind : public SensorKind {
     return std::make_unique<Sidescan>(sensor);
   }
 
+  std::vector<std::string> products() const override {
+    std::vector<std::string> names = two_sided_picture_products();
+    std::ranges::copy(two_sided_file_products(), std::back_inserter(names));
+    return names;
+  }
   std::vector<fs::path> write_products(const fs::path& folder, const Recording& recording,
                                        const RunContext& run,
                                        std::vector<std::string>& warnings) const override {
     const auto& fan = recording.sensor->description().kind.as<SidescanDescription>();
     std::vector<fs::path> files = write_two_sided_pictures(
-        folder, recording, receiver_output_of(recording, run), run.pictures, warnings);
+        folder, recording, receiver_output_of(recording, run), run.pictures, warnings, run.omitted);
     append(files, write_two_sided_files(
                       folder, recording, run,
                       {fan.along_track_deg, fan.depression_max_deg - fan.depression_min_deg}, warnings));
@@ -108,10 +113,11 @@ class SidescanKind : public SensorKind {
     return sidescan_outline(sensor.kind.as<SidescanDescription>());
   }
   WritingCost writing_cost(const Recording& recording, const RunContext& run) const override {
-    WritingCost cost =
-        cost_of_two_sided_pictures(recording, receiver_output_of(recording, run).has_value(), run.pictures);
+    WritingCost cost = cost_of_two_sided_pictures(recording, receiver_output_of(recording, run).has_value(),
+                                                  run.pictures, run.omitted);
     constexpr double received_s = 5e-8, code_bytes = 4, amplitude_bytes = 4;  // during output
-    cost += cost_by_cells(recording, received_s, code_bytes + amplitude_bytes);
+    if (writes_two_sided_files(recording, run))
+      cost += cost_by_cells(recording, received_s, code_bytes + amplitude_bytes);
     return cost;
   }
   std::vector<std::string> files_left_out(const Recording& recording, const RunContext& run) const override {

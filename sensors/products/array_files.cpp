@@ -171,6 +171,7 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
         description.name));
     return {};
   }
+  products = without_omitted(std::move(products), run.omitted);
   const std::vector<std::string> left_out = leave_out(products, recording);
   warnings.insert(warnings.end(), left_out.begin(), left_out.end());
   require_memory_of(products, recording, run);
@@ -188,16 +189,18 @@ std::vector<std::filesystem::path> write_array_files(const std::filesystem::path
 
 std::vector<std::string> array_files_left_out(const Recording& recording, const RunContext& run,
                                               SignalProducts products) {
+  products = without_omitted(std::move(products), run.omitted);
   std::vector<std::string> why = leave_out(products, recording);
   require_memory_of(products, recording, run);
   return why;
 }
 
 WritingCost cost_of_array_files(const Recording& recording, const RunContext& run, SignalProducts products) {
+  products = without_omitted(std::move(products), run.omitted);
   leave_out(products, recording);
   const SignalCounts counts = counts_of(recording);
-  WritingCost cost = cost_of_signal_files(products, counts, run.pictures);
-  if (run.with_bounds) cost.bytes += bytes_of(counts);  // bounds hardly compress
+  WritingCost cost = cost_of_signal_files(products, counts, run.pictures, run.omitted);
+  if (run.with_bounds && run.writes("signals.nc")) cost.bytes += bytes_of(counts);  // bounds hardly compress
   return cost;
 }
 

@@ -220,9 +220,20 @@ void write_frames(CameraFile&& file, const Recording& recording, const RunContex
   file.finish();
 }
 
+bool writes_camera_files(const RunContext& run) { return run.writes("ddf") || run.writes("aris"); }
+
 }  // namespace
 
+std::vector<std::string> camera_file_products() { return {"ddf", "aris"}; }
+
+bool has_camera_file(const Recording& recording, const RunContext& run) {
+  if (!writes_camera_files(run)) return false;
+  const CameraFormat format = format_of(recording, run);
+  return (format.didson && run.writes("ddf")) || (format.aris && run.writes("aris"));
+}
+
 std::vector<std::string> camera_files_left_out(const Recording& recording, const RunContext& run) {
+  if (!writes_camera_files(run)) return {};
   const CameraFormat format = format_of(recording, run);
   if (format.didson || format.aris) return {};
   return {format.why_neither};
@@ -231,8 +242,10 @@ std::vector<std::string> camera_files_left_out(const Recording& recording, const
 std::vector<fs::path> write_camera_files(const fs::path& folder, const Recording& recording,
                                          const RunContext& run, std::vector<std::string>& warnings) {
   check(recording);
+  if (!writes_camera_files(run)) return {};
   const std::string& name = recording.sensor->description().name;
   const CameraFormat format = format_of(recording, run);
+  if (format.didson ? !run.writes("ddf") : format.aris && !run.writes("aris")) return {};
   // A writer throws std::invalid_argument for data that its format cannot represent, and leaves no file.
   try {
     if (format.didson) {

@@ -18,6 +18,12 @@ std::vector<std::filesystem::path> write_camera_files(const std::filesystem::pat
                                                       const Recording& recording, const RunContext& run,
                                                       std::vector<std::string>& warnings);
 
+/// Names of these products (SensorKind::products()).
+std::vector<std::string> camera_file_products();
+
+/// True if one of the files is possible and not omitted.
+bool has_camera_file(const Recording& recording, const RunContext& run);
+
 /// Reasons for the absence of both files, as far as they are known before echoes exist.
 std::vector<std::string> camera_files_left_out(const Recording& recording, const RunContext& run);
 

@@ -97,93 +97,124 @@ const std::string& font_for(const std::string& sensor, std::vector<std::string>&
   return font;
 }
 
+std::vector<std::string> fan_picture_products() {
+  return {"sequence.png",          "sequence.gif",          "png",         "exr",
+          "sequence-received.png", "sequence-received.gif", "received.png"};
+}
+std::vector<std::string> two_sided_picture_products() { return {"png", "exr", "received.png"}; }
+
 std::vector<fs::path> write_two_sided_pictures(const fs::path& folder, const Recording& recording,
                                                const std::optional<ReceiverOutput>& receiver_output,
                                                const PictureSettings& settings,
-                                               std::vector<std::string>& warnings) {
+                                               std::vector<std::string>& warnings,
+                                               const OmittedProducts& omitted) {
   check(recording);
   if (!settings.wants(PictureSettings::Which::sequence)) return {};
+  const bool ideal = !omitted.contains("png"),
+             as_received = receiver_output && !omitted.contains("received.png");
   const std::string stem = stem_of(*recording.sensor);
-  const std::string& font = font_for(stem, warnings);
-  std::vector<fs::path> files{stem + ".png", stem + ".exr"};
-  const Waterfall waterfall(recording, font);
-  waterfall.draw().write_png(folder / files[0], stem, settings.bits);
-  write_two_sided_exr(folder / files[1], recording);
-  if (receiver_output) {
-    files.push_back(stem + "-received.png");
-    waterfall.draw(&*receiver_output).write_png(folder / files.back(), stem, settings.bits);
-  }
+  std::vector<fs::path> files;
+  const auto new_file = [&](const std::string& ending) {
+    files.emplace_back(stem + ending);
+    return folder / files.back();
+  };
+  std::optional<Waterfall> waterfall;
+  if (ideal || as_received) waterfall.emplace(recording, font_for(stem, warnings));
+  if (ideal) waterfall->draw().write_png(new_file(".png"), stem, settings.bits);
+  if (!omitted.contains("exr")) write_two_sided_exr(new_file(".exr"), recording);
+  if (as_received)
+    waterfall->draw(&*receiver_output).write_png(new_file("-received.png"), stem, settings.bits);
   return files;
 }
 
 std::vector<fs::path> write_fan_pictures(const fs::path& folder, const Recording& recording,
                                          const std::optional<ReceiverOutput>& receiver_output,
                                          const PictureSettings& settings, PictureSettings::Which otherwise,
-                                         std::vector<std::string>& warnings) {
+                                         std::vector<std::string>& warnings, const OmittedProducts& omitted) {
   check(recording);
   using Which = PictureSettings::Which;
   if (!settings.wants(Which::sequence, otherwise)) return {};
   const bool each_ping = settings.wants(Which::all, otherwise);
   const std::string stem = stem_of(*recording.sensor);
-  const std::string& font = font_for(stem, warnings);
   std::vector<fs::path> files;
-  const auto write_sequence = [&](const std::string& part, const ReceiverOutput* as_received) {
-    if (recording.pings() > 1 || !each_ping) {
-      files.push_back(stem + part + ".png");
-      draw_camera_sequence(recording, font, as_received)
+  std::optional<std::string> found_font;
+  const auto font = [&]() -> const std::string& {
+    if (!found_font) found_font = font_for(stem, warnings);
+    return *found_font;
+  };
+  const auto write_sequence = [&](const std::string& product, const ReceiverOutput* as_received) {
+    const std::string picture = product + ".png", animation = product + ".gif";
+    if ((recording.pings() > 1 || !each_ping) && !omitted.contains(picture)) {
+      files.emplace_back(stem + "-" + picture);
+      draw_camera_sequence(recording, font(), as_received)
           .write_png(folder / files.back(), stem, settings.bits);
     }
-    if (!settings.animated || recording.pings() == 1) return;
-    files.push_back(stem + part + ".gif");
-    write_camera_animation(folder / files.back(), recording, font, as_received);
+    if (!settings.animated || recording.pings() == 1 || omitted.contains(animation)) return;
+    files.emplace_back(stem + "-" + animation);
+    write_camera_animation(folder / files.back(), recording, font(), as_received);
   };
-  write_sequence("-sequence", nullptr);
-  if (receiver_output) write_sequence("-sequence-received", &*receiver_output);
-  if (!each_ping) return files;
+  write_sequence("sequence", nullptr);
+  if (receiver_output) write_sequence("sequence-received", &*receiver_output);
+  const bool ideal = !omitted.contains("png"), exr = !omitted.contains("exr"),
+             as_received = receiver_output && !omitted.contains("received.png");
+  if (!each_ping || !(ideal || exr || as_received)) return files;
   const auto name = [&](std::size_t ping, const char* ending) {
     return fs::path(fmt::format("{}-{:04}{}", stem, recording.number_of(ping), ending));
   };
-  const CameraFrames frames(recording, font);
+  std::optional<CameraFrames> frames;
+  if (ideal || as_received) frames.emplace(recording, font());
   Steps steps("pictures", recording.pings());
   tbb::parallel_for(std::size_t{0}, recording.pings(), [&](std::size_t ping) {
     const std::string what = fmt::format("{}, ping {}", stem, recording.number_of(ping));
-    frames.draw(ping).write_png(folder / name(ping, ".png"), what, settings.bits);
-    if (receiver_output)
-      frames.draw(ping, &*receiver_output)
+    if (ideal) frames->draw(ping).write_png(folder / name(ping, ".png"), what, settings.bits);
+    if (as_received)
+      frames->draw(ping, &*receiver_output)
           .write_png(folder / name(ping, "-received.png"), what + ", as received", settings.bits);
-    write_fan_exr(folder / name(ping, ".exr"), recording, ping);
+    if (exr) write_fan_exr(folder / name(ping, ".exr"), recording, ping);
     steps.done();
   });
   for (std::size_t ping = 0; ping < recording.pings(); ++ping) {
-    files.insert(files.end(), {name(ping, ".png"), name(ping, ".exr")});
-    if (receiver_output) files.push_back(name(ping, "-received.png"));
+    if (ideal) files.push_back(name(ping, ".png"));
+    if (exr) files.push_back(name(ping, ".exr"));
+    if (as_received) files.push_back(name(ping, "-received.png"));
   }
   return files;
 }
 
 WritingCost cost_of_fan_pictures(const Recording& recording, bool receiver_output,
-                                 const PictureSettings& settings, PictureSettings::Which otherwise) {
+                                 const PictureSettings& settings, PictureSettings::Which otherwise,
+                                 const OmittedProducts& omitted) {
   using Which = PictureSettings::Which;
   constexpr double sheet_s = 0.25, animation_frame_s = 0.4, first_frame_s = 0.25, frame_s = 0.05,
                    picture_bytes = 6e5, gif_bytes = 1e5;
-  const double looks = receiver_output ? 2 : 1, pings = static_cast<double>(recording.pings());
+  const auto looks = [&](const char* ideal, const char* received) {
+    return (omitted.contains(ideal) ? 0.0 : 1.0) +
+           (!receiver_output || omitted.contains(received) ? 0.0 : 1.0);
+  };
+  const double pings = static_cast<double>(recording.pings());
   WritingCost cost;
   if (!settings.wants(Which::sequence, otherwise)) return cost;
-  cost += {looks * sheet_s, 0, looks * picture_bytes};
-  const double frames = static_cast<double>(animation_frames(recording.pings()).size());
-  if (settings.animated) cost += {looks * frames * animation_frame_s, 0, looks * frames * gif_bytes};
-  if (settings.wants(Which::all, otherwise))
-    cost += {first_frame_s, looks * frame_s * pings,
-             pings * (looks * picture_bytes + 4.0 * static_cast<double>(recording.cells()))};
+  const double sheets = looks("sequence.png", "sequence-received.png");
+  cost += {sheets * sheet_s, 0, sheets * picture_bytes};
+  const double frames = looks("sequence.gif", "sequence-received.gif") *
+                        static_cast<double>(animation_frames(recording.pings()).size());
+  if (settings.animated) cost += {frames * animation_frame_s, 0, frames * gif_bytes};
+  const double pictures = looks("png", "received.png");
+  if (settings.wants(Which::all, otherwise)) {
+    cost += {pictures > 0 ? first_frame_s : 0, pictures * frame_s * pings, pings * pictures * picture_bytes};
+    if (!omitted.contains("exr")) cost += {0, 0, 4.0 * pings * static_cast<double>(recording.cells())};
+  }
   return cost;
 }
 
 WritingCost cost_of_two_sided_pictures(const Recording& recording, bool receiver_output,
-                                       const PictureSettings& settings) {
+                                       const PictureSettings& settings, const OmittedProducts& omitted) {
   constexpr double waterfall_s = 0.25, waterfall_bytes = 1e6, exr_cell_s = 6e-8;
   if (!settings.wants(PictureSettings::Which::sequence)) return {};
-  const double looks = receiver_output ? 2 : 1;
-  WritingCost cost = cost_by_cells(recording, exr_cell_s, 4);
+  const double looks =
+      (omitted.contains("png") ? 0 : 1) + (receiver_output && !omitted.contains("received.png") ? 1 : 0);
+  WritingCost cost;
+  if (!omitted.contains("exr")) cost += cost_by_cells(recording, exr_cell_s, 4);
   cost += {looks * waterfall_s, 0, looks * waterfall_bytes};
   return cost;
 }

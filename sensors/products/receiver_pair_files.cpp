@@ -69,29 +69,34 @@ void write_cells_exr(const fs::path& file, const Recording& recording, const cha
 
 }  // namespace
 
+std::vector<std::string> receiver_pair_products() {
+  return {"phase.png", "phase.exr", "coherence.exr", "soundings.csv", "phase-received.png"};
+}
+
 std::vector<fs::path> write_receiver_pair_files(const fs::path& folder, const Recording& recording,
                                                 const RunContext& run, bool phase_noise) {
   check(recording);
-  const SensorDescription& sensor = recording.sensor->description();
-  const bool pictures = run.pictures.wants(PictureSettings::Which::sequence);
+  const std::string& name = recording.sensor->description().name;
   const InterferometricNoise noise{receiver_of(recording, run).noise_j(), phase_noise, run.seed};
   std::vector<fs::path> files;
-  if (pictures) {
-    files = {sensor.name + "-phase.png", sensor.name + "-phase.exr", sensor.name + "-coherence.exr"};
+  const auto new_file = [&](const std::string& product) {
+    files.emplace_back(name + "-" + product);
+    return folder / files.back();
+  };
+  if (run.draws("phase.png"))
     draw_phases(recording, label_font())
-        .write_png(folder / files[0], sensor.name + ", phase", run.pictures.bits);
-    write_cells_exr(folder / files[1], recording, "phase of the upper relative to the lower receiver [rad]",
+        .write_png(new_file("phase.png"), name + ", phase", run.pictures.bits);
+  if (run.draws("phase.exr"))
+    write_cells_exr(new_file("phase.exr"), recording,
+                    "phase of the upper relative to the lower receiver [rad]",
                     [](const InterferometricSample& s) { return s.phase_rad().value_or(0); });
-    write_cells_exr(folder / files[2], recording, "coherence of the two receivers [1]",
+  if (run.draws("coherence.exr"))
+    write_cells_exr(new_file("coherence.exr"), recording, "coherence of the two receivers [1]",
                     [](const InterferometricSample& s) { return s.coherence(); });
-  }
-  files.emplace_back(sensor.name + "-soundings.csv");
-  write_soundings(folder / files.back(), recording, run, noise);
-  if (pictures && (noise.phase_noise || noise.receiver_noise_j > 0)) {
-    files.emplace_back(sensor.name + "-phase-received.png");
+  if (run.writes("soundings.csv")) write_soundings(new_file("soundings.csv"), recording, run, noise);
+  if (run.draws("phase-received.png") && (noise.phase_noise || noise.receiver_noise_j > 0))
     draw_phases(recording, label_font(), &noise)
-        .write_png(folder / files.back(), sensor.name + ", phase as received", run.pictures.bits);
-  }
+        .write_png(new_file("phase-received.png"), name + ", phase as received", run.pictures.bits);
   return files;
 }
 

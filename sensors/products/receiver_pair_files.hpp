@@ -12,4 +12,7 @@ std::vector<std::filesystem::path> write_receiver_pair_files(const std::filesyst
                                                              const Recording& recording,
                                                              const RunContext& run, bool phase_noise);
 
+/// Names of these products (SensorKind::products()).
+std::vector<std::string> receiver_pair_products();
+
 }  // namespace tubefoot

@@ -61,8 +61,11 @@ std::vector<fs::path> write_signal_files(const fs::path& folder, const ElementSi
   require_memory(memory_of_signal_files(products, counts), {},
                  fmt::format("the files of '{}'", products.name),
                  "use fewer pings, or no synthetic aperture");
-  std::vector<fs::path> files{products.name + "-signals.nc"};
-  write_signals(folder / files.front(), true_signals, provenance_of(products, run));
+  std::vector<fs::path> files;
+  if (run.writes("signals.nc")) {
+    files.emplace_back(products.name + "-signals.nc");
+    write_signals(folder / files.front(), true_signals, provenance_of(products, run));
+  }
   if (silent(signals)) {
     warnings.push_back(
         fmt::format("'{}': the receivers receive nothing, so tubefoot computes no pictures, beams or "
@@ -80,9 +83,11 @@ std::vector<fs::path> write_signal_files(const fs::path& folder, const ElementSi
                       pictures ? font_for(products.name, warnings) : std::string(),
                       files};
   std::vector<std::unique_ptr<SignalMaker>> makers;
-  if (products.fan && pictures) makers.push_back(make_fan_picture(job));
-  if (products.sidescan && (pictures || products.jsf)) makers.push_back(make_sidescan(job));
-  if (products.multibeam) makers.push_back(make_soundings(job));
+  if (products.fan && run.draws("fan.png")) makers.push_back(make_fan_picture(job));
+  if (products.sidescan && (run.draws("sidescan.png") || products.jsf)) makers.push_back(make_sidescan(job));
+  if (products.multibeam &&
+      (run.writes("soundings.csv") || run.writes("soundings.gpkg") || run.draws("beams.png")))
+    makers.push_back(make_soundings(job));
   if (products.interferogram && pictures) makers.push_back(make_interferogram(job));
   if (products.sonar_netcdf) makers.push_back(make_complex_beams(job));
   if (products.elements && pictures) write_elements_picture(job);
@@ -101,6 +106,29 @@ std::vector<fs::path> write_signal_files(const fs::path& folder, const ElementSi
     write_aperture_picture(
         job, signals.matched_filtered ? signals : matched_filtered(signals, products.range_window));
   return files;
+}
+
+std::vector<std::string> signal_file_products() {
+  return {"signals.nc", "signals.png",  "fan.png",          "sidescan.png",
+          "jsf",        "beams.png",    "soundings.csv",    "soundings.gpkg",
+          "sonar.nc",   "aperture.png", "interferogram.png"};
+}
+
+SignalProducts without_omitted(SignalProducts products, const OmittedProducts& omitted) {
+  const auto omits = [&](const char* product) { return omitted.contains(product); };
+  products.elements = products.elements && !omits("signals.png");
+  products.jsf = products.jsf && !omits("jsf");
+  products.sonar_netcdf = products.sonar_netcdf && !omits("sonar.nc");
+  const SignalFan* complex_beams = products.sonar_netcdf ? fan_of_complex_beams(products) : nullptr;
+  const bool needs_fan = products.fan && complex_beams == &*products.fan,
+             needs_multibeam = products.multibeam && complex_beams == &products.multibeam->fan;
+  if (omits("fan.png") && !needs_fan) products.fan.reset();
+  if (omits("sidescan.png") && !products.jsf) products.sidescan.reset();
+  if (omits("beams.png") && omits("soundings.csv") && omits("soundings.gpkg") && !needs_multibeam)
+    products.multibeam.reset();
+  if (omits("aperture.png")) products.aperture.reset();
+  if (omits("interferogram.png")) products.interferogram.reset();
+  return products;
 }
 
 double memory_of_signal_files(const SignalProducts& products, const SignalCounts& counts) {
@@ -122,13 +150,14 @@ double memory_of_signal_files(const SignalProducts& products, const SignalCounts
 }
 
 WritingCost cost_of_signal_files(const SignalProducts& products, const SignalCounts& counts,
-                                 const PictureSettings& settings) {
+                                 const PictureSettings& settings, const OmittedProducts& omitted) {
   constexpr double packing_s = 8e-9, writing_s = 3e-9, compressing_s = 4e-7, focusing_s = 1.2e-7,
                    picture_s = 0.3, picture_bytes = 1e6, sounding_bytes = 400;
   const bool pictures = settings.wants(PictureSettings::Which::sequence);
   const double pings = static_cast<double>(counts.pings), samples = static_cast<double>(counts.samples),
                receivers = static_cast<double>(counts.receivers), bytes = pings * compressed_bytes(counts);
-  WritingCost cost{writing_s * bytes, packing_s * bytes, bytes};
+  WritingCost cost;
+  if (!omitted.contains("signals.nc")) cost += {writing_s * bytes, packing_s * bytes, bytes};
   const auto draw = [&] {
     if (pictures) cost += {picture_s, 0, picture_bytes};
   };

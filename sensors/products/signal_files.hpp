@@ -13,7 +13,7 @@ namespace tubefoot {
 
 /// Writes the files and pictures of signals with phase (docs/output-files.md). Returns the files' names,
 /// relative to `folder`, which must exist:
-/// - <name>-signals.nc, always;
+/// - <name>-signals.nc;
 /// - <name>-signals.png: levels and phases of the elements;
 /// - <name>-fan.png: beams of a ping by range and angle;
 /// - <name>-sidescan.png: a waterfall of beams abeam, and <name>.jsf of them;
@@ -32,9 +32,15 @@ std::vector<std::filesystem::path> write_signal_files(const std::filesystem::pat
                                                       std::vector<std::string>& warnings,
                                                       const ElementSignals* recorded = nullptr);
 
-/// Approximate cost of these files.
+/// Names of these products (SensorKind::products()).
+std::vector<std::string> signal_file_products();
+
+/// The products that are necessary for the files that a run does not omit.
+SignalProducts without_omitted(SignalProducts products, const OmittedProducts& omitted);
+
+/// Approximate cost of these files. `omitted`: see RunContext.
 WritingCost cost_of_signal_files(const SignalProducts& products, const SignalCounts& counts,
-                                 const PictureSettings& settings);
+                                 const PictureSettings& settings, const OmittedProducts& omitted = {});
 /// Upper bound of the memory in bytes, in addition to the signals themselves.
 double memory_of_signal_files(const SignalProducts& products, const SignalCounts& counts);
 

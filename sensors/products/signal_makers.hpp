@@ -32,7 +32,6 @@ struct SignalJob {
   bool on_earth() const { return run.frame.is_georeferenced(); }
   /// Path for <name><ending>. Appends it to the list of files.
   std::filesystem::path new_file(const std::string& ending) const;
-  bool pictures() const { return run.pictures.wants(PictureSettings::Which::sequence); }
   void write(const Canvas& canvas, const std::string& ending, const std::string& what) const;
   /// "100 kHz, 90 to 110 kHz in 3 ms, 64 receivers".
   std::string said_of_signals() const;

@@ -70,7 +70,7 @@ class BeamsAbeam : public SignalMaker {
 
   void finish() override {
     if (jsf_) jsf_->finish();
-    if (!job_.pictures()) return;
+    if (!job_.run.draws("sidescan.png")) return;
     const std::size_t columns = directions_.size() * static_cast<std::size_t>(ranges_.count),
                       pings = rows_.size() / columns;
     // Reverses the rows, so that the last ping is on top.
@@ -169,7 +169,7 @@ class Interferogram : public SignalMaker {
   }
 
   void finish() override {
-    if (!job_.pictures()) return;
+    if (!job_.run.draws("interferogram.png")) return;
     const RangeSamples ranges = ranges_of(job_.signals.sampling, job_.signals.sound_speed_m_s);
     GridPage page;
     for (const bool of_phase : {true, false}) {

@@ -23,8 +23,9 @@ constexpr Colour of_amplitude{0.35f, 0.85f, 0.95f}, of_phase{0.55f, 1.00f, 0.35f
 class SoundingsMaker : public SignalMaker {
  public:
   explicit SoundingsMaker(const SignalJob& job) : job_(job) {
-    for (const char* ending : {"-soundings.csv", "-soundings.gpkg"})
-      tables_.push_back(std::make_unique<SoundingsFile>(job.new_file(ending), job.run.frame));
+    for (const std::string product : {"soundings.csv", "soundings.gpkg"})
+      if (job.run.writes(product))
+        tables_.push_back(std::make_unique<SoundingsFile>(job.new_file("-" + product), job.run.frame));
   }
 
   void add(std::size_t ping, const ElementSignals& one) override {
@@ -36,7 +37,7 @@ class SoundingsMaker : public SignalMaker {
         best.push_back(*sounding);
       }
     for (const auto& table : tables_) table->add(best);
-    if (ping == job_.products.picture_ping && job_.pictures()) draw(ping, found);
+    if (ping == job_.products.picture_ping && job_.run.draws("beams.png")) draw(ping, found);
   }
   void finish() override {
     for (const auto& table : tables_) table->finish();

@@ -9,11 +9,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <mutex>
+#include <utility>
 
 #include "geometry/steps/in_order.hpp"
 #include "sensors/detection/sounding_grid.hpp"
@@ -37,9 +39,10 @@ std::size_t pings_a_block(const Recording& recording) {
 /// Pings with places on Earth that go through the files together.
 struct Portion {
   std::vector<PlacedPing> pings;
-  std::vector<std::vector<Sounding>> found;                ///< by ping
-  std::vector<std::vector<glm::dvec3>> found_on_earth;     ///< their longitudes, latitudes and heights
-  std::vector<std::vector<std::function<void()>>> adding;  ///< by ping and format
+  std::vector<std::vector<Sounding>> found;             ///< by ping
+  std::vector<std::vector<glm::dvec3>> found_on_earth;  ///< their longitudes, latitudes and heights
+  /// By ping and format: SONAR-netCDF4, XTF and GSF. Empty for a format that is not written.
+  std::vector<std::array<std::function<void()>, 3>> adding;
 };
 
 std::size_t pings_a_portion(const Recording& recording) {
@@ -124,34 +127,60 @@ bool has_depths(const std::vector<PlacedPing>& block) {
   });
 }
 
-/// The formats that can represent a recording's positions and dates.
+/// The files of a recording: those that are not omitted and can represent its positions and dates.
 struct Kept {
-  bool on_earth = false, gsf = false;
+  bool csv = false, gpkg = false, sonar_netcdf = false, xtf = false, gsf = false;
+  bool depth_grid = false, depth_picture = false, ideal_depth_picture = false;
   std::vector<std::string> left_out;
+
+  bool tables() const { return csv || gpkg; }
+  bool formats() const { return sonar_netcdf || xtf || gsf; }
+  bool grids() const { return depth_grid || depth_picture || ideal_depth_picture; }
 };
+
+/// Joins names to "a", "a and b" or "a, b and c".
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    text += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];
+  return text;
+}
 
 Kept kept_of(const Recording& recording, const RunContext& run) {
   const std::string& name = recording.sensor->description().name;
   const double first_s = run.start_unix_s + recording.ping_time_s.front(),
                last_s = run.start_unix_s + recording.ping_time_s.back();
-  if (!run.frame.is_georeferenced())
-    return {false,
-            false,
-            {fmt::format("'{0}': {0}-sonar.nc, {0}.gsf and {0}.xtf need a position on Earth and are omitted: "
-                         "add [georeference]",
-                         name)}};
-  if (first_s < 0)
-    return {false,
-            false,
-            {fmt::format("'{0}': its first ping is before 1970, so {0}-sonar.nc, {0}.gsf and {0}.xtf are "
-                         "omitted: change 'start_utc' or 'first_ping_s'",
-                         name)}};
+  Kept kept;
+  kept.csv = run.writes("soundings.csv");
+  kept.gpkg = run.writes("soundings.gpkg");
+  kept.depth_grid = run.writes("depth.tif");
+  kept.depth_picture = run.draws("depth.png");
+  kept.ideal_depth_picture = run.draws("depth-ideal.png");
+  std::vector<std::string> on_earth;
+  for (const auto& [product, ending] : {std::pair("sonar.nc", "-sonar.nc"), {"gsf", ".gsf"}, {"xtf", ".xtf"}})
+    if (run.writes(product)) on_earth.push_back(name + ending);
+  if (on_earth.empty()) return kept;
+  const bool several = on_earth.size() > 1;
+  if (!run.frame.is_georeferenced()) {
+    kept.left_out.push_back(fmt::format("'{}': {} {} a position on Earth and {} omitted: add [georeference]",
+                                        name, listed(on_earth), several ? "need" : "needs",
+                                        several ? "are" : "is"));
+    return kept;
+  }
+  if (first_s < 0) {
+    kept.left_out.push_back(fmt::format(
+        "'{}': its first ping is before 1970, so {} {} omitted: change 'start_utc' or 'first_ping_s'", name,
+        listed(on_earth), several ? "are" : "is"));
+    return kept;
+  }
+  kept.sonar_netcdf = run.writes("sonar.nc");
+  kept.xtf = run.writes("xtf");
   constexpr double gsf_ends_s = 2147483647;
-  if (last_s < gsf_ends_s) return {true, true, {}};
-  return {true,
-          false,
-          {fmt::format("'{0}': {0}.gsf is omitted, because its time format ends in 2038: change 'start_utc'",
-                       name)}};
+  kept.gsf = run.writes("gsf") && last_s < gsf_ends_s;
+  if (run.writes("gsf") && !kept.gsf)
+    kept.left_out.push_back(fmt::format(
+        "'{0}': {0}.gsf is omitted, because its time format ends in 2038: change 'start_utc'", name));
+  return kept;
 }
 
 /// All files of a recording that are open simultaneously.
@@ -165,25 +194,32 @@ class SwathFiles {
         settings_(settings),
         warnings_(warnings),
         name_(recording.sensor->description().name),
+        kept_(kept_of(recording, run)),
         finder_(recording, run, settings.rule) {
-    if (receiver_output_of(recording, run))
+    if (kept_.ideal_depth_picture && receiver_output_of(recording, run))
       ideal_finder_.emplace(BottomFinder::ideal(recording, settings.rule, run));
-    for (const char* ending : {".csv", ".gpkg"})
-      tables_.push_back(std::make_unique<SoundingsFile>(new_file("-soundings", ending), run.frame,
-                                                        recording.sectors() > 1));
+    const auto open_table = [&](std::size_t table, bool wanted, const char* ending) {
+      if (wanted)
+        tables_[table] = std::make_unique<SoundingsFile>(new_file("-soundings", ending), run.frame,
+                                                         recording.sectors() > 1);
+    };
+    open_table(0, kept_.csv, ".csv");
+    open_table(1, kept_.gpkg, ".gpkg");
     open_formats();
   }
 
   std::vector<fs::path> write() {
+    if (!kept_.tables() && !kept_.formats() && !kept_.grids()) return {};
     const std::size_t pings = recording_.pings(), size = pings_a_portion(recording_);
     Steps steps("pings of soundings", pings);
     const auto add_to_table = [this](std::size_t table, const Portion& portion) {
+      if (!tables_[table]) return;
       for (std::size_t k = 0; k < portion.found.size(); ++k)
         tables_[table]->add(portion.found[k], portion.found_on_earth[k]);
     };
     const auto add_to_format = [](std::size_t format, const Portion& portion) {
       for (const auto& adding : portion.adding)
-        if (format < adding.size()) adding[format]();
+        if (adding[format]) adding[format]();
     };
     in_order(
         0, (pings + size - 1) / size, size * recording_.cells() * (sizeof(double) + sizeof(float)),
@@ -201,12 +237,14 @@ class SwathFiles {
         [&](std::size_t, const Portion& portion) { add_to_format(2, portion); },
         [&](std::size_t, Portion& portion) {
           for (PlacedPing& placed : portion.pings) {
-            add_to_grids(std::move(placed));
+            if (kept_.grids()) add_to_grids(std::move(placed));
             steps.done();
           }
         });
-    for (const auto& table : tables_) table->finish();
-    for (const auto& format : formats_) format->finish();
+    for (const auto& table : tables_)
+      if (table) table->finish();
+    for (const auto& format : formats_)
+      if (format) format->finish();
     write_grid();
     return files_;
   }
@@ -218,14 +256,14 @@ class SwathFiles {
   }
 
   void open_formats() {
-    const Kept kept = kept_of(recording_, run_);
-    warnings_.insert(warnings_.end(), kept.left_out.begin(), kept.left_out.end());
-    if (!kept.on_earth) return;
-    formats_.push_back(make_sonar_netcdf(folder_, recording_, run_, settings_, finder_));
-    formats_.push_back(make_xtf(folder_, recording_, run_, settings_));
-    if (kept.gsf) formats_.push_back(make_gsf(folder_, recording_, run_, settings_, finder_.placer()));
-    for (const auto& format : formats_)
+    warnings_.insert(warnings_.end(), kept_.left_out.begin(), kept_.left_out.end());
+    if (kept_.sonar_netcdf) formats_[0] = make_sonar_netcdf(folder_, recording_, run_, settings_, finder_);
+    if (kept_.xtf) formats_[1] = make_xtf(folder_, recording_, run_, settings_);
+    if (kept_.gsf) formats_[2] = make_gsf(folder_, recording_, run_, settings_, finder_.placer());
+    for (const auto& format : formats_) {
+      if (!format) continue;
       for (const fs::path& file : format->files()) files_.push_back(file);
+    }
   }
 
   /// Computes all results of pings that do not depend on other pings; on any thread.
@@ -244,7 +282,7 @@ class SwathFiles {
       for (const std::optional<Sounding>& sounding : placed.sounded.soundings)
         if (sounding) portion.found[k].push_back(*sounding);
     });
-    if (run_.frame.is_georeferenced()) {
+    if (run_.frame.is_georeferenced() && (kept_.tables() || kept_.formats())) {
       const std::lock_guard lock(libraries_);
       place_on_earth(portion.pings, recording_, run_, folder_ / name_);
     }
@@ -252,7 +290,8 @@ class SwathFiles {
       for (std::size_t beam = 0; beam < portion.pings[k].soundings_lon_lat.size(); ++beam)
         if (portion.pings[k].sounded.soundings[beam])
           portion.found_on_earth[k].push_back(portion.pings[k].soundings_lon_lat[beam]);
-      for (const auto& format : formats_) portion.adding[k].push_back(format->adding(portion.pings[k]));
+      for (std::size_t format = 0; format < formats_.size(); ++format)
+        if (formats_[format]) portion.adding[k][format] = formats_[format]->adding(portion.pings[k]);
       portion.pings[k].sounded.received_j = {};  // most of a ping's memory, no longer needed
     });
     return portion;
@@ -280,16 +319,18 @@ class SwathFiles {
   }
 
   void write_grid() {
+    if (!kept_.grids()) return;
     if (!grid_) {
       warnings_.push_back(fmt::format(
           "'{}': no beam detects the seabed within its range gate, so there is no depth grid", name_));
       return;
     }
-    grid_->write_tiff(new_file("-depth", ".tif"));
-    if (!run_.pictures.wants(PictureSettings::Which::sequence)) return;
+    if (kept_.depth_grid) grid_->write_tiff(new_file("-depth", ".tif"));
+    if (!kept_.depth_picture && !kept_.ideal_depth_picture) return;
     const std::string& font = font_for(name_, warnings_);
-    draw_depths(grid_->depths(), name_, font)
-        .write_png(new_file("-depth", ".png"), name_, run_.pictures.bits);
+    if (kept_.depth_picture)
+      draw_depths(grid_->depths(), name_, font)
+          .write_png(new_file("-depth", ".png"), name_, run_.pictures.bits);
     if (ideal_grid_ && !ideal_grid_->depths().empty())
       draw_depths(ideal_grid_->depths(), name_ + "   with an ideal receiver", font)
           .write_png(new_file("-depth-ideal", ".png"), name_, run_.pictures.bits);
@@ -301,10 +342,12 @@ class SwathFiles {
   const SwathSettings& settings_;
   std::vector<std::string>& warnings_;
   std::string name_;
+  Kept kept_;
   BottomFinder finder_;
-  std::optional<BottomFinder> ideal_finder_;  ///< set unless the receiver is ideal
-  std::vector<std::unique_ptr<SoundingsFile>> tables_;
-  std::vector<std::unique_ptr<SwathFormat>> formats_;
+  std::optional<BottomFinder>
+      ideal_finder_;  ///< set for a picture of its depths if the receiver is not ideal
+  std::array<std::unique_ptr<SoundingsFile>, 2> tables_;  ///< CSV and GeoPackage; null: not written
+  std::array<std::unique_ptr<SwathFormat>, 3> formats_;   ///< in the order of Portion::adding
   std::optional<SoundingGrid> grid_, ideal_grid_;
   /// Serialises GDAL and HDF5: each use of GDAL first silences HDF5's messages, while no other thread may be
   /// in HDF5. Every user of either library holds this mutex, and never while waiting for other work of these
@@ -316,6 +359,11 @@ class SwathFiles {
 };
 
 }  // namespace
+
+std::vector<std::string> swath_products() {
+  return {"soundings.csv", "soundings.gpkg", "sonar.nc",  "xtf",
+          "gsf",           "depth.tif",      "depth.png", "depth-ideal.png"};
+}
 
 std::vector<std::string> swath_files_left_out(const Recording& recording, const RunContext& run) {
   return kept_of(recording, run).left_out;

@@ -14,6 +14,9 @@ std::vector<std::filesystem::path> write_swath_files(const std::filesystem::path
                                                      const SwathSettings& settings,
                                                      std::vector<std::string>& warnings);
 
+/// Names of these products (SensorKind::products()).
+std::vector<std::string> swath_products();
+
 /// The files that cannot be written, with reasons, as far as they are known before echoes exist.
 std::vector<std::string> swath_files_left_out(const Recording& recording, const RunContext& run);
 

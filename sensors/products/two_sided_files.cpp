@@ -243,12 +243,39 @@ std::vector<fs::path> write_map(const fs::path& folder, const Recording& recordi
                     file.string()));
     return {};
   }
-  write_cells(folder / file, map.cells, run.frame, "Backscatter", "uPa");
-  if (!run.pictures.wants(PictureSettings::Which::sequence)) return {file};
-  draw_mosaic(map.cells, recording.sensor->description().signal.display_gain_db,
-              fmt::format("{}   mosaic, cells of {:g} m", map.name, map.cells.cell_m()), label_font())
-      .write_png(folder / picture, map.name, run.pictures.bits);
-  return {file, picture};
+  std::vector<fs::path> files;
+  if (run.writes("mosaic.tif")) {
+    write_cells(folder / file, map.cells, run.frame, "Backscatter", "uPa");
+    files.push_back(file);
+  }
+  if (run.draws("mosaic.png")) {
+    draw_mosaic(map.cells, recording.sensor->description().signal.display_gain_db,
+                fmt::format("{}   mosaic, cells of {:g} m", map.name, map.cells.cell_m()), label_font())
+        .write_png(folder / picture, map.name, run.pictures.bits);
+    files.push_back(picture);
+  }
+  return files;
+}
+
+/// Files that a recording will have, and the reasons for the absence of others that are not omitted.
+struct TwoSidedChoice {
+  bool xtf = false, waterfall = false, map = false;
+  std::vector<std::string> left_out;
+
+  bool is_empty() const { return !xtf && !waterfall && !map; }
+};
+
+TwoSidedChoice choice_of(const Recording& recording, const RunContext& run) {
+  TwoSidedChoice choice{
+      run.writes("xtf"), run.draws("waterfall.png"), run.writes("mosaic.tif") || run.draws("mosaic.png"), {}};
+  const auto leave_out = [&](bool& wanted, const std::optional<std::string>& why) {
+    if (!wanted || !why) return;
+    wanted = false;
+    choice.left_out.push_back(*why);
+  };
+  leave_out(choice.xtf, why_no_xtf(recording, run));
+  leave_out(choice.map, why_no_mosaic(recording));
+  return choice;
 }
 
 }  // namespace
@@ -263,10 +290,15 @@ double mosaic_cell_m(const Recording& recording) {
 }
 
 std::vector<std::string> two_sided_files_left_out(const Recording& recording, const RunContext& run) {
-  std::vector<std::string> left_out;
-  for (const std::optional<std::string>& why : {why_no_xtf(recording, run), why_no_mosaic(recording)})
-    if (why) left_out.push_back(*why);
-  return left_out;
+  return choice_of(recording, run).left_out;
+}
+
+std::vector<std::string> two_sided_file_products() {
+  return {"xtf", "waterfall.png", "mosaic.tif", "mosaic.png"};
+}
+
+bool writes_two_sided_files(const Recording& recording, const RunContext& run) {
+  return !choice_of(recording, run).is_empty();
 }
 
 std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Recording& recording,
@@ -274,15 +306,14 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
                                             std::vector<std::string>& warnings) {
   const std::string& name = recording.sensor->description().name;
   const fs::path waterfall = name + "-waterfall.png";
-  const auto why_not = why_no_xtf(recording, run);
-  const auto why_no_map = why_no_mosaic(recording);
-  const TwoSidedAmplitudes amplitudes(recording, run, folder / waterfall, !why_no_map);
+  const TwoSidedChoice choice = choice_of(recording, run);
+  warnings.insert(warnings.end(), choice.left_out.begin(), choice.left_out.end());
+  if (choice.is_empty()) return {};
+  const TwoSidedAmplitudes amplitudes(recording, run, folder / waterfall, choice.map);
   const Quantiser all = Quantiser::xtf_amplitude(amplitudes.largest_upa()),
                   visible = Quantiser::xtf_amplitude(amplitudes.white_upa());
-  for (const std::optional<std::string>& why : {why_not, why_no_map})
-    if (why) warnings.push_back(*why);
   std::optional<ScanlinePicture> picture;
-  if (run.pictures.wants(PictureSettings::Which::sequence))
+  if (choice.waterfall)
     picture.emplace(folder / waterfall, static_cast<int>(recording.cells()),
                     static_cast<int>(recording.pings()), waterfall_spec(recording, amplitudes.white_upa()));
   const double cell_m = mosaic_cell_m(recording);
@@ -294,7 +325,8 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const std::string& of_line = names[k];
     std::optional<XtfRecord> xtf;
-    if (!why_not) xtf.emplace(folder / (of_line + ".xtf"), recording, run, widths, amplitudes.largest_upa());
+    if (choice.xtf)
+      xtf.emplace(folder / (of_line + ".xtf"), recording, run, widths, amplitudes.largest_upa());
     Map map{of_line, CellMeans(cell_m)};
     const auto coded = [&](std::size_t ping) {
       const std::vector<float> receiver_output = amplitudes.of(ping);
@@ -305,7 +337,7 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
         std::ranges::reverse(made.row.begin(),
                              made.row.begin() + static_cast<std::ptrdiff_t>(receiver_output.size() / 2));
       }
-      if (!why_no_map) made.mapped = mapped(recording, lines[k], ping, receiver_output, cell_m);
+      if (choice.map) made.mapped = mapped(recording, lines[k], ping, receiver_output, cell_m);
       return made;
     };
     constexpr std::size_t bytes_a_cell = 2 * sizeof(std::uint16_t) + 2 * sizeof(CellSum);
@@ -318,16 +350,16 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
           if (picture) picture->add_row(made.row.data());
         },
         [&](std::size_t, const CodedPing& made) {
-          if (!why_no_map) whole.add(made.mapped);
+          if (choice.map) whole.add(made.mapped);
         },
         [&](std::size_t, const CodedPing& made) {
-          if (!why_no_map && lines.size() > 1) map.add(made.mapped);
+          if (choice.map && lines.size() > 1) map.add(made.mapped);
         });
     if (xtf) {
       xtf->finish();
       files.emplace_back(of_line + ".xtf");
     }
-    if (lines.size() == 1 || why_no_map) continue;
+    if (lines.size() == 1 || !choice.map) continue;
     if (at_rest(recording, lines[k]))
       warnings.push_back(no_mosaic_at_rest(of_line, lines[k].end - lines[k].first));
     else
@@ -337,7 +369,7 @@ std::vector<fs::path> write_two_sided_files(const fs::path& folder, const Record
     picture->finish();
     files.push_back(waterfall);
   }
-  if (!why_no_map) append(files, write_map(folder, recording, run, whole, warnings));
+  if (choice.map) append(files, write_map(folder, recording, run, whole, warnings));
   append(files, maps);
   return files;
 }

@@ -27,6 +27,12 @@ std::vector<std::filesystem::path> write_two_sided_files(const std::filesystem::
                                                          const TwoSidedWidths& widths,
                                                          std::vector<std::string>& warnings);
 
+/// Names of these products (SensorKind::products()).
+std::vector<std::string> two_sided_file_products();
+
+/// True unless all of these files are omitted.
+bool writes_two_sided_files(const Recording& recording, const RunContext& run);
+
 /// Side of the mosaic's cells [m]: the distance between pings or three range samples, whichever is larger.
 /// It is rounded up to 1, 2 or 5 times a power of ten. For a long line it is larger, so that there are at
 /// most four million cells.

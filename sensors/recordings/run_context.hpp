@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 
 #include "scene/description/water_description.hpp"
 #include "scene/rasters/georeference.hpp"
@@ -26,6 +28,9 @@ struct PictureSettings {
   bool wants(Which least, Which otherwise = Which::all) const { return which.value_or(otherwise) >= least; }
 };
 
+/// Names of products (SensorKind::products()) that a sensor does not write, by request of the user.
+using OmittedProducts = std::set<std::string, std::less<>>;
+
 /// Data of a run that the files of a recording need.
 struct RunContext {
   LocalFrame frame;         ///< place of the scene on Earth, if it is georeferenced
@@ -38,6 +43,14 @@ struct RunContext {
   /// The water that rays cross, for the conversion of travel times and angles into positions. Null:
   /// isovelocity, with the recording's sound speed.
   std::shared_ptr<const SceneWater> layered_water{};
+  OmittedProducts omitted{};  ///< of the sensor whose files are written
+
+  bool writes(std::string_view product) const { return !omitted.contains(product); }
+  /// True for a product that is one of the pictures of this kind.
+  bool draws(std::string_view product,
+             PictureSettings::Which least = PictureSettings::Which::sequence) const {
+    return pictures.wants(least) && writes(product);
+  }
 };
 
 }  // namespace tubefoot

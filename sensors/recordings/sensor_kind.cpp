@@ -9,6 +9,8 @@ SensorDescription SensorKind::in_water(SensorDescription sensor, double, std::ve
 
 std::vector<std::string> SensorKind::files_left_out(const Recording&, const RunContext&) const { return {}; }
 
+std::vector<std::string> SensorKind::products() const { return {}; }
+
 std::optional<SonarOutline> SensorKind::outline(const SensorDescription&) const { return std::nullopt; }
 WritingCost SensorKind::writing_cost(const Recording&, const RunContext&) const { return {}; }
 

@@ -31,6 +31,10 @@ class SensorKind : public SensorSection {
   /// Outline for external engines; empty for a kind that none of them supports.
   virtual std::optional<SonarOutline> outline(const SensorDescription& sensor) const;
 
+  /// Names of all files that write_products() may write, without the name of the sensor and without numbers
+  /// of pings and lines. For example, "sonar.nc" is the name of fan-sonar.nc, and "xtf" that of
+  /// fan-line-01.xtf. write_products() omits those in RunContext::omitted and computes nothing for them.
+  virtual std::vector<std::string> products() const;
   /// Writes the files of such a sonar, pictures included, into `folder`, ping by ping, and returns their
   /// names. Files that cannot be made of this recording are omitted, and `warnings` has the reasons. Throws
   /// std::runtime_error that names the file and the failed operation.

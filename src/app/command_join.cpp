@@ -22,6 +22,7 @@ int join_command(const JoinOptions& join) {
   run.parts = parts.count();
   SceneDescription description = described(options);
   run.request = requested(options, description);
+  run.omitted = omitted_files(description, options);
   const nlohmann::ordered_json scene_request = request_json(description, run.request);
   run.identity = {{"asked", scene_request}, {"run", json_of(run.request)}};
   parts.require(scene_request);
@@ -34,8 +35,8 @@ int join_command(const JoinOptions& join) {
   const PartDeal deal(*survey, layout_of(*survey, run.request), parts.count());
   parts.require_whole(deal);
   run.warnings.foresee(*survey, run.request);
-  const std::vector<std::string> left_out =
-      files_left_out(*survey, run.request.selection, run.request.reference_tolerance.has_value());
+  const std::vector<std::string> left_out = files_left_out(
+      *survey, run.request.selection, run.request.reference_tolerance.has_value(), run.omitted);
   print_warnings(left_out, options.quiet);
   foresee_writing(run, *survey);
 

@@ -98,6 +98,7 @@ int run_part(const RunOptions& options) {
         "--shard, or start each shard separately");
   SceneDescription description = described(options);
   const RunRequest request = requested(options, description);
+  omitted_files(description, options);  // rejects before the computation what join would reject
   if (request.tolerance)
     throw UsageError(
         "--tolerance could select different settings for each shard: find the settings once with 'tubefoot "
@@ -137,6 +138,7 @@ int run_command(const RunOptions& options) {
   if (link) lead.emplace(std::move(link));
   SceneDescription description = described(options);
   run.request = requested(options, description);
+  run.omitted = omitted_files(description, options);
   OutputFolder output(options.output, inputs_of(description));
   PartialRun partial(options.output, options.resume);
   settle(run, description, partial);
@@ -152,8 +154,8 @@ int run_command(const RunOptions& options) {
       [&] { return open_survey(description, facets_for(run.request), run.request.coarseness); });
   refuse_changed_input(description);
   run.warnings.foresee(*survey, run.request);
-  const std::vector<std::string> left_out =
-      files_left_out(*survey, run.request.selection, run.request.reference_tolerance.has_value());
+  const std::vector<std::string> left_out = files_left_out(
+      *survey, run.request.selection, run.request.reference_tolerance.has_value(), run.omitted);
   print_warnings(left_out, options.quiet);
   foresee_writing(run, *survey);
 

@@ -11,8 +11,8 @@ namespace {
 constexpr const char *what = "What to compute", *how = "How to compute it", *written = "What to write",
                      *where = "Where to write";
 
-/// Options of the pictures of a run.
-void add_pictures(CLI::App& command, RunOptions& run) {
+/// Options that select the files of a run.
+void add_files(CLI::App& command, RunOptions& run) {
   command
       .add_option_function<std::string>(
           "--pictures",
@@ -31,6 +31,13 @@ void add_pictures(CLI::App& command, RunOptions& run) {
   command
       .add_option("--picture-bits", run.pictures.bits, "bits per colour channel of PNG files (default: 8)")
       ->check(CLI::IsMember({8, 16}))
+      ->group(written);
+  command
+      .add_option(
+          "--without", run.without,
+          "do not write these files, separated by commas: sonar.nc omits this product of all sensors, "
+          "fan-sonar.nc that of the sensor 'fan' (docs/output-files.md)")
+      ->option_text("FILE,...")
       ->group(written);
 }
 
@@ -129,7 +136,7 @@ void add_run(CLI::App& app, CommandOptions& requested) {
                  "continue an interrupted run from OUTPUT.partial; start from the beginning if there is none")
       ->group(how);
   add_common(*command, run, how);
-  add_pictures(*command, run);
+  add_files(*command, run);
   command
       ->add_option("-o,--output", run.output,
                    "result folder. It appears when the run is complete; a failed run leaves no folder")
@@ -150,7 +157,7 @@ void add_join(CLI::App& app, CommandOptions& requested) {
   command->add_option("-o,--output", join.output, "the folder that the shards were computed for")
       ->required()
       ->option_text("FOLDER");
-  add_pictures(*command, join);
+  add_files(*command, join);
   command->add_flag("--keep-shards", join.keep_parts, "keep the files of the shards");
   command
       ->add_option("--threads", join.threads,

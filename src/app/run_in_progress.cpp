@@ -4,6 +4,7 @@
 #include "app/run_in_progress.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
@@ -99,6 +100,7 @@ nlohmann::ordered_json whole_statistics(const RunInProgress& run, const Survey& 
                      {"total", seconds_since(run.start)}};
   json["peak_memory_mb"] = peak_memory_mb();
   json["warnings"] = run.warnings.all();
+  if (!run.omitted.names.empty()) json["omitted_files"] = run.omitted.names;
   return json;
 }
 
@@ -121,7 +123,7 @@ void foresee_writing(RunInProgress& run, const Survey& survey) {
   if (pictures.animated && pictures.which == PictureSettings::Which::none)
     throw UsageError(
         "--animate needs pictures, but no pictures are drawn with --pictures none: leave out one of them");
-  const WritingCost cost = expected_writing(survey, run.request, pictures);
+  const WritingCost cost = expected_writing(survey, run.request, {pictures, true, run.omitted});
   const double kept = layout_of(survey, run.request).bytes();
   constexpr double long_s = 10, large_bytes = 1e9;
   const double seconds = run.expected_write_seconds = cost.seconds_on(run.threads);
@@ -155,10 +157,11 @@ std::vector<std::filesystem::path> write_all(RunInProgress& run, const Survey& s
   const Clock::time_point start = Clock::now();
   std::vector<std::string> warnings;
   std::vector<std::filesystem::path> files;
-  const bool draws_scene = run.options.pictures.which != PictureSettings::Which::none;
+  const bool draws_scene =
+      run.options.pictures.which != PictureSettings::Which::none && !run.omitted.scene_picture;
   const auto write_results = [&] {
     files = write_result_files(output.staging(), survey, run.request, recordings, warnings,
-                               {run.options.pictures, run.options.quiet}, run.label_recordings);
+                               {run.options.pictures, run.options.quiet, run.omitted}, run.label_recordings);
   };
   const auto draw_scene = [&] { write_scene_picture(output.staging() / scene_picture_name, survey); };
   // librsvg terminates the program if memory is exhausted. It runs concurrently only if much memory is
@@ -201,6 +204,8 @@ void tell_all(const RunInProgress& run, const LoadedScene& loaded_scene,
   if (run.request.reference_tolerance)
     print_reference(*run.request.reference_tolerance, stats.reference, loaded_scene.surface_mesh != nullptr);
   if (run.identity.contains("advice")) print_tolerance(run.identity.at("advice"));
+  if (!run.options.quiet && !run.omitted.names.empty())
+    tell("omitted, as --without says: {}\n", fmt::join(run.omitted.names, ", "));
   for (const std::string& line : written_lines(run.options.output, files)) tell("{}\n", line);
 }
 

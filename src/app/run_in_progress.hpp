@@ -12,6 +12,7 @@
 
 #include "files/atomic_output.hpp"
 #include "run/checkpoint/ping_store.hpp"
+#include "run/omitted_files.hpp"
 #include "run/options.hpp"
 #include "run/run_request.hpp"
 #include "run/run_warnings.hpp"
@@ -29,6 +30,7 @@ struct RunInProgress {
 
   const RunOptions& options;
   RunRequest request;
+  OmittedFiles omitted;
   nlohmann::ordered_json identity;  ///< identifies the run for processes that resume or share it
   const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   SimulationStats stats;

@@ -34,6 +34,8 @@ struct RunOptions : CommonOptions {
   std::filesystem::path output;
   Selection selection;
   PictureSettings pictures;
+  std::optional<std::string>
+      without;  ///< names of files that are not written, between commas; omitted_files()
   std::optional<std::string> engine;
   std::optional<std::string> binning;
   std::optional<std::string> sampling;

@@ -72,7 +72,8 @@ void take(const Json& json, const char* key, std::optional<Value>& value) {
 void put(Json& json, const char* key, bool value) { json[key] = value; }
 void take(const Json& json, const char* key, bool& value) { value = json.at(key); }
 
-/// Calls `each` with the name and the value of each option that affects the energies of a run.
+/// Calls `each` with the name and the value of each option that affects the energies of a run, and with the
+/// omitted files.
 void each_word(auto& options, const auto& each) {
   each("arithmetic", options.arithmetic);
   each("sensor", options.selection.sensor);
@@ -91,6 +92,7 @@ void each_word(auto& options, const auto& each) {
   each("label_level_db", options.label_level_db);
   each("gradient", options.gradient);
   each("gradient_steps", options.gradient_steps);
+  each("without", options.without);
 }
 
 Json words_of(const RunOptions& options) {
@@ -293,7 +295,10 @@ std::unique_ptr<PingFile> RunParts::opened(int number) const {
 RunOptions RunParts::options_of_run(RunOptions options) const {
   const std::unique_ptr<PingFile> first = opened(1);
   try {
-    return options_of(Json::parse(first->identity()).at("options"), std::move(options));
+    const std::optional<std::string> without = options.without;
+    options = options_of(Json::parse(first->identity()).at("options"), std::move(options));
+    if (without) options.without = without;
+    return options;
   } catch (const Json::exception&) {
     throw damaged_identity(first->path());
   }

@@ -208,14 +208,16 @@ Provenance provenance_of(const Scene& scene, const RunRequest& request) {
           description.run.start_utc, request.coarseness, scene.frame};
 }
 
-std::vector<std::string> files_left_out(const Survey& survey, const Selection& selection, bool with_bounds) {
-  const RunContext context = context_of(survey.scene, {}, with_bounds);
+std::vector<std::string> files_left_out(const Survey& survey, const Selection& selection, bool with_bounds,
+                                        const OmittedFiles& omitted) {
+  RunContext context = context_of(survey.scene, {}, with_bounds);
   std::vector<std::string> warnings;
   for (const Recording& recording : recordings_to_be(survey, selection)) {
     if (!recording.beam_numbers.empty()) {
       warnings.push_back(only_echoes_of(recording));
       continue;
     }
+    context.omitted = omitted.of(recording.sensor->description().name);
     for (std::string& warning :
          kind_of(recording.sensor->description()).files_left_out(for_products(recording), context))
       warnings.push_back(std::move(warning));
@@ -223,21 +225,22 @@ std::vector<std::string> files_left_out(const Survey& survey, const Selection& s
   return warnings;
 }
 
-WritingCost expected_writing(const Survey& survey, const RunRequest& request,
-                             const PictureSettings& pictures) {
-  const RunContext context = context_of(survey.scene, pictures, request.reference_tolerance.has_value());
+WritingCost expected_writing(const Survey& survey, const RunRequest& request, const Writing& how) {
+  RunContext context = context_of(survey.scene, how.pictures, request.reference_tolerance.has_value());
   // in addition to the files written next to it
   constexpr double scene_picture_s = 0.1, scene_picture_bytes = 3e5;
   WritingCost all;
-  if (pictures.which != PictureSettings::Which::none) all += {scene_picture_s, 0, scene_picture_bytes};
+  if (how.pictures.which != PictureSettings::Which::none && !how.omitted.scene_picture)
+    all += {scene_picture_s, 0, scene_picture_bytes};
   double stored = 0;
   for (const StoreLayout::Sensor& sensor : layout_of(survey, request).sensors)
     for (const OutputChannel& channel : sensor.channels)
       if (!channel.variables.empty()) stored += static_cast<double>(sensor.pings * channel.values);
-  all += cost_of_echoes(stored);
+  if (!how.omitted.echoes) all += cost_of_echoes(stored);
   for (const Recording& recording : recordings_to_be(survey, request.selection)) {
-    if (receiver_output_of(recording, context)) all += cost_of_received(recording);
-    if (request.labels)
+    context.omitted = how.omitted.of(recording.sensor->description().name);
+    if (!how.omitted.echoes && receiver_output_of(recording, context)) all += cost_of_received(recording);
+    if (request.labels && !how.omitted.echoes)
       all += cost_of_labels(recording, survey.scene.report.components.size(),
                             survey.scene.description.materials.size());
     if (recording.beam_numbers.empty())
@@ -251,24 +254,28 @@ std::vector<std::filesystem::path> write_result_files(const std::filesystem::pat
                                                       const std::vector<Recording>& recordings,
                                                       std::vector<std::string>& warnings, const Writing& how,
                                                       std::span<const LabelRecording> label_recordings) {
-  const RunContext context = context_of(survey.scene, how.pictures, request.reference_tolerance.has_value());
+  RunContext context = context_of(survey.scene, how.pictures, request.reference_tolerance.has_value());
   const Progress progress("writing", how.quiet);
-  const std::filesystem::path echoes = folder / "echoes.nc";
-  write_echoes(echoes, recordings, provenance_of(survey.scene, request), context);
-  if (!label_recordings.empty()) add_labels(echoes, recordings, label_recordings);
-  std::vector<std::filesystem::path> files{"echoes.nc"};
+  std::vector<std::filesystem::path> files;
+  if (!how.omitted.echoes) {
+    files.emplace_back("echoes.nc");
+    write_echoes(folder / files.back(), recordings, provenance_of(survey.scene, request), context);
+    if (!label_recordings.empty()) add_labels(folder / files.back(), recordings, label_recordings);
+  }
   for (const Recording& recording : recordings) {
     stop_if_wanted();
     if (!recording.beam_numbers.empty()) {
       warnings.push_back(only_echoes_of(recording));
     } else {
+      context.omitted = how.omitted.of(recording.sensor->description().name);
       for (const auto& file : kind_of(recording.sensor->description())
                                   .write_products(folder, for_products(recording), context, warnings))
         files.push_back(file);
     }
   }
   for (std::size_t k = 0; k < label_recordings.size(); ++k)
-    if (recordings[k].beam_numbers.empty() && how.pictures.wants(PictureSettings::Which::sequence))
+    if (recordings[k].beam_numbers.empty() && how.pictures.wants(PictureSettings::Which::sequence) &&
+        !how.omitted.of(recordings[k].sensor->description().name).contains("labels.png"))
       for (const auto& file :
            write_label_pictures(folder, recordings[k], label_recordings[k], how.pictures.bits))
         files.push_back(file);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "run/omitted_files.hpp"
 #include "run/options.hpp"
 #include "run/run_request.hpp"
 #include "run/survey.hpp"
@@ -42,23 +43,23 @@ std::string engine_name(const RunRequest& request);
 Provenance provenance_of(const Scene& scene, const RunRequest& request);
 
 /// Returns messages about the files that a run will not write, with reasons, as far as these are known
-/// before the run. `with_bounds`: whether the run is a reference.
+/// before the run. `with_bounds`: whether the run is a reference. Files in `omitted` have no messages.
 std::vector<std::string> files_left_out(const Survey& survey, const Selection& selection = {},
-                                        bool with_bounds = false);
-
-/// Returns the approximate time to write the files of a run, and their approximate size
-/// (validation/performance.md).
-WritingCost expected_writing(const Survey& survey, const RunRequest& request,
-                             const PictureSettings& pictures);
+                                        bool with_bounds = false, const OmittedFiles& omitted = {});
 
 /// Settings for writing a result folder.
 struct Writing {
   PictureSettings pictures{};
   bool quiet = true;  ///< if true, progress is not reported on stderr
+  OmittedFiles omitted{};
 };
 
-/// Writes all files of a result folder except stats.json, and returns their names. For a sensor with a
-/// selection of beams it writes echoes only, because other files and pictures contain whole pings.
+/// Returns the approximate time to write the files of a run, and their approximate size
+/// (validation/performance.md).
+WritingCost expected_writing(const Survey& survey, const RunRequest& request, const Writing& how);
+
+/// Writes all files of a result folder except stats.json and scene.png, and returns their names. For a sensor
+/// with a selection of beams it writes echoes only, because other files and pictures contain whole pings.
 /// `label_recordings`: one per recording, or empty. Throws std::runtime_error naming the file and the
 /// failure.
 std::vector<std::filesystem::path> write_result_files(const std::filesystem::path& folder,

@@ -86,6 +86,55 @@ TEST_F(Expected, FilesThatNeedAPlaceOnEarthAreReportedByCheck) {
   EXPECT_THAT(does("check", camera_in(1500, "kind = \"sidescan\"")).err, HasSubstr("add [georeference]"));
 }
 
+TEST_F(Expected, FilesThatAreOmittedAreNotWrittenAndNotMissed) {
+  const std::string scene = camera_in(1500,
+                                      "kind = \"didson\"\npings = 2\n[[sensors]]\nname = \"fan\"\n"
+                                      "kind = \"multibeam\"\nbeams = 10\nsamples = 100\npings = 2\n");
+  folder.write("scene.toml", scene);
+  const auto runs = [&](const std::string& without, const std::vector<std::string>& more = {}) {
+    std::filesystem::remove_all(folder / "out");
+    std::vector<std::string> words{
+        "run", (folder / "scene.toml").string(), "-o", (folder / "out").string(), "--without", without};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(words);
+  };
+  const Outcome plain = does("run", scene);
+  ASSERT_EQ(plain.exit_code, 0) << plain.err;
+  EXPECT_THAT(plain.err, HasSubstr("fan-sonar.nc, fan.gsf and fan.xtf need a position"));
+  std::set<std::string> names = names_below(folder / "out");
+  EXPECT_THAT(bytes_of(folder / "out/stats.json"), Not(HasSubstr("omitted_files")));
+
+  const Outcome some = runs("scene.png,exr,fan-sonar.nc,camera-sequence.png,gsf");
+  ASSERT_EQ(some.exit_code, 0) << some.err;
+  EXPECT_THAT(some.err, HasSubstr("'fan': fan.xtf needs a position on Earth and is omitted"));
+  EXPECT_THAT(some.out, HasSubstr("omitted, as --without says: scene.png, camera.exr, fan-sonar.nc, "
+                                  "camera-sequence.png, fan.gsf\n"));
+  for (const char* name : {"scene.png", "camera-0000.exr", "camera-0001.exr", "camera-sequence.png"})
+    EXPECT_EQ(names.erase(name), 1u) << name;
+  EXPECT_EQ(names_below(folder / "out"), names);
+  EXPECT_THAT(bytes_of(folder / "out/stats.json"), HasSubstr("\"omitted_files\""));
+
+  const Outcome rest = runs("echoes.nc,ddf,aris,soundings.csv,soundings.gpkg,sonar.nc,xtf,gsf,fan-depth.tif",
+                            {"--pictures", "none"});
+  ASSERT_EQ(rest.exit_code, 0) << rest.err;
+  EXPECT_THAT(rest.err, Not(HasSubstr("fan")));  // of an omitted file, no reason is needed
+  EXPECT_EQ(names_below(folder / "out"), (std::set<std::string>{".tubefoot-files", "stats.json"}));
+
+  for (const auto& [name, why] : {std::pair("sonr.nc", "did you mean 'sonar.nc'?"),
+                                  {"camera-sonar.nc", "no such product"},
+                                  {"waterfall.png", "Products: echoes.nc, scene.png, sequence.png"},
+                                  {"", "--without ''"},
+                                  {"exr,,png", "--without ''"}}) {
+    const Outcome outcome = runs(name);
+    EXPECT_EQ(outcome.exit_code, 2) << name;
+    EXPECT_THAT(outcome.err, HasSubstr(why)) << name;
+    EXPECT_FALSE(std::filesystem::exists(folder / "out")) << name;
+  }
+  const Outcome nowhere = runs("echoes.nc", {"--reference"});
+  EXPECT_EQ(nowhere.exit_code, 2);
+  EXPECT_THAT(nowhere.err, HasSubstr("--reference writes its results to echoes.nc"));
+}
+
 // The scene of the drifting camera, with one frame.
 TEST_F(Expected, TheDriftingCameraWritesADidsonFile) {
   SceneDescription scene = read_scene_file(TUBEFOOT_SOURCE_DIR "/scenes/textures/track.toml");
@@ -113,20 +162,28 @@ TEST(ExpectedWriting, CountsLabelsPicturesAndSoundings) {
   RunRequest request = request_of(survey->scene.description.run);
   PictureSettings without_pictures;
   without_pictures.which = PictureSettings::Which::none;
-  const WritingCost plain = expected_writing(*survey, request, without_pictures),
+  const WritingCost plain = expected_writing(*survey, request, {without_pictures}),
                     pictures = expected_writing(*survey, request, {});
   EXPECT_GT(pictures.seconds_on(1), plain.seconds_on(1));
   EXPECT_GT(pictures.bytes, plain.bytes);
   request.labels = true;
-  const WritingCost with_labels = expected_writing(*survey, request, without_pictures);
+  const WritingCost with_labels = expected_writing(*survey, request, {without_pictures});
   const double cells = 2.0 * 100 * 500, shares = 2, seconds_per_cell = 1e-7;  // one object, one material
   EXPECT_GT(with_labels.seconds_on(1), plain.seconds_on(1) + seconds_per_cell * cells);
   EXPECT_GT(with_labels.bytes - plain.bytes, 8 * shares * cells);
   request.labels = false;
   request.selection.sensor = "swath";
   const double seconds_per_sounding = 1e-5;
-  EXPECT_GT(expected_writing(*survey, request, without_pictures).seconds_on(8),
+  EXPECT_GT(expected_writing(*survey, request, {without_pictures}).seconds_on(8),
             2 * 100 * seconds_per_sounding);
+  RunOptions options;
+  options.without =
+      "echoes.nc,scene.png,soundings.csv,soundings.gpkg,sonar.nc,xtf,gsf,depth.tif,depth.png,"
+      "depth-ideal.png";
+  const WritingCost nothing =
+      expected_writing(*survey, request, {{}, true, omitted_files(survey->scene.description, options)});
+  EXPECT_EQ(nothing.seconds_on(8), 0);
+  EXPECT_EQ(nothing.bytes, 0);
 }
 
 }  // namespace

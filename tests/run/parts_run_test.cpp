@@ -115,6 +115,26 @@ TEST_F(Parts, JoinToTheReceivedDataOfOneRun) {
   expect_same(whole, results);
 }
 
+TEST_F(Parts, RememberTheFilesThatTheyOmit) {
+  const fs::path whole = folder / "whole";
+  ASSERT_EQ(run(whole, {"--without", "side-waterfall.png,exr"}).exit_code, 0);
+  all_parts(3, {"--without", "side-waterfall.png,exr"});
+  ASSERT_EQ(join({"--keep-shards"}).exit_code, 0);
+  expect_same(whole, results);
+  EXPECT_TRUE(fs::exists(results / "side.png"));
+  EXPECT_FALSE(fs::exists(results / "side.exr"));
+  ASSERT_EQ(join({"--without", "png"}).exit_code, 0);  // the option of join takes precedence
+  EXPECT_TRUE(fs::exists(results / "side.exr"));
+  EXPECT_FALSE(fs::exists(results / "side.png"));
+}
+
+TEST_F(Parts, RejectUnknownNamesOfOmittedFiles) {
+  const Outcome outcome = part(1, 2, {"--without", "side-waterfal.png"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("did you mean 'side-waterfall.png'?"));
+  EXPECT_FALSE(fs::exists(file(1, 2)));
+}
+
 TEST_F(Parts, OfMoreThanThereArePingsJoin) {
   ASSERT_EQ(run(folder / "whole").exit_code, 0);
   all_parts(16);  // of 14 pings

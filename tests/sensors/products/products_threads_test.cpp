@@ -7,12 +7,11 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-#include <cmath>
 #include <map>
 #include <set>
 
+#include "fixtures/world/irregular_surveys.hpp"
 #include "fixtures/world/packed_recording.hpp"
-#include "fixtures/world/recordings.hpp"
 #include "sensors/kinds/kind_echosounder.hpp"
 #include "sensors/kinds/kind_imaging.hpp"
 #include "sensors/kinds/kind_interferometric.hpp"
@@ -26,39 +25,6 @@ namespace {
 using testing::AllOf;
 using testing::Contains;
 using testing::Not;
-
-/// A sonar with noise and speckle, so that a file with values of another ping would differ.
-template <class Kind>
-SensorDescription sonar(const char* name, Kind kind) {
-  SensorDescription description;
-  description.name = name;
-  description.kind = std::move(kind);
-  description.signal.speckle = "rayleigh";
-  description.signal.noise_level_db = 90;
-  return description;
-}
-
-/// Pings of an irregular seabed on two lines, all different.
-samples::OwnedRecording survey(const SensorDescription& description, int pings) {
-  auto made = samples::silent(description, pings);
-  Recording& recording = made.recording;
-  const auto cells = recording.cells(), channels = recording.channels();
-  const auto count = static_cast<std::size_t>(made.sensor->samples().count);
-  made.energies.assign(static_cast<std::size_t>(pings) * channels * cells, 0.0);
-  for (std::size_t k = 0; k < made.energies.size(); ++k) {
-    const std::size_t ping = k / (channels * cells), beam = k % cells / count, sample = k % count;
-    const double bottom = static_cast<double>(count) * (0.5 + 0.02 * std::sin(0.7 * double(ping + beam))),
-                 off = (static_cast<double>(sample) - bottom) / 4;
-    made.energies[k] = 1e-9 * std::exp(-off * off) + (sample > count / 3 ? 1e-15 * double(k * 7919 % 97) : 0);
-  }
-  recording.energy = made.energies;
-  recording.altitude_m.assign(static_cast<std::size_t>(pings), 4.0);
-  recording.line_starts = {0, static_cast<std::size_t>(pings) / 2};
-  recording.surfaces = [beams = made.sensor->beams().size(), count](std::size_t ping) {
-    return std::vector<int>(beams, static_cast<int>(count - ping % 3));
-  };
-  return made;
-}
 
 std::map<std::string, std::string> files_by(int threads, const Recording& recording, const RunContext& run) {
   const TestFolder folder;
@@ -95,11 +61,12 @@ std::set<std::string> same_files(const Recording& recording, const LocalFrame& f
   return names;
 }
 
-const LocalFrame tangent = LocalFrame::at_lat_lon(48.25, -4.5, 10);
+const LocalFrame tangent = samples::tangent_frame();
 const LocalFrame map = LocalFrame::projected("EPSG:32602", 500000, 6'000'000, 0, {});
 
 TEST(ProductsByThreads, OfACamera) {
-  const auto made = survey(sonar("camera", samples::camera(48, 512).kind.as<DidsonDescription>()), 7);
+  const auto made = samples::irregular_survey(
+      samples::sonar("camera", samples::camera(48, 512).kind.as<DidsonDescription>()), 7);
   EXPECT_THAT(same_files(made.recording, tangent),
               AllOf(Contains("camera.ddf"), Contains("camera-0006-received.png"), Contains("camera-0006.exr"),
                     Contains("camera-sequence-received.gif")));
@@ -109,7 +76,7 @@ TEST(ProductsByThreads, OfAnImagingSonar) {
   ImagingDescription fan;
   fan.beams = 32;
   fan.samples = 100;
-  const auto made = survey(sonar("imaging", fan), 5);
+  const auto made = samples::irregular_survey(samples::sonar("imaging", fan), 5);
   EXPECT_THAT(same_files(made.recording, tangent), Contains("imaging-0004.png"));
 }
 
@@ -117,12 +84,13 @@ TEST(ProductsByThreads, OfAScanningSonar) {
   ScanningDescription scan;
   scan.step_deg = 6;
   scan.samples = 80;
-  const auto made = survey(sonar("scanning", scan), 5);
+  const auto made = samples::irregular_survey(samples::sonar("scanning", scan), 5);
   EXPECT_THAT(same_files(made.recording, tangent), Contains("scanning-steps.csv"));
 }
 
 TEST(ProductsByThreads, OfASidescan) {
-  const auto made = survey(sonar("sidescan", samples::sidescan(200).kind.as<SidescanDescription>()), 60);
+  const auto made = samples::irregular_survey(
+      samples::sonar("sidescan", samples::sidescan(200).kind.as<SidescanDescription>()), 60);
   EXPECT_THAT(same_files(made.recording, tangent),
               AllOf(Contains("sidescan-line-02.xtf"), Contains("sidescan-waterfall.png"),
                     Contains("sidescan-mosaic.tif"), Contains("sidescan-line-01-mosaic.tif"),
@@ -133,7 +101,7 @@ TEST(ProductsByThreads, OfAnInterferometricSonar) {
   InterferometricDescription receiver_pair;
   receiver_pair.samples = 100;
   receiver_pair.phase_noise = true;
-  const auto made = survey(sonar("staff", receiver_pair), 40);
+  const auto made = samples::irregular_survey(samples::sonar("staff", receiver_pair), 40);
   EXPECT_THAT(same_files(made.recording, tangent),
               AllOf(Contains("staff-soundings.csv"), Contains("staff-phase-received.png"),
                     Contains("staff-coherence.exr")));
@@ -142,7 +110,7 @@ TEST(ProductsByThreads, OfAnInterferometricSonar) {
 TEST(ProductsByThreads, OfAnEchosounder) {
   EchosounderDescription sounder;
   sounder.samples = 200;
-  const auto made = survey(sonar("sounder", sounder), 50);
+  const auto made = samples::irregular_survey(samples::sonar("sounder", sounder), 50);
   EXPECT_THAT(same_files(made.recording, tangent),
               AllOf(Contains("sounder.csv"), Contains("sounder-received.png")));
 }
@@ -152,7 +120,7 @@ TEST(ProductsByThreads, OfAMultibeamOnATangentPlaneAndOnAMap) {
   fan.beams = 31;
   fan.samples = 300;
   fan.range_max_m = 20;
-  auto made = survey(sonar("fan", fan), 150);
+  auto made = samples::irregular_survey(samples::sonar("fan", fan), 150);
   for (const LocalFrame& frame : {tangent, map})
     EXPECT_THAT(same_files(made.recording, frame),
                 AllOf(Contains("fan-sonar.nc"), Contains("fan-line-01.gsf"), Contains("fan-line-02.gsf"),

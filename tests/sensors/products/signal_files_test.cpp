@@ -9,6 +9,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <map>
 #include <random>
 
 #include "fixtures/csv_rows.hpp"
@@ -301,6 +302,42 @@ TEST(SignalProducts, WritesWhatIsRequested) {
       }
   }
   EXPECT_NEAR(-50 + 5.0 * double(loudest), -degrees(std::atan2(3, 4)), 2.6);  // that of the nearer point
+}
+
+TEST(SignalProducts, OmitWhatTheRunOmits) {
+  const EverythingOfSignals all;
+  const auto written = [&](const OmittedProducts& omitted) {
+    const TestFolder folder;
+    std::vector<std::string> warnings;
+    RunContext run;
+    run.omitted = omitted;
+    std::map<std::string, std::string> files;
+    const SignalProducts products = without_omitted(all.products, omitted);
+    for (const auto& file : write_signal_files(folder.path(), all.signals, products, run, warnings))
+      files[file.string()] = bytes_of(folder.path() / file);
+    EXPECT_EQ(names_below(folder.path()).size(), files.size());
+    return files;
+  };
+  const auto file_of = [](const std::string& product) {
+    return (product == "jsf" ? "cross." : "cross-") + product;
+  };
+  const auto whole = written({});
+  const std::vector<std::string> products = signal_file_products();
+  EXPECT_EQ(whole.size(), products.size());
+  for (const std::string& product : products) {
+    auto kept = whole;
+    EXPECT_EQ(kept.erase(file_of(product)), 1u) << product;
+    EXPECT_TRUE(written({product}) == kept) << product;
+    OmittedProducts others(products.begin(), products.end());
+    others.erase(product);
+    const std::map<std::string, std::string> alone{{file_of(product), whole.at(file_of(product))}};
+    EXPECT_TRUE(written(others) == alone) << product << " alone";
+  }
+  const SignalProducts nothing = without_omitted(all.products, {products.begin(), products.end()});
+  EXPECT_FALSE(nothing.fan || nothing.sidescan || nothing.multibeam || nothing.aperture ||
+               nothing.interferogram || nothing.elements || nothing.jsf || nothing.sonar_netcdf);
+  const SignalCounts counts{6, 32, 240};
+  EXPECT_EQ(cost_of_signal_files(nothing, counts, {}, {products.begin(), products.end()}).bytes, 0);
 }
 
 TEST(SignalProducts, AreTheSameByAnyNumberOfThreads) {
