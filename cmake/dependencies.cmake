@@ -40,4 +40,5 @@ pkg_check_modules(zip REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(crypto REQUIRED IMPORTED_TARGET libcrypto)
 # OpenImageIO's CMake targets name OpenCV's include folder, which is not installed; pkg-config does not.
 pkg_check_modules(openimageio REQUIRED IMPORTED_TARGET OpenImageIO)
+find_package(GIF 5 REQUIRED)
 pkg_check_modules(rsvg REQUIRED IMPORTED_TARGET librsvg-2.0 cairo)

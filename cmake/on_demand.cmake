@@ -59,6 +59,7 @@ if(TUBEFOOT_ON_DEMAND)
   tubefoot_loads(192 0 "" ${gdal_library})
   # log4cplus, below OpenImageIO, starts four threads.
   tubefoot_loads(416 4 "" ${openimageio_LINK_LIBRARIES})
+  tubefoot_loads(16 0 "" ${GIF_LIBRARIES})
   set(libraries ${rsvg_LINK_LIBRARIES})
   list(FILTER libraries EXCLUDE REGEX "/libm[.]so")
   tubefoot_loads(160 0 "" ${libraries})

@@ -4,88 +4,69 @@
 
 #include "sensors/pictures/camera_animation.hpp"
 
-#include <OpenImageIO/filesystem.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include "files/checked_file.hpp"
-#include "geometry/steps/steps.hpp"
+#include "geometry/steps/in_order.hpp"
 #include "sensors/pictures/camera_picture.hpp"
 #include "sensors/pictures/decibel_scale.hpp"
-#include "sensors/pictures/image_file.hpp"
+#include "sensors/pictures/gif_file.hpp"
 
 namespace tubefoot {
 namespace {
 
-/// Frames per second at the rate of the pings.
-float frame_rate(const Recording& recording, const std::vector<std::size_t>& frames) {
+/// Time between frames in hundredths of a second, at the rate of the pings.
+int delay_of(const Recording& recording, const std::vector<std::size_t>& frames) {
   constexpr double slowest = 1, fastest = 20;
   const double lasting_s = recording.ping_time_s[frames.back()] - recording.ping_time_s[frames.front()];
   const double rate = lasting_s > 0 ? static_cast<double>(frames.size() - 1) / lasting_s : fastest;
-  return static_cast<float>(std::clamp(rate, slowest, fastest));
+  return static_cast<int>(100.0f / static_cast<float>(std::clamp(rate, slowest, fastest)));
 }
 
-/// A GIF under construction, in memory. The disk receives a complete file or none.
-class Gif {
- public:
-  Gif(std::filesystem::path file, int width, int height, std::size_t frames, float rate)
-      : file_(std::move(file)),
-        specs_(frames, OIIO::ImageSpec(width, height, 3, OIIO::TypeDesc::UINT8)),
-        memory_(bytes_),
-        output_(OIIO::ImageOutput::create(name())) {
-    if (!output_) fail(OIIO::geterror());
-    for (OIIO::ImageSpec& spec : specs_) {
-      spec.attribute("FramesPerSecond", rate);
-      spec.attribute("gif:LoopCount", 0);
+std::uint32_t eight_bits(float component) {
+  const float inside = component > 0 ? std::min(component, 1.0f) : 0.0f;
+  return static_cast<std::uint32_t>(inside * 255 + 0.5f);
+}
+std::uint32_t packed(float red, float green, float blue) {
+  return eight_bits(red) << 16 | eight_bits(green) << 8 | eight_bits(blue);
+}
+
+/// The size of an animation, which is that of its first frame.
+struct Extent {
+  int width = 0, height = 0;
+
+  /// Pixels of a frame. A frame of another size is cropped, or padded with the background.
+  std::vector<std::uint32_t> pixels_of(const Canvas& frame) const {
+    const Colour& back = palette.background;
+    std::vector<std::uint32_t> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                                      packed(back.red, back.green, back.blue));
+    for (int y = 0; y < std::min(height, frame.height()); ++y) {
+      const float* component = frame.components().data() + std::ptrdiff_t{3} * y * frame.width();
+      std::uint32_t* pixel = pixels.data() + std::ptrdiff_t{1} * y * width;
+      for (int x = 0; x < std::min(width, frame.width()); ++x, component += 3)
+        pixel[x] = packed(component[0], component[1], component[2]);
     }
-    output_->set_ioproxy(&memory_);
+    return pixels;
   }
-  Gif(const Gif&) = delete;
-  Gif& operator=(const Gif&) = delete;
+};
 
-  /// Adds a frame. A frame of another size is cropped, or padded with the background.
-  void add(const Canvas& frame) {
-    const int width = specs_.front().width, height = specs_.front().height;
-    std::vector<float> pixels(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    const float background[] = {palette.background.red, palette.background.green, palette.background.blue};
-    for (std::size_t k = 0; k < pixels.size(); ++k) pixels[k] = background[k % 3];
-    for (int y = 0; y < std::min(height, frame.height()); ++y)
-      std::copy_n(frame.components().begin() + std::ptrdiff_t{3} * y * frame.width(),
-                  3 * std::min(width, frame.width()), pixels.begin() + std::ptrdiff_t{3} * y * width);
-    const bool opened = added_ == 0
-                            ? output_->open(name(), static_cast<int>(specs_.size()), specs_.data())
-                            : output_->open(name(), specs_[added_], OIIO::ImageOutput::AppendSubimage);
-    ++added_;
-    if (!opened || !output_->write_image(OIIO::TypeDesc::FLOAT, pixels.data())) fail(output_->geterror());
-  }
-  void finish() {
-    if (!output_->close()) fail(output_->geterror());
-    write_file(file_, bytes_);
-  }
-
- private:
-  std::string name() const { return file_.filename().string(); }
-  [[noreturn]] void fail(const std::string& reason) const {
-    throw write_error(file_, "cannot encode the animation: " + reason_in_words(reason));
-  }
-
-  std::filesystem::path file_;
-  std::vector<OIIO::ImageSpec> specs_;
-  std::vector<unsigned char> bytes_;
-  OIIO::Filesystem::IOVecOutput memory_;
-  std::unique_ptr<OIIO::ImageOutput> output_;
-  std::size_t added_ = 0;
+/// A frame in the form of the file.
+struct Frame {
+  std::vector<std::uint32_t> rgb;
+  IndexedPicture picture;
 };
 
 }  // namespace
 
 std::vector<std::size_t> animation_frames(std::size_t pings) { return spread_frames(pings, 200); }
 
-void write_camera_animation(const std::filesystem::path& file, const Recording& recording,
-                            const std::string& font, const ReceiverOutput* receiver_output) {
+CameraAnimation::CameraAnimation(const Recording& recording, const std::string& font)
+    : recording_(recording), drawing_(recording, font, {700, 460}) {}
+
+void CameraAnimation::write(const std::filesystem::path& file, const ReceiverOutput* receiver_output) const {
+  const Recording& recording = recording_;
   const std::vector<std::size_t> frames = animation_frames(recording.pings());
   std::vector<double> of_scale;  // one scale for all frames: that of the sequence's picture
   for (const std::size_t ping : sequence_frames(recording.pings())) {
@@ -97,26 +78,26 @@ void write_camera_animation(const std::filesystem::path& file, const Recording& 
         received.empty() ? ideal.values() : std::span<const double>(received);
     of_scale.insert(of_scale.end(), shown.begin(), shown.end());
   }
-  const CameraFrames drawing(
-      recording, font,
-      {700, 460, DecibelScale(of_scale, recording.sensor->description().signal.display_gain_db)});
-  std::optional<Gif> gif;
-  Steps steps("frames of an animation", frames.size());
-  constexpr std::size_t block = 16;  // number of frames that all threads draw before one thread encodes them
-  for (std::size_t first = 0; first < frames.size(); first += block) {
-    std::vector<std::optional<Canvas>> drawn(std::min(block, frames.size() - first));
-    tbb::parallel_for(std::size_t{0}, drawn.size(), [&](std::size_t k) {
-      drawn[k].emplace(drawing.draw(frames[first + k], receiver_output));
-    });
-    if (!gif)
-      gif.emplace(file, drawn.front()->width(), drawn.front()->height(), frames.size(),
-                  frame_rate(recording, frames));
-    for (const std::optional<Canvas>& frame : drawn) {
-      gif->add(*frame);
-      steps.done();
-    }
+  const DecibelScale scale(of_scale, recording.sensor->description().signal.display_gain_db);
+  const auto draw = [&](std::size_t k) { return drawing_.draw(frames[k], receiver_output, scale); };
+  try {
+    const Canvas first = draw(0);
+    const Extent extent{first.width(), first.height()};
+    GifFile gif(extent.width, extent.height, delay_of(recording, frames));
+    Steps steps("frames of an animation", frames.size());
+    constexpr std::size_t bytes_a_pixel = 3 * sizeof(float) + sizeof(std::uint32_t) + 1;
+    in_order(
+        steps, 0, frames.size(), bytes_a_pixel * first.components().size() / 3,
+        [&](std::size_t k) {
+          Frame made{extent.pixels_of(k == 0 ? first : draw(k)), {}};
+          made.picture = indexed(made.rgb);
+          return made;
+        },
+        [&](std::size_t, Frame& made) { gif.add(std::move(made.rgb), made.picture); });
+    write_file(file, gif.finish());
+  } catch (const GifError& error) {
+    throw write_error(file, std::string("cannot encode the animation: ") + error.what());
   }
-  gif->finish();
 }
 
 }  // namespace tubefoot

@@ -4,6 +4,8 @@
 
 #include "sensors/pictures/camera_fan.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -109,26 +111,62 @@ CameraPixels::CameraPixels(const CameraFan& fan)
     : width_(fan.width() + 2 * around),
       points_(std::clamp(static_cast<int>(std::ceil(1 / (fan.pixels_per_m_ * fan.step_m_))), 3, 8)),
       samples_(fan.samples()) {
-  const int height = fan.height() + 2 * around;
-  first_.reserve(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height) + 1);
-  std::vector<std::uint32_t> under;
-  for (int y = -around; y < height - around; ++y)
+  // The beam of all points of a pixel, or -1 if it is unknown. A pixel reaches less than 0.708 pixels from
+  // its centre, and an arc sine is at most pi / 2 times its argument.
+  const auto beam_of_all = [&](int x, int y) -> std::int64_t {
+    constexpr double reach = 0.708;
+    const double across = x + 0.5 - fan.apex_x_, ahead = fan.apex_y_ - y - 0.5;
+    const double range = std::hypot(across, ahead), azimuth = std::atan2(across, ahead),
+                 slack = std::numbers::pi / 2 * reach / range;
+    if (!(range > reach) || std::abs(azimuth) + slack >= std::numbers::pi) return -1;
+    const auto border = std::ranges::upper_bound(fan.borders_rad_, azimuth);
+    if (border == fan.borders_rad_.begin() || border == fan.borders_rad_.end()) return -1;
+    if (azimuth - slack <= *(border - 1) || azimuth + slack >= *border) return -1;
+    return border - fan.borders_rad_.begin() - 1;
+  };
+  // As CameraFan::cell_at() in that beam.
+  const auto cell_in = [&](std::int64_t beam, double x, double y) -> std::int64_t {
+    const double across = (x - fan.apex_x_) / fan.pixels_per_m_,
+                 ahead = (fan.apex_y_ - y) / fan.pixels_per_m_;
+    const double sample = (std::hypot(across, ahead) - fan.near_m_) / fan.step_m_;
+    return sample < 0 || sample >= samples_ ? -1 : beam * samples_ + static_cast<std::int64_t>(sample);
+  };
+  struct Row {
+    std::vector<std::uint32_t> first, cells;
+    std::vector<std::uint8_t> counts;
+  };
+  std::vector<Row> rows(static_cast<std::size_t>(fan.height() + 2 * around));
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t k) {
+    Row& row = rows[k];
+    const int y = static_cast<int>(k) - around;
+    std::vector<std::uint32_t> under;
     for (int x = -around; x < width_ - around; ++x) {
       under.clear();
+      const std::int64_t beam = beam_of_all(x, y);
       for (int j = 0; j < points_; ++j)
-        for (int i = 0; i < points_; ++i)
-          if (const std::int64_t cell = fan.cell_at(x + (i + 0.5) / points_, y + (j + 0.5) / points_);
-              cell >= 0)
+        for (int i = 0; i < points_; ++i) {
+          const double u = x + (i + 0.5) / points_, v = y + (j + 0.5) / points_;
+          if (const std::int64_t cell = beam < 0 ? fan.cell_at(u, v) : cell_in(beam, u, v); cell >= 0)
             under.push_back(static_cast<std::uint32_t>(cell));
+        }
       std::ranges::sort(under);
-      first_.push_back(static_cast<std::uint32_t>(cells_.size()));
+      row.first.push_back(static_cast<std::uint32_t>(row.cells.size()));
       for (auto cell = under.begin(); cell != under.end();) {
         const auto end = std::find_if(cell, under.end(), [&](std::uint32_t other) { return other != *cell; });
-        cells_.push_back(*cell);
-        counts_.push_back(static_cast<std::uint8_t>(end - cell));
+        row.cells.push_back(*cell);
+        row.counts.push_back(static_cast<std::uint8_t>(end - cell));
         cell = end;
       }
     }
+  });
+  first_.reserve(static_cast<std::size_t>(width_) * rows.size() + 1);
+  for (Row& row : rows) {
+    const auto before = static_cast<std::uint32_t>(cells_.size());
+    for (const std::uint32_t first : row.first) first_.push_back(before + first);
+    cells_.insert(cells_.end(), row.cells.begin(), row.cells.end());
+    counts_.insert(counts_.end(), row.counts.begin(), row.counts.end());
+    row = {};
+  }
   first_.push_back(static_cast<std::uint32_t>(cells_.size()));
 }
 

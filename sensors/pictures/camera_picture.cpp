@@ -33,10 +33,10 @@ bool ends_early(const CameraFan& fan, const PingEchoes& echoes) {
 CameraFrames::CameraFrames(const Recording& recording, std::string font, const CameraFrameLook& look)
     : recording_(recording),
       font_(std::move(font)),
-      scale_(look.scale),
       page_(CameraFan(*recording.sensor, look.widest, look.highest)) {}
 
-Canvas CameraFrames::draw(std::size_t ping, const ReceiverOutput* receiver_output) const {
+Canvas CameraFrames::draw(std::size_t ping, const ReceiverOutput* receiver_output,
+                          const std::optional<DecibelScale>& given) const {
   const Recording& recording = recording_;
   const Sensor& sensor = *recording.sensor;
   const CameraFan& fan = page_.fan();
@@ -45,9 +45,9 @@ Canvas CameraFrames::draw(std::size_t ping, const ReceiverOutput* receiver_outpu
       receiver_output ? receiver_output->energy_of(ping) : std::vector<double>();
   const std::span<const double> energy = receiver_output ? std::span<const double>(received) : ideal.values();
   const DecibelScale scale =
-      scale_ ? *scale_
-             : DecibelScale(receiver_output && receiver_output->has_gain ? energy : ideal.values(),
-                            sensor.description().signal.display_gain_db);
+      given ? *given
+            : DecibelScale(receiver_output && receiver_output->has_gain ? energy : ideal.values(),
+                           sensor.description().signal.display_gain_db);
   const PingEchoes echoes{energy, surfaces_of(recording, ping)};
 
   const std::string title = fmt::format("{}   ping {}   t = {:.2f} s", sensor.description().name,
@@ -82,12 +82,20 @@ std::vector<std::size_t> spread_frames(std::size_t pings, std::size_t most) {
   return picked;
 }
 
+CameraSequence::CameraSequence(const Recording& recording, std::string font)
+    : recording_(recording), font_(std::move(font)), fan_(*recording.sensor, 340, 260), pixels_(fan_) {}
+
 Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
                             const ReceiverOutput* receiver_output) {
+  return CameraSequence(recording, font).draw(receiver_output);
+}
+
+Canvas CameraSequence::draw(const ReceiverOutput* receiver_output) const {
   constexpr int columns_at_most = 5, gap = 16, caption_height = 30;
+  const Recording& recording = recording_;
+  const std::string& font = font_;
   const Sensor& sensor = *recording.sensor;
-  const CameraFan fan(sensor, 340, 260);
-  const CameraPixels pixels(fan);
+  const CameraFan& fan = fan_;
   const std::vector<std::size_t> frames = sequence_frames(recording.pings());
   // The sequence has one scale.
   std::vector<double> ideal(frames.size() * recording.cells()), received(receiver_output ? ideal.size() : 0);
@@ -129,7 +137,7 @@ Canvas draw_camera_sequence(const Recording& recording, const std::string& font,
   tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
     const PingEchoes echoes{std::span<const double>(all).subspan(k * recording.cells(), recording.cells()),
                             surfaces_of(recording, frames[k])};
-    FanColours colours(pixels, echoes, scale);
+    FanColours colours(pixels_, echoes, scale);
     for (int y = 0; y < fan.height(); ++y)
       for (int x = 0; x < fan.width(); ++x)
         if (const FanColours::Pixel pixel = colours.at(x, y); pixel.coverage > 0)

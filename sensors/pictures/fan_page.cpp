@@ -4,6 +4,8 @@
 
 #include "sensors/pictures/fan_page.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -40,9 +42,13 @@ FanPage::FanPage(CameraFan fan, Towards towards)
     : fan_(std::move(fan)), downwards_(towards == Towards::down), pixels_(fan_) {
   constexpr int around = CameraPixels::around;
   const double range_step = range_step_m(fan_), angle_step = radians(angle_step_deg(fan_));
-  for (int y = -around; y < fan_.height() + around; ++y)
+  const int columns = fan_.width() + 2 * around, rows = fan_.height() + 2 * around;
+  lines_.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  tbb::parallel_for(0, rows, [&](int row) {
+    CameraFan::Lines* line = &lines_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns)];
     for (int x = -around; x < fan_.width() + around; ++x)
-      lines_.push_back(fan_.lines_at(x + 0.5, y + 0.5, range_step, angle_step));
+      *line++ = fan_.lines_at(x + 0.5, row - around + 0.5, range_step, angle_step);
+  });
 }
 
 /// Draws metres along the starboard edge and degrees along the far arc.

@@ -142,16 +142,19 @@ std::vector<fs::path> write_fan_pictures(const fs::path& folder, const Recording
     if (!found_font) found_font = font_for(stem, warnings);
     return *found_font;
   };
+  std::optional<CameraSequence> sequence;
+  std::optional<CameraAnimation> animated;
   const auto write_sequence = [&](const std::string& product, const ReceiverOutput* as_received) {
     const std::string picture = product + ".png", animation = product + ".gif";
     if ((recording.pings() > 1 || !each_ping) && !omitted.contains(picture)) {
       files.emplace_back(stem + "-" + picture);
-      draw_camera_sequence(recording, font(), as_received)
-          .write_png(folder / files.back(), stem, settings.bits);
+      if (!sequence) sequence.emplace(recording, font());
+      sequence->draw(as_received).write_png(folder / files.back(), stem, settings.bits);
     }
     if (!settings.animated || recording.pings() == 1 || omitted.contains(animation)) return;
     files.emplace_back(stem + "-" + animation);
-    write_camera_animation(folder / files.back(), recording, font(), as_received);
+    if (!animated) animated.emplace(recording, font());
+    animated->write(folder / files.back(), as_received);
   };
   write_sequence("sequence", nullptr);
   if (receiver_output) write_sequence("sequence-received", &*receiver_output);
@@ -185,7 +188,7 @@ WritingCost cost_of_fan_pictures(const Recording& recording, bool receiver_outpu
                                  const PictureSettings& settings, PictureSettings::Which otherwise,
                                  const OmittedProducts& omitted) {
   using Which = PictureSettings::Which;
-  constexpr double sheet_s = 0.25, animation_frame_s = 0.4, first_frame_s = 0.25, frame_s = 0.05,
+  constexpr double sheet_s = 0.25, animation_frame_s = 0.06, first_frame_s = 0.25, frame_s = 0.05,
                    picture_bytes = 6e5, gif_bytes = 1e5;
   const auto looks = [&](const char* ideal, const char* received) {
     return (omitted.contains(ideal) ? 0.0 : 1.0) +
@@ -198,7 +201,7 @@ WritingCost cost_of_fan_pictures(const Recording& recording, bool receiver_outpu
   cost += {sheets * sheet_s, 0, sheets * picture_bytes};
   const double frames = looks("sequence.gif", "sequence-received.gif") *
                         static_cast<double>(animation_frames(recording.pings()).size());
-  if (settings.animated) cost += {frames * animation_frame_s, 0, frames * gif_bytes};
+  if (settings.animated) cost += {0, frames * animation_frame_s, frames * gif_bytes};
   const double pictures = looks("png", "received.png");
   if (settings.wants(Which::all, otherwise)) {
     cost += {pictures > 0 ? first_frame_s : 0, pictures * frame_s * pings, pings * pictures * picture_bytes};
