@@ -34,7 +34,30 @@ Fraction reduced_now(const Fraction& fraction) {
   return result;
 }
 
+std::optional<Fraction> sum_within(std::size_t begin, std::size_t end,
+                                   const std::function<Fraction(std::size_t)>& term, std::size_t bits) {
+  if (begin == end) return Fraction{};
+  if (end - begin == 1) return term(begin);
+  stop_if_wanted();
+  const std::size_t middle = begin + (end - begin) / 2;
+  const auto a = sum_within(begin, middle, term, bits);
+  if (!a) return std::nullopt;
+  const auto b = sum_within(middle, end, term, bits);
+  if (!b) return std::nullopt;
+  // Fractions of structured scenes stay short if they are reduced. Reducing the shortest ones saves no time.
+  constexpr std::size_t short_bits = 4096;
+  Fraction both = sum_of({*a, *b}, 0, 2);
+  if (bits_of(both.denominator) > short_bits) both = reduced_now(both);
+  if (bits_of(both.denominator) > bits) return std::nullopt;
+  return both;
+}
+
 }  // namespace
+
+std::optional<Fraction> sum_within(std::size_t count, const std::function<Fraction(std::size_t)>& term,
+                                   std::size_t bits) {
+  return sum_within(0, count, term, bits);
+}
 
 Integer product(const Integer& a, const Integer& b) {
   if (bits_of(a) + bits_of(b) < long_bits) return a * b;

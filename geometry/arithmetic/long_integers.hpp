@@ -2,6 +2,8 @@
 #pragma once
 
 #include <boost/multiprecision/gmp.hpp>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,10 @@ struct Fraction {
 Integer product(const Integer& a, const Integer& b);
 /// Adds the terms as a balanced tree.
 Fraction sum(const std::vector<Fraction>& terms);
+/// Adds `count` terms as a balanced tree. Returns nothing if the denominator of a part of the sum has more
+/// than `bits` bits.
+std::optional<Fraction> sum_within(std::size_t count, const std::function<Fraction(std::size_t)>& term,
+                                   std::size_t bits);
 bool equal(const Fraction& a, const Fraction& b);
 /// Returns the fraction with a denominator above 0 and without a common divisor.
 Fraction reduced(const Fraction& fraction);

@@ -2,157 +2,95 @@
 #include "geometry/footprints/coverage.hpp"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
+#include <optional>
 
 #include "geometry/footprints/facet_regions.hpp"
 #include "geometry/footprints/line_areas.hpp"
 #include "geometry/steps/stop.hpp"
 
-// Overlays the regions that the looks see of each facet. Each region splits the cells of the facet that it
-// meets, and the cells count pings. The areas of the cells are added as rationals and compared with the
-// facet's area (docs/notes/coverage.md).
+// Overlays the regions that the looks see of each facet. The borders of these regions divide the facet into
+// cells, which count pings. The areas of the cells are added as rationals unless these become too long. A
+// residue of their sum is compared with that of the facet's area (docs/notes/coverage.md).
 
 namespace tubefoot {
 namespace {
 
 constexpr std::uint32_t no_piece = std::numeric_limits<std::uint32_t>::max();
 
-struct Cell {
-  LinePolygon lines;
-  std::vector<glm::dvec2> corners;
-  ChartBox box;
-  std::uint32_t pings = 0, in_sector = 0, first_look = 0;
-  std::array<FacetId, 2> first_parts{};
-  std::uint32_t last_ping = no_piece, last_in_sector = no_piece;
+/// Largest number of bits of the denominator of an exact area, also of the sum of a part of the cells.
+constexpr std::size_t longest_denominator = 65536;
 
-  void place() {
-    corners = corners_of(lines);
-    box = box_of(corners);
+/// The cells of a facet that have one number of pings and are in a shadow or not.
+struct Category {
+  std::vector<std::uint32_t> cells;
+  std::optional<Fraction> exact;  ///< twice the area on the chart, unless it is too long
+  double area = 0, error = 0;     ///< the same, and the largest error of `area`
+};
+using Categories = std::map<std::pair<std::uint32_t, bool>, Category>;
+
+/// Sums the areas of some categories.
+class AreaSum {
+ public:
+  explicit AreaSum(const Integer& whole) : whole_(whole), whole_near_(whole.convert_to<double>()) {}
+
+  void add(const Category& category) {
+    parts_.push_back(category.exact);
+    area_ += category.area;
+    error_ += category.error;
   }
-  void count(const FacetRegion& region) {
-    if (!region.hidden_too) {
-      ++pings;
-      last_ping = region.ping;
-    } else {
-      if (in_sector++ == 0) {
-        first_look = region.look;
-        first_parts = region.parts;
-      }
-      last_in_sector = region.ping;
+  bool empty() const { return parts_.empty(); }
+  /// Returns the sum if all of its parts are known exactly.
+  std::optional<Fraction> exact() const {
+    std::vector<Fraction> known;
+    for (const auto& part : parts_) {
+      if (!part) return std::nullopt;
+      known.push_back(*part);
     }
+    return sum_within(
+        known.size(), [&](std::size_t k) { return known[k]; }, longest_denominator);
   }
-  bool has_counted(const FacetRegion& region) const {
-    if (region.hidden_too) return pings > 0 || last_in_sector == region.ping;
-    return last_ping == region.ping;
+  /// Returns the sum as a share of the facet. `rest` has all other parts of the facet.
+  AreaShare share(std::uint32_t pings, const AreaSum& rest) const {
+    if (empty()) return {pings, 0, "0", 0};
+    if (rest.empty()) return {pings, 1, "1", 0};
+    std::optional<Fraction> area = exact();
+    if (!area)
+      if (const std::optional<Fraction> other = rest.exact())
+        area = Fraction{product(whole_, other->denominator) - other->numerator, other->denominator};
+    if (area) {
+      ExactShare found = share_of(*area, whole_);
+      return {pings, found.share, std::move(found.exact), found.share * 0x1p-52};
+    }
+    return {pings, area_ / whole_near_, {}, error_ / whole_near_ + 0x1p-51};
   }
+
+ private:
+  const Integer& whole_;
+  double whole_near_;
+  std::vector<std::optional<Fraction>> parts_;
+  double area_ = 0, error_ = 0;
 };
 
-/// Cells, with their areas by number of pings and position in the sector.
-struct Overlay {
-  using Key =
-      std::pair<std::uint32_t, bool>;  ///< number of pings; whether the cell is in the sector of some ping
-  std::map<Key, std::vector<Fraction>> areas;
-  std::vector<CoverageCell> cells;
-  std::vector<glm::dvec2> corners;
-
-  void append(Overlay&& o) {
-    for (auto& [key, terms] : o.areas) {
-      auto& mine = areas[key];
-      std::move(terms.begin(), terms.end(), std::back_inserter(mine));
-    }
-    for (CoverageCell cell : o.cells) {
-      cell.first += static_cast<std::uint32_t>(corners.size());
-      cells.push_back(cell);
-    }
-    corners.insert(corners.end(), o.corners.begin(), o.corners.end());
+/// Computes twice the area of a cell in double, and adds the largest error to `error`.
+double near_area(std::span<const glm::dvec2> corners, double& error) {
+  double sum = 0, length = 0, size = 0;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const glm::dvec2 a = corners[k] - corners[0],
+                     way = corners[k + 1 == corners.size() ? 0 : k + 1] - corners[k];
+    sum += a.x * way.y - a.y * way.x;
+    length += std::abs(way.x) + std::abs(way.y);
+    size = std::max({size, std::abs(corners[k].x), std::abs(corners[k].y)});
   }
-};
-
-/// Splits, for each region in turn, the cells that its border crosses.
-Overlay overlaid(const LinePolygon& place, std::span<const FacetRegion* const> regions) {
-  LineStore store;
-  std::vector<Cell> cells(1);
-  cells[0].lines = place;
-  cells[0].place();
-  std::vector<LinePolygon> parts;
-  for (const FacetRegion* region : regions) {
-    const std::size_t count = cells.size();
-    for (std::size_t k = 0; k < count; ++k) {
-      stop_if_wanted();
-      if (cells[k].has_counted(*region) || !cells[k].box.meets(region->box)) continue;
-      parts.clear();
-      if (!split_off(cells[k].lines, region->lines, store, parts)) continue;
-      for (LinePolygon& part : parts) {
-        Cell rest = cells[k];
-        rest.lines = std::move(part);
-        rest.place();
-        cells.push_back(std::move(rest));
-      }
-      if (!parts.empty()) cells[k].place();
-      cells[k].count(*region);
-    }
-  }
-  Overlay result;
-  std::map<Overlay::Key, std::vector<Fraction>> areas;
-  for (const Cell& cell : cells) {
-    stop_if_wanted();
-    areas[{cell.pings, cell.pings == 0 && cell.in_sector > 0}].push_back(double_area(cell.lines));
-    result.cells.push_back({cell.pings, cell.pings > 0 ? 0 : cell.in_sector, cell.first_look,
-                            cell.first_parts, static_cast<std::uint32_t>(result.corners.size()),
-                            static_cast<std::uint32_t>(cell.corners.size())});
-    result.corners.insert(result.corners.end(), cell.corners.begin(), cell.corners.end());
-  }
-  for (const auto& [key, terms] : areas) result.areas[key].push_back(sum(terms));
-  return result;
-}
-
-/// Halves a place that many regions meet, so that each region is compared with few cells.
-Overlay overlaid_in_halves(const LinePolygon& place, std::vector<const FacetRegion*> regions, int depth) {
-  constexpr std::size_t few = 600, many = 2000;
-  const ChartBox box = box_of(corners_of(place));
-  const bool wide = box.hi.x - box.lo.x > box.hi.y - box.lo.y;
-  const double lo = wide ? box.lo.x : box.lo.y, hi = wide ? box.hi.x : box.hi.y;
-  if (regions.size() <= few || depth > 40 || hi - lo < 16) return overlaid(place, regions);
-  const auto middle = static_cast<std::int64_t>(std::floor(lo + (hi - lo) / 2));
-  std::vector<const FacetRegion*> below, above;
-  for (const FacetRegion* region : regions) {
-    const double from = wide ? region->box.lo.x : region->box.lo.y;
-    const double to = wide ? region->box.hi.x : region->box.hi.y;
-    if (from <= static_cast<double>(middle)) below.push_back(region);
-    if (to >= static_cast<double>(middle)) above.push_back(region);
-  }
-  // Halving does not separate regions that overlap each other.
-  const std::size_t most = regions.size() - regions.size() / 6;
-  if (below.size() > most && above.size() > most) return overlaid(place, regions);
-  const PlaneLine cut = PlaneLine::of(wide ? 1 : 0, wide ? 0 : 1, -HugeInt(middle));
-  LineStore store;
-  std::vector<int> sides;
-  std::array<LinePolygon, 2> halves{place, place};
-  clip(halves[0], *store.opposite(cut), sides);
-  clip(halves[1], cut, sides);
-  std::array<Overlay, 2> done;
-  const auto half = [&](std::size_t k, std::vector<const FacetRegion*>& its) {
-    if (!halves[k].empty()) done[k] = overlaid_in_halves(halves[k], std::move(its), depth + 1);
-  };
-  if (regions.size() > many)
-    tbb::parallel_invoke([&] { half(0, below); }, [&] { half(1, above); });
-  else {
-    half(0, below);
-    half(1, above);
-  }
-  done[0].append(std::move(done[1]));
-  return std::move(done[0]);
-}
-
-AreaShare share(std::uint32_t pings, const Fraction& area, const Integer& whole) {
-  ExactShare exact = share_of(area, whole);
-  return {pings, exact.share, std::move(exact.exact)};
+  // Each coordinate of a corner is accurate to 4 units in the last place, below 1e-15 of `size`. A moved
+  // corner changes twice the area by at most its way times the length of the border. Rounding adds less.
+  error += 8e-15 * size * length;
+  return sum;
 }
 
 bool may_be_within(const FacetMesh& mesh, FacetId facet, const TubeSet& tubes, std::uint32_t tube) {
@@ -266,8 +204,8 @@ std::vector<FacetId> Coverage::own_parts(std::span<const Part> parts) {
   return own;
 }
 
-/// Adds the regions of parts of one facet: visible polygons of the looks, or the areas in their tubes.
-void Coverage::add_regions(FacetRegions& facet, std::span<const Part> parts) const {
+/// Adds the layers of parts of one facet: visible polygons of the looks, or the areas in their tubes.
+void Coverage::add_layers(FacetRegions& facet, std::span<const Part> parts) const {
   const auto polygon = [&](const FacetRegions::Aspect& from, const Part& part) {
     return part.piece == no_piece ? facet.within(from, part.tube) : facet.seen(from, part.tube, part.piece);
   };
@@ -278,28 +216,29 @@ void Coverage::add_regions(FacetRegions& facet, std::span<const Part> parts) con
   thread_local std::vector<int> sides;
   for (std::size_t first = 0, end = 0; first < parts.size(); first = end) {
     const Part& part = parts[first];
+    const bool hidden_too = part.piece == no_piece;
     while (end < parts.size() && parts[end].look == part.look && parts[end].name == part.name) ++end;
     std::size_t rx = first;
     while (rx < end && !parts[rx].rx) ++rx;
     const CoverageLook& look = looks_[part.look];
-    if (rx == first || (look.rx && rx == end)) continue;  // in the sector of one end only
     const std::span<const Part> sent = parts.subspan(first, rx - first),
                                 listened = parts.subspan(rx, end - rx);
-    for (const FacetId own : own_parts(sent)) {
+    // A look with two ends needs both.
+    const bool both_ends = !sent.empty() && (!look.rx || !listened.empty());
+    for (const FacetId own : both_ends ? own_parts(sent) : std::vector<FacetId>{}) {
       const FacetRegions::Aspect tx = facet.aspect(look.tx, own);
       if (tx.edge_on) continue;
-      FacetRegion what{look.ping, part.look, {own, own}, part.piece == no_piece, {}, {}};
       if (!look.rx) {
         const FacetRegions::Window window = facet.window(look, tx, nullptr);
         if (window.none) continue;
         for (const Part& its : sent)
-          if (its.own == own) facet.add(window, polygon(tx, its), what);
+          if (its.own == own) facet.add(window, polygon(tx, its));
+        if (hidden_too) facet.end_layer({look.ping, part.look, {own, own}, true, {}});
         continue;
       }
       for (const FacetId own_rx : own_parts(listened)) {
-        what.parts[1] = own_rx;
         const FacetRegions::Aspect there = facet.aspect(*look.rx, own_rx);
-        if (there.edge_on || (!what.hidden_too && tx.seen.reversed != there.seen.reversed)) continue;
+        if (there.edge_on || (!hidden_too && tx.seen.reversed != there.seen.reversed)) continue;
         const FacetRegions::Window window = facet.window(look, tx, &there);
         if (window.none) continue;
         std::vector<Placed> received;
@@ -322,11 +261,16 @@ void Coverage::add_regions(FacetRegions& facet, std::span<const Part> parts) con
               if (!both.empty() && std::find(both.begin(), both.end(), line) == both.end())
                 clip(both, *line, sides);
             }
-            facet.add(window, std::move(both), what);
+            facet.add(window, std::move(both));
           }
         }
+        if (hidden_too) facet.end_layer({look.ping, part.look, {own, own_rx}, true, {}});
       }
     }
+    // All parts that one ping sees are one layer.
+    if (!hidden_too && (end == parts.size() || looks_[parts[end].look].ping != look.ping))
+      facet.end_layer({look.ping, part.look, {}, false, {}});
+    facet.drop_lines();
   }
 }
 
@@ -345,34 +289,51 @@ FacetCoverage Coverage::facet(std::size_t number) const {
     });
   });
   FacetRegions facet(mesh_, result.facet, by_weights);
-  for (const std::span<const Part> some : parts) add_regions(facet, some);
-  std::vector<const FacetRegion*> regions;
-  for (const FacetRegion& region : facet.regions()) regions.push_back(&region);
-  Overlay overlay = overlaid_in_halves(facet.triangle(), std::move(regions), 0);
-
-  const Integer whole = integer(facet.double_area());
-  std::vector<Fraction> all, seen, shadow;
-  std::map<std::uint32_t, std::vector<Fraction>> by_pings;
-  for (const auto& [key, terms] : overlay.areas) {
-    const Fraction area = sum(terms);
-    all.push_back(area);
-    by_pings[key.first].push_back(area);
-    if (key.first > 0) seen.push_back(area);
-    if (key.second) shadow.push_back(area);
-  }
-  const Fraction total = sum(all);
-  result.closes = total.numerator == product(whole, total.denominator);
-  std::uint32_t most = 0, most_in_shadow = 0;
-  for (const CoverageCell& cell : overlay.cells) {
-    most = std::max(most, cell.pings);
-    most_in_shadow = std::max(most_in_shadow, cell.in_sector);
-  }
-  for (const auto& [pings, terms] : by_pings) result.by_pings.push_back(share(pings, sum(terms), whole));
-  result.seen = share(most, sum(seen), whole);
-  result.shadow = share(most_in_shadow, sum(shadow), whole);
-  result.cells = std::move(overlay.cells);
-  for (const glm::dvec2& corner : overlay.corners) result.corners.push_back(facet.in_space(corner));
+  for (const std::span<const Part> some : parts) add_layers(facet, some);
+  CoverageCells divided = divided_by_borders(facet.table(), facet.triangle(), facet.layers());
+  measure(facet, divided, result);
+  result.cells = std::move(divided.cells);
+  result.corners.reserve(divided.corners.size());
+  for (const glm::dvec2& corner : divided.corners) result.corners.push_back(facet.in_space(corner));
   return result;
+}
+
+/// Computes the shares of the cells, and whether they add up to the facet.
+void Coverage::measure(const FacetRegions& facet, const CoverageCells& divided, FacetCoverage& result) {
+  const LineTable& table = facet.table();
+  const Integer whole = integer(facet.double_area());
+  const auto lines_of = [&](std::uint32_t cell) {
+    return std::span(divided.lines).subspan(divided.cells[cell].first, divided.cells[cell].count);
+  };
+  Categories categories;
+  Residue total = 0;
+  for (std::uint32_t k = 0; k < divided.cells.size(); ++k) {
+    stop_if_wanted();
+    const CoverageCell& cell = divided.cells[k];
+    Category& category = categories[{cell.pings, cell.in_sector > 0}];
+    category.cells.push_back(k);
+    category.area += near_area(std::span(divided.corners).subspan(cell.first, cell.count), category.error);
+    total = residue_sum(total, double_area_residue(table, lines_of(k)));
+    result.seen.pings = std::max(result.seen.pings, cell.pings);
+    result.shadow.pings = std::max(result.shadow.pings, cell.in_sector);
+  }
+  result.closes = total == residue_of(facet.double_area());
+  for (auto& [key, category] : categories)
+    category.exact = sum_within(
+        category.cells.size(), [&](std::size_t k) { return double_area(table, lines_of(category.cells[k])); },
+        longest_denominator);
+  const auto share = [&](std::uint32_t pings, const auto& belongs) {
+    AreaSum its(whole), rest(whole);
+    for (const auto& [key, category] : categories) (belongs(key) ? its : rest).add(category);
+    return its.share(pings, rest);
+  };
+  for (auto at = categories.begin(); at != categories.end();) {
+    const std::uint32_t pings = at->first.first;
+    result.by_pings.push_back(share(pings, [&](const auto& key) { return key.first == pings; }));
+    while (at != categories.end() && at->first.first == pings) ++at;
+  }
+  result.seen = share(result.seen.pings, [](const auto& key) { return key.first > 0; });
+  result.shadow = share(result.shadow.pings, [](const auto& key) { return key.second; });
 }
 
 FacetId Coverage::occluder(const FacetCoverage& of, const CoverageCell& cell) const {

@@ -18,11 +18,12 @@
 #include "geometry/visibility/visibility.hpp"
 
 // Computes how many pings see each part of each facet, in exact arithmetic (docs/notes/coverage.md). The
-// parts of a facet that the transmissions see are overlaid as convex polygons. The areas of the resulting
-// cells are rationals.
+// borders of the parts that the pings see divide a facet into convex cells. The areas of the cells are
+// rationals.
 namespace tubefoot {
 
 class FacetRegions;
+struct CoverageCells;
 
 /// The facets of one end's own seabed. They are parts of the covered mesh's facets, or images of such parts,
 /// at any position and apparent position. A point lies between the corners of its part as it lies between the
@@ -79,7 +80,8 @@ struct CoverageLook {
 struct AreaShare {
   std::uint32_t pings = 0;
   double share = 0;   ///< fraction of the facet's area
-  std::string exact;  ///< the same as a reduced fraction, "p/q" (or "0", "1")
+  std::string exact;  ///< the same as a reduced fraction, "p/q" (or "0", "1"); empty if it is too long
+  double error = 0;   ///< largest difference between `share` and the exact fraction
 };
 
 /// A convex part of a facet of which the same pings see every point.
@@ -95,7 +97,7 @@ struct CoverageCell {
 
 struct FacetCoverage {
   FacetId facet = 0;
-  bool closes = false;  ///< whether the shares add up to 1, as an equality of rationals
+  bool closes = false;  ///< whether the areas of the cells add up to that of the facet, modulo 2^61 - 1
   std::vector<AreaShare>
       by_pings;      ///< by increasing number of pings, including 0 (never seen); only shares above 0
   AreaShare seen;    ///< seen by one ping or more; `pings` is the largest number
@@ -116,6 +118,8 @@ struct FacetCoverage {
 ///
 /// Law O4 (ends): an exchange of the two ends does not change the shares; two ends at one position give the
 /// shares of one end.
+///
+/// Law O6 (mean): the mean number of pings equals the sum of the shares that each ping alone sees.
 class Coverage {
  public:
   /// Mesh, tree and looks must outlive the object. Looks are ordered by ping.
@@ -153,7 +157,8 @@ class Coverage {
                   std::vector<Part>& to) const;
   void index();
   static std::vector<FacetId> own_parts(std::span<const Part> parts);
-  void add_regions(FacetRegions& facet, std::span<const Part> parts) const;
+  void add_layers(FacetRegions& facet, std::span<const Part> parts) const;
+  static void measure(const FacetRegions& facet, const CoverageCells& divided, FacetCoverage& result);
 
   const FacetMesh& mesh_;
   const SceneTree& tree_;

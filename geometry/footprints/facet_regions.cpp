@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <span>
+#include <utility>
 
 #include "geometry/arithmetic/wide_direction.hpp"
 #include "geometry/footprints/piece_walls.hpp"
@@ -110,6 +111,7 @@ FacetRegions::FacetRegions(const FacetMesh& mesh, FacetId facet, bool by_weights
     if (by_weights) corners_[k] = {k == 1 ? whole_weight : 0, k == 2 ? whole_weight : 0};
   }
   triangle_ = polygon_round(corners_, store_);
+  own_lines_ = store_.size();
   double_area_ = HugeInt(corners_[1][0]) * corners_[2][1] - HugeInt(corners_[1][1]) * corners_[2][0];
 }
 
@@ -206,7 +208,20 @@ FacetRegions::Window FacetRegions::window(const CoverageLook& look, const Aspect
   return window;
 }
 
-void FacetRegions::add(const Window& window, LinePolygon polygon, const FacetRegion& what) {
+TabledPolygon FacetRegions::tabled(const LinePolygon& polygon) {
+  TabledPolygon result;
+  for (const PlaneLine* line : polygon) {
+    const auto& stored = static_cast<const StoredLine&>(*line);
+    if (!stored.number) stored.number = table_.keep(*line);
+    result.lines.push_back(*stored.number);
+  }
+  for (std::size_t k = 0; k < result.lines.size(); ++k)
+    result.corners.push_back(
+        table_.corner(result.lines[k == 0 ? result.lines.size() - 1 : k - 1], result.lines[k]));
+  return result;
+}
+
+void FacetRegions::add(const Window& window, LinePolygon polygon) {
   thread_local std::vector<int> sides;
   if (polygon.empty() || window.none) return;
   for (const PlaneLine* line : window.outer) {
@@ -215,26 +230,24 @@ void FacetRegions::add(const Window& window, LinePolygon polygon, const FacetReg
   }
   std::vector<LinePolygon> parts;
   if (window.inner.empty() || !split_off(polygon, window.inner, store_, parts)) parts.push_back(polygon);
-  for (const LinePolygon& part : parts) {
-    FacetRegion region = what;
-    region.box = box_of(corners_of(part));
-    for (const PlaneLine* line : part)
-      if (std::find(triangle_.begin(), triangle_.end(), line) == triangle_.end())
-        region.lines.push_back(line);
-    regions_.push_back(std::move(region));
-  }
+  for (const LinePolygon& part : parts) border_.add(tabled(part));
+  any_polygon_ = any_polygon_ || !parts.empty();
+}
+
+void FacetRegions::end_layer(CoverageLayer layer) {
+  if (!any_polygon_) return;
+  border_.finish(table_);
+  layer.border = std::exchange(border_, {});
+  any_polygon_ = false;
+  layers_.push_back(std::move(layer));
 }
 
 const PlaneLine* FacetRegions::edge(const NameContext& context, const TubeVisibility& seen,
-                                    const NamedPiece& piece, std::uint32_t k, const Aspect& from) {
-  const auto corner = [&](std::uint32_t i) -> const CornerName& {
-    return seen.corners[piece.first + i % piece.count];
-  };
-  if (const auto plane = shared_plane(corner(k), corner(k + 1)))
-    if (is_edge_of(from.seen.vertex, *plane)) return nullptr;
+                                    const NamedPiece& piece, std::uint32_t k,
+                                    std::span<const glm::dvec3> points, const Aspect& from) {
   const auto corners = std::span(seen.corners).subspan(piece.first, piece.count);
-  std::vector<glm::dvec3> points;
-  for (const CornerName& one : corners) points.push_back(point_on_facet(context, one, from.seen));
+  if (const auto plane = shared_plane(corners[k], corners[(k + 1) % piece.count]))
+    if (is_edge_of(from.seen.vertex, *plane)) return nullptr;
   PlaneLine line =
       PlaneLine::on_image(from.corners, from.on_chart, inward_normal(context, corners, k, points));
   return line.is_none() ? nullptr : store_.keep(std::move(line));
@@ -247,9 +260,13 @@ LinePolygon FacetRegions::seen(const Aspect& from, std::uint32_t tube, std::uint
   const NameContext context{from.end->seabed ? *from.end->seabed->mesh : mesh_, from.end->tubes.apex,
                             seen.rays};
   thread_local std::vector<int> sides;
+  thread_local std::vector<glm::dvec3> points;
+  points.clear();
+  for (std::uint32_t k = 0; k < piece.count; ++k)
+    points.push_back(point_on_facet(context, seen.corners[piece.first + k], from.seen));
   LinePolygon polygon = from.place;
   for (std::uint32_t k = 0; k < piece.count && !polygon.empty(); ++k)
-    if (const PlaneLine* line = edge(context, seen, piece, k, from)) clip(polygon, *line, sides);
+    if (const PlaneLine* line = edge(context, seen, piece, k, points, from)) clip(polygon, *line, sides);
   return polygon;
 }
 

@@ -7,6 +7,8 @@
 
 #include "geometry/arithmetic/exact_corner.hpp"
 #include "geometry/footprints/coverage.hpp"
+#include "geometry/footprints/coverage_cells.hpp"
+#include "geometry/footprints/line_table.hpp"
 #include "geometry/footprints/plane_lines.hpp"
 
 // Represents the parts of one facet that looks see as convex polygons in a chart of the facet. The lines of
@@ -14,17 +16,25 @@
 // only in .cpp files.
 namespace tubefoot {
 
-/// Stores lines and their opposites for its own lifetime.
+/// A line and its number in a table, once it has one.
+struct StoredLine : PlaneLine {
+  mutable std::optional<DirectedLine> number = {};
+};
+
+/// Stores lines and their opposites until they are dropped.
 class LineStore {
  public:
-  const PlaneLine* keep(PlaneLine line) {
-    lines_.push_back(std::move(line));
+  const StoredLine* keep(PlaneLine line) {
+    lines_.push_back({std::move(line), {}});
     return &lines_.back();
   }
-  const PlaneLine* opposite(const PlaneLine& line) { return keep(PlaneLine::of(-line.a, -line.b, -line.c)); }
+  const StoredLine* opposite(const PlaneLine& line) { return keep(PlaneLine::of(-line.a, -line.b, -line.c)); }
+  std::size_t size() const { return lines_.size(); }
+  /// Drops all lines but the first ones.
+  void shrink_to(std::size_t size) { lines_.resize(size); }
 
  private:
-  std::deque<PlaneLine> lines_;
+  std::deque<StoredLine> lines_;
 };
 
 /// Bounding box of a polygon on its chart, including rounding errors.
@@ -44,16 +54,7 @@ ChartBox box_of(const std::vector<glm::dvec2>& corners);
 bool split_off(LinePolygon& polygon, std::span<const PlaneLine* const> lines, LineStore& store,
                std::vector<LinePolygon>& parts);
 
-/// A convex part of a facet inside these lines. Lines of the facet's own edges are omitted.
-struct FacetRegion {
-  std::uint32_t ping = 0, look = 0;
-  std::array<FacetId, 2> parts{};  ///< facets in the seabeds of the look's two ends
-  bool hidden_too = false;         ///< the tube's whole share of the facet, hidden parts included
-  std::vector<const PlaneLine*> lines;
-  ChartBox box;
-};
-
-/// One facet and its regions. Its chart is the facet's own (FacetChart). With `by_weights`, it
+/// One facet and the layers of its regions. Its chart is the facet's own (FacetChart). With `by_weights`, it
 /// consists of the weights of the second and third corner. This is necessary if looks see the facet
 /// displaced.
 class FacetRegions {
@@ -83,21 +84,27 @@ class FacetRegions {
   /// Return the polygon of a piece of a tube, and that of the whole tube.
   LinePolygon seen(const Aspect& from, std::uint32_t tube, std::uint32_t piece);
   LinePolygon within(const Aspect& from, std::uint32_t tube);
-  /// Adds the part of the polygon inside the range gate as regions. `what` has the numbers of the look and of
-  /// the ping.
-  void add(const Window& window, LinePolygon polygon, const FacetRegion& what);
+  /// Adds the part of the polygon inside the range gate to the current layer.
+  void add(const Window& window, LinePolygon polygon);
+  /// Ends the current layer, of which all but the border is given. A layer without polygons is left out.
+  void end_layer(CoverageLayer layer);
+  /// Drops the lines of all aspects, windows and polygons. Layers keep theirs.
+  void drop_lines() { store_.shrink_to(own_lines_); }
 
-  const LinePolygon& triangle() const { return triangle_; }
-  const std::vector<FacetRegion>& regions() const { return regions_; }
+  LineTable& table() { return table_; }
+  const LineTable& table() const { return table_; }
+  TabledPolygon triangle() { return tabled(triangle_); }
+  const std::vector<CoverageLayer>& layers() const { return layers_; }
   const HugeInt& double_area() const { return double_area_; }  ///< area on the chart
   /// Returns the position in space, in grid units.
   glm::dvec3 in_space(glm::dvec2 corner) const;
 
  private:
+  TabledPolygon tabled(const LinePolygon& polygon);
   std::vector<const PlaneLine*> lines_round(std::span<const glm::dvec3> ring, const Aspect& about);
   /// Returns the line of edge k of a piece, or null if it lies on an edge of the facet.
   const PlaneLine* edge(const NameContext& context, const TubeVisibility& seen, const NamedPiece& piece,
-                        std::uint32_t k, const Aspect& from);
+                        std::uint32_t k, std::span<const glm::dvec3> points, const Aspect& from);
 
   const FacetMesh& mesh_;
   FacetId facet_;
@@ -107,9 +114,13 @@ class FacetRegions {
   Vec64 normal_;
   ChartCorners corners_{};
   LineStore store_;
+  std::size_t own_lines_ = 0;  ///< lines of the facet itself, the first ones in the store
   LinePolygon triangle_;
   HugeInt double_area_;
-  std::vector<FacetRegion> regions_;
+  LineTable table_;
+  LayerBorder border_;  ///< of the current layer
+  bool any_polygon_ = false;
+  std::vector<CoverageLayer> layers_;
 };
 
 /// Returns whether a part certainly lies inside the range gate of a look; false if this is not certain. `rx`

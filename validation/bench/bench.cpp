@@ -15,6 +15,7 @@
 
 #include "allocations.hpp"
 #include "chart_figures.hpp"
+#include "coverage_figures.hpp"
 #include "didson_figures.hpp"
 #include "engine/echo/echo.hpp"
 #include "engine/rays/ray_engine.hpp"
@@ -121,6 +122,7 @@ int main(int, char** argv) {
     std::fflush(stdout);
   };
   survey_figures(figure);
+  coverage_figures(figure);
   relief_figures(figure);
   scaling_figures(figure);
   // Gives the correct topology on this terrain; validation/performance.md.

@@ -232,6 +232,66 @@ TEST(Coverage, ManyPingsOfALargeFacetClose) {
   EXPECT_EQ(sum[4], Q(117) * 1000 * 120000);
 }
 
+// Law O6. Shares without an exact fraction have a bound of their error.
+TEST(Coverage, MeanNumberOfPingsIsTheSumOfTheSharesOfEachPing) {
+  std::size_t exact = 0, rounded = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    test::Random random(seed);
+    FacetMesh mesh = test::make_random_triangles(random, 8, 0, 1500);
+    add_square(mesh, 3000, -2000);
+    std::vector<CoverageLook> looks;
+    std::map<FacetId, Q> expected;
+    for (std::uint32_t ping = 0; ping < 24; ++ping) {
+      const GridPoint apex{test::uniform(random, -900, 900), test::uniform(random, -900, 900), 3000};
+      const TubeSet tubes = down_tubes(apex, {-700, -640, -471, -300, -299, -120, 5, 77, 310, 500, 671, 800},
+                                       {-603, 511}, 1000);
+      looks.push_back(look(mesh, tubes, ping));
+      for (const auto& [id, facet] : cover(mesh, {looks.back()})) expected[id] += Q(facet.seen.exact);
+    }
+    for (const auto& [id, facet] : cover(mesh, looks)) {
+      double mean = 0, error = 0, sum = 0;
+      Q exact_mean = 0;
+      bool all_exact = true;
+      for (const AreaShare& part : facet.by_pings) {
+        mean += part.pings * part.share;
+        error += part.pings * part.error;
+        sum += part.share;
+        all_exact = all_exact && !part.exact.empty();
+        if (all_exact) exact_mean += Q(part.pings) * Q(part.exact);
+      }
+      EXPECT_NEAR(mean, expected[id].convert_to<double>(), error + 1e-14);
+      EXPECT_LT(error, 1e-9);
+      EXPECT_NEAR(sum, 1, 1e-11);
+      if (all_exact) {
+        EXPECT_EQ(exact_mean, expected[id]);
+      }
+      (all_exact ? exact : rounded) += 1;
+    }
+  }
+  EXPECT_GT(exact + rounded, 10u);
+}
+
+// The cells of a ping depend on the border of its beams, not on their number.
+TEST(Coverage, NumberOfBeamsDoesNotChangeTheNumberOfCells) {
+  FacetMesh mesh;
+  add_square(mesh, 3000, 0);
+  std::vector<std::int32_t> many;
+  for (std::int32_t x = -500; x <= 500; x += 10) many.push_back(x);
+  const auto cells = [&](const std::vector<std::int32_t>& across) {
+    std::vector<CoverageLook> looks;
+    for (std::uint32_t ping = 0; ping < 6; ++ping)
+      looks.push_back(
+          look(mesh, down_tubes({0, static_cast<std::int32_t>(100 * ping), 1000}, across, {-333, 333}, 1000),
+               ping));
+    std::size_t count = 0;
+    for (const auto& [id, facet] : cover(mesh, looks)) count += facet.cells.size();
+    return count;
+  };
+  EXPECT_EQ(cells(many), cells({-500, 500}));
+  EXPECT_LT(cells(many), 120u);
+}
+
 TEST(Coverage, WhatIsInTheWayIsTheNearest) {
   FacetMesh mesh;
   add_square(mesh, 1000, 0);
