@@ -11,14 +11,13 @@ namespace tubefoot {
 namespace {
 
 constexpr int tick_width = 14;
-const char* const north_title = "north (m)";
 
 }  // namespace
 
 double MapPlot::step_m() const { return tick_step(std::max(width, height) / pixels_per_m, 8); }
 
 int MapPlot::northings_width(const std::string& font) const {
-  std::vector<std::string> labels{north_title};
+  std::vector<std::string> labels{upward_title};
   for (const double north : ticks(south_m, south_m + height / pixels_per_m, step_m()))
     labels.push_back(tick_label(north, step_m()));
   return widest_text(labels, label_size, font) + tick_width;
@@ -26,8 +25,8 @@ int MapPlot::northings_width(const std::string& font) const {
 
 void MapPlot::draw_axes(Canvas& canvas) const {
   const int right = left + width, bottom = top + height;
-  canvas.text(left, bottom + 44, "east (m)", label_size, palette.ink);
-  canvas.text(left - 12, top - 22, north_title, label_size, palette.ink, Anchor::right);
+  canvas.text(left, bottom + 44, across_title, label_size, palette.ink);
+  canvas.text(left - 12, top - 22, upward_title, label_size, palette.ink, Anchor::right);
   const double step = step_m();
   for (const double east : ticks(west_m, west_m + width / pixels_per_m, step)) {
     const int x = std::min(right, left + static_cast<int>(std::lround((east - west_m) * pixels_per_m)));

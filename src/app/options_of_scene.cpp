@@ -76,9 +76,11 @@ void add_coverage(CLI::App& app, CommandOptions& requested) {
                    "pings A to B of each sensor, both included, counted from 0 (default: all)")
       ->option_text("A:B");
   command
-      ->add_option("-o,--output", coverage.output,
-                   "file to write: .gpkg (GeoPackage with polygons and tables) or .csv (one row per facet). "
-                   "Any other name is a folder for both files and a picture")
+      ->add_option(
+          "-o,--output", coverage.output,
+          "file to write: .gpkg (GeoPackage with polygons and tables), .csv (one row per facet), .vtp "
+          "or .glb (mesh of the facets with their values). Any other name is a folder for these "
+          "files and a picture")
       ->required()
       ->option_text("FILE");
   command
@@ -86,7 +88,7 @@ void add_coverage(CLI::App& app, CommandOptions& requested) {
           "--order", coverage.order,
           "largest number of interactions per path; 1: direct paths only (default: 'order' of [paths])")
       ->check(CLI::Range(1, 8));
-  command->add_option("--picture", coverage.picture, "also draw a plan into this PNG file")
+  command->add_option("--picture", coverage.picture, "also draw the coverage into this PNG file")
       ->option_text("FILE");
   command->footer("Example:\n  tubefoot coverage scenes/survey/scene.toml --pings 200:299 -o out/coverage");
   command->callback(

@@ -13,6 +13,7 @@
 #include <array>
 #include <glm/geometric.hpp>
 #include <map>
+#include <utility>
 
 #include "files/checked_file.hpp"
 #include "files/csv_file.hpp"
@@ -103,15 +104,19 @@ struct CoverageFile::State {
   /// Returns the cells as one geometry and adds their areas to `area_m2`.
   PlanShape shape(const CoveredFacet& facet, const std::vector<std::size_t>& cells, double& area_m2) const {
     std::vector<Piece> pieces;
+    std::vector<glm::dvec3> corners_m, on_map;  // of these cells alone
     for (const std::size_t cell : cells) {
-      pieces.push_back({facet.coverage.cells[cell].first, facet.coverage.cells[cell].count});
+      const auto [first, count] =
+          std::pair(facet.coverage.cells[cell].first, facet.coverage.cells[cell].count);
+      pieces.push_back({static_cast<std::uint32_t>(corners_m.size()), count});
+      for (const glm::dvec3& p : std::span(facet.corners_m).subspan(first, count)) {
+        corners_m.push_back(p);
+        on_map.emplace_back(map.easting + p.x / map.metres_per_unit, map.northing + p.y / map.metres_per_unit,
+                            scene.frame.origin_height_m() + p.z);
+      }
       area_m2 += facet.cell_area_m2(cell);
     }
-    std::vector<glm::dvec3> on_map;
-    for (const glm::dvec3& p : facet.corners_m)
-      on_map.emplace_back(map.easting + p.x / map.metres_per_unit, map.northing + p.y / map.metres_per_unit,
-                          scene.frame.origin_height_m() + p.z);
-    return plan_shape(facet.corners_m, on_map, pieces);
+    return plan_shape(corners_m, on_map, pieces);
   }
   /// Writes a feature with its shape. A shape without plan area also gets a feature with the lines around
   /// it.

@@ -37,7 +37,8 @@ struct CoveredFacet {
   FacetCoverage coverage;
   std::uint16_t component = 0, material = 0;
   double area_m2 = 0;
-  std::vector<glm::dvec3> corners_m;  ///< in the local frame
+  std::array<glm::dvec3, 3> vertices_m{};  ///< of the facet, in the local frame
+  std::vector<glm::dvec3> corners_m;       ///< of the cells, in the local frame
   std::vector<ShadowPart> shadows;
 
   std::vector<glm::dvec3> polygon_m(std::size_t cell) const;

@@ -9,13 +9,14 @@
 
 #include "files/atomic_output.hpp"
 #include "footprints/coverage_file.hpp"
+#include "footprints/coverage_mesh.hpp"
 #include "footprints/coverage_picture.hpp"
 
 namespace tubefoot {
 
-/// The file or folder that receives a coverage: a GeoPackage (.gpkg), the table of facets (.csv), or a
-/// folder. A folder has both files, the table of depths and a plan. A separate plan is optional. The output
-/// is complete or does not exist.
+/// The file or folder that receives a coverage. A file is a GeoPackage (.gpkg), the table of facets (.csv) or
+/// the facets as a mesh (.vtp, .glb). A folder has all of these files, the table of depths and a picture. A
+/// separate picture is optional. The output is complete or does not exist.
 class CoverageOutput {
  public:
   /// Rejects places that cannot be written before any computation: throws UsageError. `inputs` are never
@@ -31,10 +32,13 @@ class CoverageOutput {
  private:
   std::optional<OutputFolder> folder_;
   std::optional<OutputFile> file_, picture_file_;
-  bool package_ = false, table_ = false, any_facet_ = false;
+  enum class Kind { folder, package, table, vtp, glb };
+  Kind kind_ = Kind::folder;
+  bool any_facet_ = false;
   std::vector<CountedPing> pings_;
   std::optional<CoverageFile> layers_;
   std::optional<CoverageTables> tables_;
+  std::optional<CoverageMesh> mesh_;
   std::optional<CoveragePicture> picture_;
 };
 

@@ -13,7 +13,8 @@
 namespace tubefoot {
 
 /// A plan view of the number of pings that see each place, with north up. The highest surface hides those
-/// below it. A pixel takes the value of the cell at its centre.
+/// below it. A pixel takes the value of the cell at its centre. If facets steeper than 60 degrees have more
+/// than 5 % of the visible area, the picture also has a side view of them.
 class CoveragePicture {
  public:
   /// The survey must outlive this object: the plan also shows the surface around the covered facets.

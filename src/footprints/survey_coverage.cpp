@@ -55,8 +55,8 @@ CoveredFacet measured(const Survey& survey, const Coverage& overlay, std::span<c
   const Scene& scene = survey.scene;
   const double unit_m = scene.grid.unit_m();
   const FacetId id = coverage.facet;
-  CoveredFacet facet{std::move(coverage), scene.mesh.component[id], scene.mesh.material[id], 0, {}, {}};
-  std::array<glm::dvec3, 3> p;
+  CoveredFacet facet{std::move(coverage), scene.mesh.component[id], scene.mesh.material[id], 0, {}, {}, {}};
+  std::array<glm::dvec3, 3>& p = facet.vertices_m;
   for (std::size_t k = 0; k < 3; ++k)
     p[k] = scene.grid.to_metres(scene.mesh.vertices[scene.mesh.facets[id][k]]);
   facet.area_m2 = glm::length(glm::cross(p[1] - p[0], p[2] - p[0])) / 2;
@@ -76,6 +76,7 @@ CoveredFacet measured(const Survey& survey, const Coverage& overlay, std::span<c
     facet.shadows.push_back({in_sector, ping, clear ? survey.loaded_scene->number_of(occluder) : no_facet,
                              clear ? scene.mesh.component[occluder] : std::uint16_t{0}, std::move(cells)});
   }
+  facet.coverage.corners = {};  // corners_m has them
   facet.coverage.facet =
       survey.loaded_scene->number_of(id);  // until here it was the facet's number in the mesh
   return facet;

@@ -6,11 +6,16 @@
 #include <gtest/gtest.h>
 #include <ogrsf_frmts.h>
 
+#include <array>
 #include <boost/multiprecision/gmp.hpp>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <sstream>
+#include <vector>
 
 #include "fixtures/program.hpp"
 #include "fixtures/scene_texts.hpp"
@@ -169,6 +174,114 @@ TEST(CoverageRun, FolderHoldsTheSameAsTheFiles) {
             static_cast<std::size_t>(opened(folder / "c.gpkg")->GetLayerByName("facets")->GetFeatureCount()));
 }
 
+/// Returns the numbers of an ASCII array of a VTK file.
+std::vector<double> vtk_array(const std::string& text, const std::string& name) {
+  const std::size_t at = text.find("Name=\"" + name + "\""), begin = text.find('>', at) + 1;
+  EXPECT_NE(at, std::string::npos) << name;
+  std::istringstream words(text.substr(begin, text.find('<', begin) - begin));
+  std::vector<double> values;
+  for (double value = 0; words >> value;) values.push_back(value);
+  return values;
+}
+
+/// Returns a column of a CSV table by its name.
+std::vector<double> csv_column(const std::string& text, const std::string& name) {
+  std::istringstream rows(text);
+  std::string row, word;
+  std::getline(rows, row);
+  std::istringstream header(row);
+  std::size_t column = 0;
+  while (std::getline(header, word, ',') && word != name) ++column;
+  std::vector<double> values;
+  while (std::getline(rows, row)) {
+    std::istringstream words(row);
+    for (std::size_t k = 0; k <= column; ++k) std::getline(words, word, ',');
+    values.push_back(std::stod(word));
+  }
+  return values;
+}
+
+TEST(CoverageRun, MeshesHaveTheValuesOfTheTable) {
+  const TestFolder folder;
+  const fs::path scene_file = folder.write("scene.toml", covered_scene);
+  ASSERT_EQ(cover(scene_file, folder / "out").exit_code, 0);
+  for (const char* suffix : {"vtp", "glb"}) {
+    ASSERT_EQ(cover(scene_file, folder / fmt::format("c.{}", suffix)).exit_code, 0);
+    EXPECT_TRUE(bytes_of(folder / fmt::format("out/coverage.{}", suffix)) ==
+                bytes_of(folder / fmt::format("c.{}", suffix)));
+  }
+  const std::string table = bytes_of(folder / "out/facets.csv"), vtp = bytes_of(folder / "c.vtp");
+  for (const char* name : {"facet", "most_pings", "area_m2", "seen_share", "shadow_share", "mean_pings"})
+    EXPECT_EQ(vtk_array(vtp, name), csv_column(table, name)) << name;
+  // The triangles have the areas of the table.
+  const std::vector<double> points = vtk_array(vtp, "Points"), area = csv_column(table, "area_m2");
+  ASSERT_EQ(points.size(), 9 * area.size());
+  for (std::size_t k = 0; k < area.size(); ++k) {
+    std::array<double, 3> e{}, f{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      e[c] = points[9 * k + 3 + c] - points[9 * k + c];
+      f[c] = points[9 * k + 6 + c] - points[9 * k + c];
+    }
+    const double own =
+        std::hypot(e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]) / 2;
+    EXPECT_NEAR(own, area[k], 1e-12);
+  }
+
+  const std::string glb = bytes_of(folder / "c.glb");
+  const auto word = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, glb.data() + at, sizeof value);
+    return value;
+  };
+  ASSERT_EQ(glb.substr(0, 4), "glTF");
+  EXPECT_EQ(word(8), glb.size());
+  const std::size_t json_size = word(12), data = 20 + json_size + 8;
+  const auto json = nlohmann::json::parse(glb.substr(20, json_size));
+  EXPECT_EQ(json.at("buffers")[0].at("byteLength").get<std::size_t>(), glb.size() - data);
+  const auto& attributes = json.at("meshes")[0].at("primitives")[0].at("attributes");
+  const auto value_of = [&](const char* name, std::size_t number) {
+    const auto& accessor = json.at("accessors")[attributes.at(name).get<std::size_t>()];
+    const auto& view = json.at("bufferViews")[accessor.at("bufferView").get<std::size_t>()];
+    float value = 0;
+    std::memcpy(&value, glb.data() + data + view.at("byteOffset").get<std::size_t>() + number * sizeof value,
+                sizeof value);
+    return value;
+  };
+  const std::vector<double> mean = csv_column(table, "mean_pings"),
+                            shadow = csv_column(table, "shadow_share");
+  const std::vector<double> place = json.at("nodes")[0].at("translation").get<std::vector<double>>();
+  for (std::size_t k = 0; k < 3 * mean.size(); ++k) {
+    EXPECT_EQ(value_of("_MEAN_PINGS", k), static_cast<float>(mean[k / 3]));
+    EXPECT_EQ(value_of("_SHADOW_SHARE", k), static_cast<float>(shadow[k / 3]));
+    // East, up and south.
+    EXPECT_NEAR(value_of("POSITION", 3 * k) + place[0], points[3 * k], 1e-5);
+    EXPECT_NEAR(value_of("POSITION", 3 * k + 1) + place[1], points[3 * k + 2], 1e-5);
+    EXPECT_NEAR(value_of("POSITION", 3 * k + 2) + place[2], -points[3 * k + 1], 1e-5);
+  }
+}
+
+/// Returns the height of a PNG picture in pixels.
+int height_of(const fs::path& file) {
+  const std::string png = bytes_of(file);
+  int height = 0;
+  for (std::size_t k = 20; k < 24; ++k) height = height << 8 | static_cast<unsigned char>(png.at(k));
+  return height;
+}
+
+TEST(CoverageRun, PictureOfAWallHasASideView) {
+  const TestFolder folder;
+  const fs::path wall = fs::path(TUBEFOOT_SOURCE_DIR) / "scenes/coverage/scene.toml";
+  ASSERT_EQ(cover(wall, folder / "wall", {"--pings", "50"}).exit_code, 0);
+  const std::string text = bytes_of(wall);
+  ASSERT_NE(text.find("size_m = [20, 0.5, 4]"), std::string::npos);
+  // A low step has the same plan, and too little visible area for a side view.
+  const fs::path step =
+      folder.write("step.toml", replaced(replaced(text, "size_m = [20, 0.5, 4]", "size_m = [20, 0.5, 0.1]"),
+                                         "position_m = [0, 15, 2]", "position_m = [0, 15, 0.05]"));
+  ASSERT_EQ(cover(step, folder / "step", {"--pings", "50"}).exit_code, 0);
+  EXPECT_GT(height_of(folder / "wall/coverage.png"), height_of(folder / "step/coverage.png") + 150);
+}
+
 TEST(CoverageRun, PingsAndSensorAreThoseRequested) {
   const TestFolder folder;
   const fs::path scene_file = folder.write("scene.toml", covered_scene);
@@ -240,7 +353,7 @@ TEST(CoverageRun, WhatHasNoCoverageIsRefused) {
   for (const char* name : {"c.shp", "c.gpkg.zip", "c.GPKG"}) {
     const Outcome outcome = cover(folder / "scene.toml", folder / name);
     EXPECT_EQ(outcome.exit_code, 2);
-    EXPECT_THAT(outcome.err, HasSubstr(".gpkg or .csv"));
+    EXPECT_THAT(outcome.err, HasSubstr(".gpkg, .csv, .vtp or .glb"));
   }
 }
 
