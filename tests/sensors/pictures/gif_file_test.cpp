@@ -21,7 +21,7 @@ namespace {
 using Pixels = std::vector<std::uint32_t>;
 
 /// Frames of a GIF as OpenImageIO shows them one after the other.
-std::vector<Pixels> decoded(const std::vector<unsigned char>& bytes) {
+std::vector<Pixels> frames_of(const std::vector<unsigned char>& bytes) {
   const TestFolder folder;
   folder.write("film.gif", std::string(bytes.begin(), bytes.end()));
   const auto input = OIIO::ImageInput::open((folder / "film.gif").string());
@@ -91,7 +91,7 @@ TEST(GifFile, KeepsTheColoursOfFramesWithFewColours) {
       for (std::size_t changes = k == 3 ? 0 : random() % (width * height); changes > 0; --changes)
         frames.back()[random() % (width * height)] = palette[random() % colours];
     }
-    EXPECT_TRUE(decoded(film_of(frames, int(width))) == frames);
+    EXPECT_TRUE(frames_of(film_of(frames, int(width))) == frames);
   }
 }
 
@@ -113,7 +113,7 @@ TEST(GifFile, IsNearerToFramesOfManyColoursThanADitheredFile) {
     }
     const std::vector<unsigned char> own = film_of(frames, width),
                                      dithered = film_of_openimageio(frames, width);
-    EXPECT_LT(squared_error(decoded(own), frames), 0.5 * squared_error(decoded(dithered), frames));
+    EXPECT_LT(squared_error(frames_of(own), frames), 0.5 * squared_error(frames_of(dithered), frames));
     EXPECT_LT(own.size(), 1.2 * double(dithered.size()));
   }
 }
