@@ -50,7 +50,7 @@ def test_a_folder_is_the_commands_byte_by_byte(scene, folder, program):
     program("coverage", folder / "scene.toml", "--sensor", "camera", "-o", folder / "command")
     coverage = tubefoot.coverage(scene, "camera", output=folder / "module")
     names = sorted(p.name for p in (folder / "command").iterdir() if not p.name.startswith("."))
-    assert names == ["coverage.gpkg", "coverage.png", "depths.csv", "facets.csv"]
+    assert names == ["coverage.glb", "coverage.gpkg", "coverage.png", "coverage.vtp", "depths.csv", "facets.csv"]
     for name in names:
         if name != "coverage.gpkg":
             assert (folder / "module" / name).read_bytes() == (folder / "command" / name).read_bytes(), name
