@@ -139,8 +139,7 @@ TEST_F(Stop, CoverageInTheMiddleOfATransmission) {
                                  "transmissions 0/1; tubes [0-9]+/[0-9]+");
 }
 
-// Each of 40 pings sees two facets in 48 tubes. Cutting takes a few seconds. Sums of areas, which are
-// numbers of many million bits, take ten times as long.
+// The borders of 1600 pings divide one of the two facets for half a minute.
 TEST_F(Stop, CoverageInTheMiddleOfAFacet) {
   scene = folder.write("scene.toml", R"(title = "Two facets"
 [[materials]]
@@ -162,8 +161,8 @@ tilt_deg = 35
 window_start_m = 5
 window_length_m = 20
 samples = 64
-pings = 40
-ping_interval_s = 0.5
+pings = 1600
+ping_interval_s = 0.0125
 )");
   double fastest_s = long_s;
   for (const std::chrono::seconds later : {std::chrono::seconds(3), std::chrono::seconds(9)}) {
