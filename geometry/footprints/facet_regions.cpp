@@ -211,6 +211,7 @@ FacetRegions::Window FacetRegions::window(const CoverageLook& look, const Aspect
 TabledPolygon FacetRegions::tabled(const LinePolygon& polygon) {
   TabledPolygon result;
   for (const PlaneLine* line : polygon) {
+    // All lines of the polygons of this class are in store_.
     const auto& stored = static_cast<const StoredLine&>(*line);
     if (!stored.number) stored.number = table_.keep(*line);
     result.lines.push_back(*stored.number);

@@ -52,11 +52,11 @@ double scatter(const Residual& residual);
 
 /// Quantisation steps of numbers, for example of 8 bits.
 struct EvenSteps {
-  std::size_t levels = 0;   ///< number of different values above 0; 0 if there are too many for steps
-  double smallest = 0;      ///< smallest value above 0
+  std::size_t levels = 0;  ///< number of different values above 0; 0 if there are too many for steps
+  double smallest = 0;     ///< smallest value above 0
   /// Share of the non-empty bins with exactly the largest value; 0 if these are fewer than 8 bins.
   double share_at_top = 0;
-  const char* scale = "";   ///< scale on which steps are uniform: "energy", "amplitude", "dB"; empty for none
+  const char* scale = "";  ///< scale on which steps are uniform: "energy", "amplitude", "dB"; empty for none
 };
 EvenSteps steps_of(std::span<const double> values);
 
